@@ -1,0 +1,255 @@
+//! What was typed: the command line, as it is documented by `--help`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
+#[derive(Debug, Parser)]
+#[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
+#[command(after_help = "\
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc) or footprints (.geojson).
+Heights are above ground unless written 150amsl or 30roof; all lengths are in meters.
+
+Examples:
+  skyshed map itu:urban --uav 500,500,100 -o coverage.png
+  skyshed map dsm.tif --terrain dtm.tif --uav 691549.7,5334762.2,60 -o coverage.tif -o coverage.json
+  skyshed link itu:urban --uav 500,500,100 --rx 620,480
+  skyshed info buildings.geojson
+
+Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
+6 a check failed, 130 interrupted.")]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Coverage of one or many UAVs over every cell of a scene
+    Map(MapArgs),
+    /// One link: line of sight, or the obstacle in its way
+    Link(LinkArgs),
+    /// Make or convert a city, and draw it
+    City(CityArgs),
+    /// What a scene is: size, CRS, heights, faults found
+    Info(InfoArgs),
+}
+
+/// The scene and how it is read.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Scene")]
+pub(super) struct SceneArgs {
+    /// Generated city (itu:…), raster (.tif, .asc) or footprints (.geojson)
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: String,
+    /// Terrain model below the surface model or the footprints [raster file]
+    #[arg(long, value_name = "FILE")]
+    pub(super) terrain: Option<PathBuf>,
+    /// Flat ground at this height above the datum [m]; footprints and generated cities: 0
+    #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, conflicts_with = "terrain")]
+    pub(super) ground: Option<f64>,
+    /// A cell whose surface is more than this above the ground is a building [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "0.25", allow_hyphen_values = true)]
+    pub(super) building_threshold: f64,
+    /// Property that holds a footprint's height above ground [m]
+    #[arg(long, value_name = "NAME", default_value = "height")]
+    pub(super) height_field: String,
+    /// Property that holds the height of a footprint's top above the datum [m], instead
+    #[arg(long, value_name = "NAME")]
+    pub(super) top_field: Option<String>,
+    /// What to do with footprints without a usable height
+    #[arg(long, value_enum, default_value = "drop")]
+    pub(super) missing: Missing,
+    /// Extent of the grid over footprints: west, south, east, north [CRS units]
+    #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true)]
+    pub(super) extent: Option<[f64; 4]>,
+    /// Cell size of the grid over footprints or a generated city [m]; default 1, or the terrain's own
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(super) cell: Option<f64>,
+    /// Coordinate reference system of the scene, where its files name none or a wrong one
+    #[arg(long, value_name = "EPSG:N")]
+    pub(super) crs: Option<String>,
+    /// Edge length of a generated city [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1000", allow_hyphen_values = true)]
+    pub(super) size: f64,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// What nodata cells do to links
+    #[arg(long, value_enum, default_value = "clear")]
+    pub(super) nodata_as: Nodata,
+    /// Hash inputs above 64 MB too
+    #[arg(long)]
+    pub(super) hash: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Missing {
+    /// Refuse the file
+    Fail,
+    /// Leave the footprint out and say so
+    Drop,
+    /// 3 m for each of building:levels
+    Levels,
+    /// The median of the known heights
+    Median,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Nodata {
+    /// They block everything
+    Block,
+    /// They block nothing
+    Clear,
+}
+
+/// Where results go and how much is said.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct OutputArgs {
+    /// Print one JSON document on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Replace files that exist
+    #[arg(long)]
+    pub(super) overwrite: bool,
+    /// Threads to use; default all
+    #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Method {
+    /// Choose by the scene, and say so
+    Auto,
+    /// One exact ray per receiver
+    Ray,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ReceiversArg {
+    /// All cells of open ground
+    Ground,
+    /// Building cells, standing on the roof
+    Roof,
+    /// Both
+    All,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayerArg {
+    /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata
+    Los,
+    /// Receiver height less the least height in line of sight [m]
+    Margin,
+    /// Least receiver height in line of sight [m above the datum]
+    Ceiling,
+    /// Least UAV height over its place that sees the receiver [m above the datum]
+    LeastHeight,
+    /// Number of UAVs that see the cell
+    Count,
+    /// Which UAVs see the cell, one bit each
+    Which,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct MapArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(super) uav: Vec<String>,
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson)
+    #[arg(long, value_name = "FILE")]
+    pub(super) uavs: Option<PathBuf>,
+    /// Height of the receivers above ground or roof [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    pub(super) rx_height: f64,
+    /// Which cells hold receivers
+    #[arg(long, value_enum, default_value = "ground")]
+    pub(super) receivers: ReceiversArg,
+    /// Largest horizontal distance from the UAV to a receiver [m]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(super) radius: Option<f64>,
+    /// Engine
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(super) method: Method,
+    /// Layers to make, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
+    pub(super) layers: Vec<LayerArg>,
+    /// File to write, by extension: .png .svg .tif .exr .asc .npz .csv .json .geojson, `-` for JSON on standard output;
+    /// repeat for more
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+    /// PNG with one pixel per cell, a world file and a .prj, instead of a picture
+    #[arg(long)]
+    pub(super) bare: bool,
+    /// Title of the picture
+    #[arg(long, value_name = "TEXT")]
+    pub(super) title: Option<String>,
+    /// Attribution line in the picture's caption, as a data licence may ask for
+    #[arg(long, value_name = "TEXT")]
+    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) out: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct LinkArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(super) uav: String,
+    /// The receiver: x, y and height; 1.5 m above ground without one
+    #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true)]
+    pub(super) rx: String,
+    /// Side view of the link (.png, .svg) or its document (.json)
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) out: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CityArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// File to write, by extension: .png .svg (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints),
+    /// .json (parameters); repeat for more
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    pub(super) output: Vec<PathBuf>,
+    /// Title of the picture
+    #[arg(long, value_name = "TEXT")]
+    pub(super) title: Option<String>,
+    /// Attribution line in the picture's caption
+    #[arg(long, value_name = "TEXT")]
+    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) out: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Print one JSON document on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Say nothing but errors and the answer
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    crate::quantity::parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
+}
+
+fn extent(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    <[f64; 4]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted W,S,E,N", n.len()))
+}

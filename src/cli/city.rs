@@ -1,0 +1,223 @@
+//! `skyshed city`: makes or converts a city, and draws it.
+
+use std::path::Path;
+
+use super::args::CityArgs;
+use super::map::{pretty, tidy};
+use super::messages;
+use super::plan::{input_paths, meters_per_unit, read_scene};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, check_outputs, city_geojson, city_surface, with_suffix};
+use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
+use crate::quantity::{Frame, VOID, meters};
+use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
+use crate::render::{self, grouped, CityHeights, CityModel, CityPicture, CityPrism};
+use crate::report::RunFacts;
+use crate::scene::{Footprint, Scene, Solids};
+
+const FORMATS: [Format; 7] = [
+    Format::Png,
+    Format::Svg,
+    Format::GeoTiff,
+    Format::AsciiGrid,
+    Format::GeoJson,
+    Format::Json,
+    Format::Stdout,
+];
+
+/// Nodata of height rasters.
+const NODATA: f32 = -9999.0;
+
+pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
+    let outputs = check_outputs(&args.output, &FORMATS, &input_paths(&args.scene), args.out.overwrite)?;
+    let mut warnings: Vec<Warning> = Vec::new();
+    let scene = read_scene(&args.scene, &mut warnings)?;
+    let footprints = match &scene.solids {
+        Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
+        Solids::Raster { .. } => None,
+    };
+    let Scene { name, grid, solids, built_up, sources } = scene;
+    let field = HeightField::build(&grid, solids, &mut warnings);
+    let facts = RunFacts {
+        command,
+        method: "none",
+        scene_name: name,
+        grid,
+        sources,
+        seed: built_up.map(|_| args.scene.seed),
+        warnings,
+    };
+    let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref() };
+
+    let mut batch = Batch::new(args.out.overwrite);
+    let mut to_stdout = args.out.json;
+    for (path, format) in &outputs {
+        match format {
+            Format::Stdout => to_stdout = true,
+            _ => {
+                for (file, bytes) in city.encode(path, *format)? {
+                    batch.add(&file, &bytes)?;
+                }
+            }
+        }
+    }
+    batch.commit()?;
+    if !args.out.quiet {
+        messages::warnings(&facts.warnings);
+        let files: Vec<String> =
+            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
+        let buildings = if footprints.is_some() {
+            format!(", {} buildings", grouped(field.n_buildings() as u64))
+        } else {
+            String::new()
+        };
+        messages::note(&format!("{}{buildings}; wrote {}", facts.scene_name, files.join(", ")));
+    }
+    if to_stdout {
+        messages::answer(&pretty(&facts.provenance("skyshed/city/1", None)));
+    }
+    Ok(())
+}
+
+struct City<'a> {
+    args: &'a CityArgs,
+    facts: &'a RunFacts,
+    field: &'a HeightField,
+    footprints: Option<&'a (Vec<Footprint>, Frame)>,
+}
+
+impl City<'_> {
+    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>> {
+        let provenance = self.facts.provenance("skyshed/city/1", None);
+        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+        let heights = || {
+            let surface = city_surface(self.field);
+            surface.iter().map(|z| if z.is_nan() { NODATA } else { *z }).collect::<Vec<f32>>()
+        };
+        match format {
+            Format::GeoTiff => {
+                let heights = heights();
+                one(encode_geotiff(&GeoTiffImage {
+                    georef: self.field.grid(),
+                    bands: Bands::Float(vec![("height".into(), &heights)]),
+                    nodata: Some(f64::from(NODATA)),
+                    palette: None,
+                    metadata: &[("SKYSHED".into(), provenance.to_string())],
+                })?)
+            }
+            Format::AsciiGrid => {
+                let mut bytes = Vec::new();
+                let values = heights();
+                let mut values = values.iter().map(|z| f64::from(*z));
+                write_ascii_grid(&mut bytes, self.field.grid(), f64::from(NODATA), &mut values, None)
+                    .map_err(|e| Error::internal(402, format!("cannot encode {}: {e}", path.display())))?;
+                let mut files = vec![(path.to_path_buf(), bytes)];
+                if let Some(wkt) = self.field.grid().crs().and_then(Crs::wkt) {
+                    files.push((path.with_extension("prj"), wkt.into_bytes()));
+                }
+                files.push((with_suffix(path, ".json"), pretty(&provenance).into_bytes()));
+                Ok(files)
+            }
+            Format::GeoJson => {
+                let Some((footprints, frame)) = self.footprints else {
+                    return Err(Error::usage(
+                        109,
+                        format!("cannot write {}: a raster scene has no footprints", path.display()),
+                    ));
+                };
+                let document = city_geojson(footprints, *frame, self.field.grid(), &provenance);
+                one(format!("{document}\n").into_bytes())
+            }
+            Format::Json => one(pretty(&provenance).into_bytes()),
+            Format::Png => one(self.picture(&provenance, false)?),
+            Format::Svg => one(self.picture(&provenance, true)?),
+            _ => Err(Error::internal(902, "a city format was asked for")),
+        }
+    }
+
+    fn picture(&self, provenance: &serde_json::Value, as_vectors: bool) -> Result<Vec<u8>> {
+        let grid = self.field.grid();
+        let unit = meters_per_unit(grid);
+        let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
+        // Axes count from the south-west corner: projected coordinates have too many digits to be read.
+        let local = |[x, y]: [f64; 2]| [(x - grid.x_min()) * unit, (y - grid.y_min()) * unit];
+        let (prisms, surface, ground);
+        let model = match self.footprints {
+            Some((footprints, frame)) => {
+                prisms = footprints.iter().flat_map(|f| prisms_of(f, *frame, &local)).collect::<Vec<CityPrism>>();
+                CityModel::Prisms(&prisms)
+            }
+            None => {
+                surface = self.field.surface_m();
+                ground = self.ground_m();
+                CityModel::Heights(CityHeights {
+                    n_cols: grid.n_cols(),
+                    n_rows: grid.n_rows(),
+                    surface_m: &surface,
+                    ground_m: Some(&ground),
+                })
+            }
+        };
+        let mut caption = vec![match self.footprints {
+            Some(_) => format!("{} buildings on {} × {} m", self.field.n_buildings(), tidy(width), tidy(height)),
+            None => format!("{} × {} cells, {} × {} m", grid.n_cols(), grid.n_rows(), tidy(width), tidy(height)),
+        }];
+        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        caption.push(format!(
+            "South-west corner at ({}, {}), {crs}; heights above the datum; skyshed {}",
+            tidy(grid.x_min()),
+            tidy(grid.y_min()),
+            env!("CARGO_PKG_VERSION")
+        ));
+        caption.extend(self.args.attribution.clone());
+        let title = self.args.title.clone().unwrap_or_else(|| self.facts.scene_name.clone());
+        let picture =
+            CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
+        let provenance = [("skyshed".to_string(), provenance.to_string())];
+        let drawn = if as_vectors {
+            render::draw_city_svg(&picture, &provenance).map(String::into_bytes)
+        } else {
+            render::draw_city(&picture, &provenance)
+        };
+        drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
+    }
+
+    fn ground_m(&self) -> Vec<f32> {
+        let grid = self.field.grid();
+        let positions = self.field.positions();
+        let mut ground = Vec::with_capacity(grid.n_cells());
+        for row in 0..grid.n_rows() {
+            for col in 0..grid.n_cols() {
+                let z = self.field.ground_at(&positions.center(row, col));
+                #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more")]
+                ground.push(if z == VOID { f32::NAN } else { meters(z) as f32 });
+            }
+        }
+        ground
+    }
+}
+
+/// The polygons of a footprint for drawing, with their roofs cut into triangles.
+fn prisms_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f64; 2]) -> Vec<CityPrism> {
+    let point = |p: &[i32; 2]| {
+        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
+        local([x, y])
+    };
+    let fan = |ring: &Vec<[i32; 2]>| {
+        let points: Vec<[f64; 2]> = ring.iter().map(point).collect();
+        (2..points.len()).map(move |k| [points[0], points[k - 1], points[k]]).collect::<Vec<_>>()
+    };
+    let prism = |rings: &Vec<Vec<[i32; 2]>>| {
+        let pieces = match convex_pieces(rings) {
+            ConvexPieces::Exact(pieces) => pieces,
+            ConvexPieces::Hull(hull) => vec![hull],
+        };
+        CityPrism {
+            rings: rings.iter().map(|r| r.iter().map(point).collect()).collect(),
+            roof_triangles: pieces.iter().flat_map(fan).collect(),
+            base_m: meters(footprint.base),
+            top_m: meters(footprint.top),
+        }
+    };
+    footprint.polygons.iter().map(prism).collect()
+}

@@ -1,0 +1,235 @@
+//! `skyshed link`: one link, decided and explained.
+
+use super::args::LinkArgs;
+use super::map::{pretty, tidy};
+use super::messages;
+use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav, ready};
+use crate::coverage::Uav;
+use crate::error::{Error, Result};
+use crate::export::{Batch, Format, check_outputs};
+use crate::height_field::Station;
+use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
+use crate::quantity::{Height, STEPS_PER_UNIT, VOID, height_steps, meters};
+use crate::render::{self, LinkProfile, ProfileStep, StepKind};
+use crate::report::{LinkReport, ObstructionReport};
+
+const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::Stdout];
+
+pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
+    let site = parse_uav(&args.uav, "1".into())?;
+    let (x, y, height) = parse_receiver(&args.rx)?;
+    let outputs = check_outputs(&args.output, &FORMATS, &input_paths(&args.scene), args.out.overwrite)?;
+    let scene = ready(&args.scene)?;
+    // The lattice must hold the link, which is shorter than the way to the farthest cell unless the receiver is
+    // outside the grid.
+    let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
+    let uav = Uav::place(&site, &scene.field, Some(reach))?;
+    let receiver = receiver(&scene, x, y, height)?;
+    let report = explain(&scene, &uav, &receiver, command);
+
+    let mut batch = Batch::new(args.out.overwrite);
+    for (path, format) in &outputs {
+        let bytes = match format {
+            Format::Json => pretty(&report.document()).into_bytes(),
+            Format::Png | Format::Svg => picture(&scene, &uav, &receiver, &report, *format == Format::Svg)?,
+            _ => continue,
+        };
+        batch.add(path, &bytes)?;
+    }
+    batch.commit()?;
+    if !args.out.quiet {
+        messages::warnings(&scene.warnings);
+    }
+    if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+        messages::answer(&pretty(&report.document()));
+    } else {
+        messages::answer(&in_words(&report));
+    }
+    Ok(())
+}
+
+/// The receiver's end: on ground or roof that is there, not inside a building.
+fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
+    let field = &scene.field;
+    let place = field.place(x, y);
+    let what = format!("cannot place the receiver at ({x}, {y}) with height {height}");
+    let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
+    let base = match height {
+        Height::AboveDatum(_) => 0,
+        Height::AboveGround(_) if ground == VOID => {
+            return Err(Error::site(204, format!("{what}: no ground is known there"))
+                .with_hint(format!("give the height above the datum: `{}amsl`", height.value())));
+        }
+        Height::AboveGround(_) => ground,
+        Height::AboveRoof(_) if field.is_surface_only() => {
+            return Err(Error::site(204, format!("{what}: with a surface model alone no roof is known")));
+        }
+        Height::AboveRoof(_) => roof.ok_or_else(|| Error::site(204, format!("{what}: no building is there")))?,
+    };
+    let z = height_steps(height.value())
+        .and_then(|h| base.checked_add(h))
+        .ok_or_else(|| Error::site(205, format!("{what}: wanted within ±32768 m of the datum")))?;
+    // Over footprints a point on a free wall is outdoors, although the roof to its north-east is its roof.
+    let inside = if field.prisms().is_some() { field.inside_prisms_below(&place) } else { roof.unwrap_or(VOID) };
+    if z < inside {
+        return Err(Error::site(
+            201,
+            format!("{what}: {} m above the datum is inside a building with its roof at {} m", meters(z), meters(inside)),
+        )
+        .with_hint(format!("on the roof it is `{}roof`", height.value().max(0.0))));
+    }
+    if ground != VOID && z < ground {
+        return Err(Error::site(
+            202,
+            format!("{what}: {} m above the datum is below the ground at {} m", meters(z), meters(ground)),
+        ));
+    }
+    Ok(Station { place, z: i64::from(z) })
+}
+
+fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -> LinkReport {
+    let field = &scene.field;
+    let (prisms, columns) = link_ceilings(field, &uav.station, receiver);
+    let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
+    let steps = f64::from(STEPS_PER_UNIT);
+    #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
+    let (uav_z, receiver_z) = (uav.station.z as f64 / steps, receiver.z as f64 / steps);
+    let unit = meters_per_unit(field.grid());
+    let (from, to) = (receiver.place, uav.station.place);
+    let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
+
+    // The ceiling is never below what the receiver stands on.
+    let ground = field.ground_at(&receiver.place);
+    let floor = if ground == VOID { f64::NEG_INFINITY } else { f64::from(ground) };
+    let ceiling = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
+    let margin = receiver_z - ceiling;
+    let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
+
+    let columns_kind = if field.prisms().is_some() { "terrain" } else { "cell" };
+    let higher = match (&prisms, &columns) {
+        (Ceiling::At(p), Ceiling::At(c)) => {
+            let (a, b) = (prisms.height_steps(), columns.height_steps());
+            let prisms_win = a > b || (a >= b && p.near <= c.near);
+            if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
+        }
+        (Ceiling::At(p), Ceiling::Clear) => Some((*p, true)),
+        (Ceiling::Clear, Ceiling::At(c)) => Some((*c, false)),
+        (Ceiling::Clear, Ceiling::Clear) => None,
+    };
+    let obstruction = higher.filter(|_| !los).map(|(o, of_prisms)| {
+        let t = obstructing_fraction(&o, uav_z >= receiver_z);
+        let piece = field.prisms().filter(|_| of_prisms).map(|p| p.pieces()[o.obstacle]);
+        let cell = field.columns().filter(|_| !of_prisms).map(|c| (o.obstacle / c.n_cols(), o.obstacle % c.n_cols()));
+        ObstructionReport {
+            kind: if of_prisms { "building" } else { columns_kind },
+            id: piece.map(|p| field.building_id(p.building).to_string()),
+            cell,
+            x: from.x + t * (to.x - from.x),
+            y: from.y + t * (to.y - from.y),
+            ray_height_m: receiver_z + t * (uav_z - receiver_z),
+            roof_height_m: meters(o.top),
+        }
+    });
+    LinkReport {
+        facts: scene.facts(command, "ray"),
+        uav: [to.x, to.y, uav_z],
+        receiver: [from.x, from.y, receiver_z],
+        los,
+        margin_m: margin.is_finite().then_some(margin),
+        distance_m,
+        elevation_deg: (uav_z - receiver_z).atan2(distance_m).to_degrees(),
+        obstruction,
+    }
+}
+
+/// The obstructing point: the end of the crossing nearest the lower terminal.
+fn obstructing_fraction(obstruction: &Obstruction, receiver_is_lower: bool) -> f64 {
+    if receiver_is_lower { obstruction.near } else { obstruction.far }
+}
+
+fn in_words(report: &LinkReport) -> String {
+    let place = |e: &[f64; 3]| format!("({}, {}), {} m", tidy(e[0]), tidy(e[1]), tidy(e[2]));
+    let mut text = format!(
+        "{}: UAV at {} to receiver at {} above the datum\n",
+        if report.los { "LoS" } else { "NLoS" },
+        place(&report.uav),
+        place(&report.receiver)
+    );
+    text += &format!(
+        "distance {} m, elevation angle {}°, margin {}\n",
+        tidy(report.distance_m),
+        tidy(report.elevation_deg),
+        report.margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{m:.3} m"))
+    );
+    if let Some(o) = &report.obstruction {
+        let name = match (&o.id, o.cell) {
+            (Some(id), _) => format!("building `{id}`"),
+            (None, Some((row, col))) => format!("{} at row {row}, column {col}", o.kind),
+            (None, None) => o.kind.to_string(),
+        };
+        text += &format!(
+            "obstructed by {name}: obstructing point ({}, {}), ray height {:.3} m, roof height {:.3} m\n",
+            tidy(o.x),
+            tidy(o.y),
+            o.ray_height_m,
+            o.roof_height_m
+        );
+    }
+    text
+}
+
+fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as_vectors: bool) -> Result<Vec<u8>> {
+    let field = &scene.field;
+    if report.distance_m <= 0.0 {
+        return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
+    }
+    // Fractions count from the receiver, the picture's distances from the UAV.
+    let step = |(near, far): (f64, f64), top: i32, kind: StepKind| ProfileStep {
+        from_m: (1.0 - far) * report.distance_m,
+        to_m: (1.0 - near) * report.distance_m,
+        height_m: meters(top),
+        kind,
+    };
+    let mut steps: Vec<ProfileStep> = Vec::new();
+    let ground = [field.ground_at(&receiver.place), field.ground_at(&uav.station.place)];
+    let flat = ground.into_iter().filter(|g| *g != VOID).min();
+    if field.columns().is_none() {
+        steps.extend(flat.map(|z| step((0.0, 1.0), z, StepKind::Terrain)));
+    }
+    if let Some(columns) = field.columns() {
+        let kind = if field.prisms().is_some() { StepKind::Terrain } else { StepKind::Building };
+        for (cell, near, far) in columns_crossed(columns, uav.station.on_columns(), receiver.on_columns()) {
+            steps.push(step((near, far), columns.tops()[cell], kind));
+        }
+    }
+    if let Some(prisms) = field.prisms() {
+        for (piece, near, far) in prisms_crossed(prisms, uav.station.on_prisms(), receiver.on_prisms()) {
+            steps.push(step((near, far), prisms.pieces()[piece].top, StepKind::Building));
+        }
+    }
+    let obstruction = report.obstruction.as_ref().map(|o| render::Obstruction {
+        distance_m: (o.x - report.uav[0]).hypot(o.y - report.uav[1]) * meters_per_unit(field.grid()),
+        ray_height_m: o.ray_height_m,
+        roof_height_m: o.roof_height_m,
+    });
+    let verdict = if report.los { "line of sight" } else { "no line of sight" };
+    let title = format!("{}: {verdict}", scene.name);
+    let caption: Vec<String> = in_words(report).lines().map(str::to_string).collect();
+    let profile = LinkProfile {
+        title: &title,
+        caption: &caption,
+        height_name: "Height above the datum",
+        distance_m: report.distance_m,
+        uav: ("UAV", report.uav[2]),
+        receiver: ("Receiver", report.receiver[2]),
+        steps: &steps,
+        obstruction,
+    };
+    let provenance = [("skyshed".to_string(), report.document().to_string())];
+    let drawn = if as_vectors {
+        render::draw_link_profile_svg(&profile, &provenance).map(String::into_bytes)
+    } else {
+        render::draw_link_profile(&profile, &provenance)
+    };
+    drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
+}

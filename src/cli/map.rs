@@ -1,0 +1,417 @@
+//! `skyshed map`: coverage of one or many UAVs.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::args::{LayerArg, MapArgs, Method, ReceiversArg};
+use super::messages;
+use super::plan::{
+    Ready, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height, warn_of_flat_earth,
+};
+use crate::coverage::{
+    Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
+};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, Layer, MapResult, bare_name, check_outputs, encode_map};
+use crate::raster::{Crs, world_file};
+use crate::render::{self, MapPicture, Mark};
+use crate::report::{MapReport, SiteFacts, Timing, digest};
+use crate::scene::{Site, read_sites};
+
+/// Formats of `skyshed map`.
+const FORMATS: [Format; 10] = [
+    Format::Png,
+    Format::Svg,
+    Format::GeoTiff,
+    Format::Exr,
+    Format::AsciiGrid,
+    Format::Npz,
+    Format::Csv,
+    Format::Json,
+    Format::GeoJson,
+    Format::Stdout,
+];
+
+pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
+    let start = Instant::now();
+    let rx_height = receiver_height(args.rx_height)?;
+    let radius_m = checked_radius(args.radius)?;
+    let inputs: Vec<PathBuf> = input_paths(&args.scene).into_iter().chain(args.uavs.clone()).collect();
+    let outputs = check_outputs(&args.output, &FORMATS, &inputs, args.out.overwrite)?;
+    if outputs.is_empty() && !args.out.json {
+        return Err(Error::usage(108, "nothing to write: wanted `-o FILE` or `--json`").with_hint("-o coverage.png"));
+    }
+    let typed: Vec<Site> =
+        args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
+    if typed.is_empty() && args.uavs.is_none() {
+        return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
+    }
+    let layers = layers(&args.layers);
+
+    let mut scene = ready(&args.scene)?;
+    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
+    let radius = radius_m.map(|r| scene.crs_units(r));
+    let uavs: Vec<Uav> =
+        sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    if scene.field.is_surface_only() && args.receivers == ReceiversArg::Roof {
+        return Err(Error::usage(117, "`--receivers roof` with a surface model alone: no roof is known")
+            .with_hint("give `--terrain FILE` or `--ground Z`"));
+    }
+    warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
+    let options = MapOptions {
+        rx_height,
+        receivers: match args.receivers {
+            ReceiversArg::Ground => Receivers::Ground,
+            ReceiversArg::Roof => Receivers::Roof,
+            ReceiversArg::All => Receivers::All,
+        },
+        radius,
+        meters_per_unit: meters_per_unit(scene.field.grid()),
+        layers: HeightLayers {
+            margin: layers.contains(&Layer::Margin),
+            ceiling: layers.contains(&Layer::Ceiling),
+            least_height: layers.contains(&Layer::LeastHeight),
+        },
+    };
+    let method = match args.method {
+        Method::Auto | Method::Ray => "ray",
+    };
+
+    let control = Arc::new(Control::default());
+    let on_interrupt = Arc::clone(&control);
+    // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
+    let _ = ctrlc::set_handler(move || on_interrupt.stop.store(true, Ordering::Relaxed));
+    let before_los = Instant::now();
+    let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
+    let coverages: Vec<SiteCoverage> = messages::with_progress(&control, total, args.out.quiet, || {
+        uavs.iter().map(|uav| map_site(&scene.field, uav, &options, &control)).collect::<Result<_>>()
+    })?;
+    scene.timing.los = before_los.elapsed().as_secs_f64();
+
+    for site in coverages.iter().filter(|s| s.tally.receivers == 0) {
+        let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
+        scene.warnings.push(Warning::new(202, text));
+    }
+    let report = report(args, &scene, &coverages, command, method, radius_m);
+    let before_write = Instant::now();
+    let mut batch = Batch::new(args.out.overwrite);
+    let job = Writer { args, scene: &scene, coverages: &coverages, layers: &layers, report: &report };
+    for (path, format) in &outputs {
+        for (file, bytes) in job.encode(path, *format)? {
+            if control.stop.load(Ordering::Relaxed) {
+                return Err(Error::new(crate::error::ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
+            }
+            batch.add(&file, &bytes)?;
+        }
+    }
+    batch.commit()?;
+    scene.timing.write = before_write.elapsed().as_secs_f64();
+    scene.timing.total = start.elapsed().as_secs_f64();
+
+    if !args.out.quiet {
+        messages::warnings(&report.facts.warnings);
+        say_results(&report, scene.timing, &outputs);
+    }
+    if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+        messages::answer(&pretty(&report.document(Some(scene.timing))));
+    }
+    Ok(())
+}
+
+fn layers(typed: &[LayerArg]) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = Vec::new();
+    for layer in typed {
+        let layer = match layer {
+            LayerArg::Los => Layer::Los,
+            LayerArg::Margin => Layer::Margin,
+            LayerArg::Ceiling => Layer::Ceiling,
+            LayerArg::LeastHeight => Layer::LeastHeight,
+            LayerArg::Count => Layer::Count,
+            LayerArg::Which => Layer::Which,
+        };
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    layers
+}
+
+/// Typed sites, then those of the file; ids must differ.
+fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec<Site>> {
+    let mut sites = typed;
+    if let Some(path) = file {
+        sites.extend(read_sites(path, crs)?);
+    }
+    let mut seen = std::collections::HashSet::new();
+    match sites.iter().find(|s| !seen.insert(s.id.clone())) {
+        Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
+        None => Ok(sites),
+    }
+}
+
+fn report(
+    args: &MapArgs,
+    scene: &Ready,
+    coverages: &[SiteCoverage],
+    command: Vec<String>,
+    method: &'static str,
+    radius_m: Option<f64>,
+) -> MapReport {
+    let masks: Vec<&[u8]> = coverages.iter().map(|s| s.mask.as_slice()).collect();
+    let union = match coverages {
+        [only] => only.tally,
+        _ => Tally::of_mask(&union_mask(&masks)),
+    };
+    MapReport {
+        facts: scene.facts(command, method),
+        rx_height_m: args.rx_height,
+        receivers: match args.receivers {
+            ReceiversArg::Ground => "ground",
+            ReceiversArg::Roof => "roof",
+            ReceiversArg::All => "all",
+        },
+        radius_m,
+        sites: coverages.iter().map(SiteFacts::of).collect(),
+        union,
+        digest: digest(scene.field.grid(), masks.into_iter()),
+    }
+}
+
+/// Everything that outputs are made from.
+struct Writer<'a> {
+    args: &'a MapArgs,
+    scene: &'a Ready,
+    coverages: &'a [SiteCoverage],
+    layers: &'a [Layer],
+    report: &'a MapReport,
+}
+
+impl Writer<'_> {
+    /// The files of one output.
+    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+        match format {
+            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz => {
+                let provenance = self.report.document(None).to_string();
+                let result = MapResult {
+                    georef: self.scene.field.grid(),
+                    sites: self.coverages,
+                    layers: self.layers,
+                    provenance: &provenance,
+                };
+                encode_map(&result, path, format)
+            }
+            Format::Png if self.args.bare => self.bare(path),
+            Format::Png => one(self.picture(false)?),
+            Format::Svg => one(self.picture(true)?),
+            Format::Json => one(pretty(&self.report.document(None)).into_bytes()),
+            Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
+            Format::Csv => {
+                let mut writer = csv::Writer::from_writer(Vec::new());
+                for row in self.report.table() {
+                    writer.write_record(&row).map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
+                }
+                let bytes =
+                    writer.into_inner().map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
+                let sidecar = crate::export::with_suffix(path, ".json");
+                Ok(vec![
+                    (path.to_path_buf(), bytes),
+                    (sidecar, pretty(&self.report.document(None)).into_bytes()),
+                ])
+            }
+            Format::Stdout => Ok(Vec::new()),
+        }
+    }
+
+    fn provenance(&self) -> [(String, String); 2] {
+        let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+        [("Software".into(), software), ("skyshed".into(), self.report.document(None).to_string())]
+    }
+
+    /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
+    fn bare(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let grid = self.scene.field.grid();
+        let mut pictures: Vec<(PathBuf, std::borrow::Cow<'_, [u8]>)> = Vec::new();
+        match self.coverages {
+            [only] => pictures.push((path.to_path_buf(), only.mask.as_slice().into())),
+            several => {
+                let masks: Vec<&[u8]> = several.iter().map(|s| s.mask.as_slice()).collect();
+                pictures.push((path.to_path_buf(), union_mask(&masks).into()));
+                for site in several {
+                    pictures.push((bare_name(path, &site.uav.id), site.mask.as_slice().into()));
+                }
+            }
+        }
+        let mut files = Vec::new();
+        for (path, mask) in pictures {
+            let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &mask, &self.provenance()).map_err(undrawable)?;
+            files.push((path.with_extension("pgw"), world_file(grid).into_bytes()));
+            if let Some(wkt) = grid.crs().and_then(Crs::wkt) {
+                files.push((path.with_extension("prj"), wkt.into_bytes()));
+            }
+            files.push((
+                crate::export::with_suffix(&path, ".json"),
+                pretty(&self.report.document(None)).into_bytes(),
+            ));
+            files.push((path, png));
+        }
+        Ok(files)
+    }
+
+    fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
+        let grid = self.scene.field.grid();
+        let unit = meters_per_unit(grid);
+        let heights: Vec<String> = self.report.sites.iter().map(height_words).collect();
+        let labels: Vec<String> = self.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
+        let marks: Vec<Mark<'_>> = self
+            .report
+            .sites
+            .iter()
+            .zip(heights.iter().zip(&labels))
+            .map(|(site, (height, label))| Mark {
+                label,
+                height,
+                col: (site.x - grid.x_min()) / grid.cell_width(),
+                row: (grid.y_max() - site.y) / grid.cell_height(),
+            })
+            .collect();
+        let surface = self.scene.field.surface_m();
+        let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
+        let (union, count);
+        let layer = match self.coverages {
+            [only] => self.single_layer(only),
+            _ => {
+                union = union_mask(&masks);
+                count = count_layer(&masks);
+                let n_sites = u32::try_from(masks.len()).unwrap_or(u32::MAX);
+                render::Layer::Count { count: &count, mask: &union, n_sites }
+            }
+        };
+        let (receivers_name, others_name) = match self.args.receivers {
+            _ if self.scene.field.is_surface_only() => ("surface cells", "Nodata"),
+            ReceiversArg::Ground => ("open-ground cells", "Buildings"),
+            ReceiversArg::Roof => ("roof cells", "Open ground"),
+            ReceiversArg::All => ("cells", "Nodata"),
+        };
+        let title = self.args.title.clone().unwrap_or_else(|| {
+            let whom = if self.coverages.len() == 1 { "a UAV sees" } else { "the UAVs see" };
+            format!("What {whom} of {}", self.scene.name)
+        });
+        let caption = self.caption(receivers_name);
+        let picture = MapPicture {
+            title: &title,
+            caption: &caption,
+            n_cols: grid.n_cols(),
+            n_rows: grid.n_rows(),
+            cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
+            layer,
+            surface_m: Some(&surface),
+            uavs: &marks,
+            receivers_name,
+            others_name,
+        };
+        if as_vectors {
+            render::draw_map_svg(&picture, &self.provenance()).map(String::into_bytes).map_err(undrawable)
+        } else {
+            render::draw_map(&picture, &self.provenance()).map_err(undrawable)
+        }
+    }
+
+    /// The layer that a picture of one site shows: the mask, or the first height layer if the mask was not asked for.
+    fn single_layer<'b>(&self, site: &'b SiteCoverage) -> render::Layer<'b> {
+        let mask = &site.mask;
+        let field = |values: &'b Option<Vec<f32>>, name| {
+            values.as_deref().map(|values| render::Layer::Field { values, name, unit: "m", mask })
+        };
+        let wanted = self.layers.iter().find_map(|layer| match layer {
+            Layer::Los | Layer::Count | Layer::Which => Some(render::Layer::Los(mask)),
+            Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
+            Layer::Ceiling => field(&site.ceiling, "Ceiling: least receiver height in line of sight"),
+            Layer::LeastHeight => field(&site.least_height, "Least UAV height that sees the receiver"),
+        });
+        wanted.unwrap_or(render::Layer::Los(mask))
+    }
+
+    fn caption(&self, receivers_name: &str) -> Vec<String> {
+        let grid = self.scene.field.grid();
+        let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
+        let share = |t: &Tally| match t.p_los() {
+            Some(p) => format!("P_LoS = {p:.4} of {} {receivers_name}", render::grouped(t.receivers)),
+            None => format!("P_LoS undefined: {}", t.reason()),
+        };
+        let mut lines: Vec<String> = Vec::new();
+        const MOST_SITES: usize = 4;
+        for s in self.report.sites.iter().take(MOST_SITES) {
+            lines.push(format!("UAV {}: {} at {}, {}", s.id, height_words(s), place(s), share(&s.tally)));
+        }
+        if self.report.sites.len() > MOST_SITES {
+            lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));
+        }
+        if self.report.sites.len() > 1 {
+            lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
+        }
+        let cell = if (grid.cell_width() - grid.cell_height()).abs() < 1e-9 * grid.cell_width() {
+            format!("{} m", tidy(grid.cell_width()))
+        } else {
+            format!("{} × {} m", tidy(grid.cell_width()), tidy(grid.cell_height()))
+        };
+        let stands = match self.args.receivers {
+            _ if self.scene.field.is_surface_only() => "the surface",
+            ReceiversArg::Ground => "ground",
+            ReceiversArg::Roof => "roofs",
+            ReceiversArg::All => "ground and roofs",
+        };
+        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        lines.push(format!(
+            "Cells of {cell}, receivers {} m above {stands}{range}; method {} (exact); {crs}; skyshed {}",
+            tidy(self.report.rx_height_m),
+            self.report.facts.method,
+            env!("CARGO_PKG_VERSION")
+        ));
+        lines.extend(self.args.attribution.clone());
+        lines
+    }
+}
+
+fn undrawable(cause: String) -> Error {
+    Error::internal(403, format!("cannot draw the picture: {cause}"))
+}
+
+fn height_words(site: &SiteFacts) -> String {
+    match site.height_agl_m {
+        Some(agl) => format!("{} m above ground", tidy(agl)),
+        None => format!("{} m above the datum", tidy(site.height_amsl_m)),
+    }
+}
+
+/// A number without needless digits.
+pub(super) fn tidy(v: f64) -> String {
+    let text = format!("{v:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_string() }
+}
+
+/// A document as indented text with a final line break.
+pub(super) fn pretty(document: &serde_json::Value) -> String {
+    format!("{document:#}\n")
+}
+
+fn say_results(report: &MapReport, timing: Timing, outputs: &[(PathBuf, Format)]) {
+    for site in &report.sites {
+        let share = site.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
+        messages::note(&format!(
+            "UAV {}: P_LoS {share}, {} of {} receivers",
+            site.id, site.tally.los, site.tally.receivers
+        ));
+    }
+    let files: Vec<String> =
+        outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
+    let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
+    messages::note(&format!(
+        "method {} (exact): line of sight {:.2} s of {:.2} s{wrote}",
+        report.facts.method, timing.los, timing.total
+    ));
+}

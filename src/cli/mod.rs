@@ -1,0 +1,80 @@
+//! The command line: what was typed becomes a plan, the plan runs, results go out.
+//!
+//! [`args`] holds what can be typed, [`plan`] what it means, one module per command what it does, [`messages`] what is
+//! said on standard error.
+
+mod args;
+mod city;
+mod info;
+mod link;
+mod map;
+mod messages;
+mod plan;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::error::{Error, Result};
+
+/// Runs the program on the words of a command line and returns its exit code.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let cli = match args::Cli::try_parse_from(&words) {
+        Ok(cli) => cli,
+        Err(refusal) => return refuse(&refusal),
+    };
+    let command = words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
+    match dispatch(cli, command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            messages::error(&error);
+            ExitCode::from(error.class().exit_code())
+        }
+    }
+}
+
+fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
+    match cli.command {
+        args::Command::Map(args) => in_pool(args.out.threads, || map::run(&args, command)),
+        args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
+        args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
+        args::Command::Info(args) => info::run(&args, command),
+    }
+}
+
+/// Runs `work` with the given number of threads; all cores without one.
+fn in_pool(threads: Option<u16>, work: impl FnOnce() -> Result<()> + Send) -> Result<()> {
+    let Some(threads) = threads else { return work() };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build()
+        .map_err(|e| Error::internal(903, format!("cannot start {threads} threads: {e}")))?;
+    pool.install(work)
+}
+
+/// Help and version go to standard output; a usage error is put in the words of all other errors.
+fn refuse(refusal: &clap::Error) -> ExitCode {
+    use clap::error::ErrorKind;
+    let text = refusal.to_string();
+    match refusal.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            messages::answer(&text);
+            ExitCode::SUCCESS
+        }
+        _ => {
+            let text = text.strip_prefix("error: ").unwrap_or(&text);
+            let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
+            // Missing arguments are listed on lines of their own; an error is one line.
+            let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
+            let mut error = Error::usage(101, first);
+            let hints: Vec<&str> = rest.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+            if !hints.is_empty() {
+                error = error.with_hint(hints.join("; ").replace("tip: ", ""));
+            }
+            messages::error(&error);
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! What was typed, resolved: the scene read and built, sites placed, numbers checked.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::{Missing, Nodata, SceneArgs};
+use crate::coverage::Uav;
+use crate::error::{Error, Result, Warning};
+use crate::height_field::HeightField;
+use crate::quantity::{Height, height_steps, parse_number};
+use crate::raster::{Crs, CrsKind, GeoRef};
+use crate::report::{RunFacts, Timing};
+use crate::scene::{
+    BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions,
+    read_footprints, read_surface,
+};
+
+/// A scene ready for rays, and what is known about where it came from.
+#[derive(Debug)]
+pub(super) struct Ready {
+    pub(super) name: String,
+    pub(super) field: HeightField,
+    pub(super) sources: Vec<Source>,
+    pub(super) seed: Option<u64>,
+    pub(super) built_up: Option<BuiltUp>,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) timing: Timing,
+}
+
+/// Reads a scene without building it.
+pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    if let Some(built_up) = BuiltUpCity::parse_built_up(&args.scene) {
+        let city = BuiltUpCity {
+            built_up: built_up?,
+            size_m: args.size,
+            cell_m: args.cell.unwrap_or(1.0),
+            seed: args.seed,
+            ground_m: args.ground.unwrap_or(0.0),
+        };
+        refuse_flags(args, "a generated city", &[("--terrain", args.terrain.is_some())])?;
+        return city.scene();
+    }
+    let path = Path::new(&args.scene);
+    let crs = args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
+    let nodata_as = match args.nodata_as {
+        Nodata::Block => NodataAs::Block,
+        Nodata::Clear => NodataAs::Clear,
+    };
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "geojson" | "json" => {
+            let options = FootprintOptions {
+                height_field: args.height_field.clone(),
+                top_field: args.top_field.clone(),
+                missing: match args.missing {
+                    Missing::Fail => MissingHeight::Fail,
+                    Missing::Drop => MissingHeight::Drop,
+                    Missing::Levels => MissingHeight::Levels,
+                    Missing::Median => MissingHeight::Median,
+                },
+                terrain: args.terrain.clone(),
+                ground_m: args.ground,
+                extent: args.extent,
+                cell_m: args.cell,
+                crs,
+                nodata_as,
+                always_hash: args.hash,
+            };
+            read_footprints(path, &options, warnings)
+        }
+        "shp" | "fgb" | "gpkg" | "obj" | "ply" => Err(Error::file(
+            304,
+            format!("cannot read {}: `.{extension}` files are not read, wanted .geojson, .tif or .asc", path.display()),
+        )
+        .with_hint(format!("ogr2ogr -f GeoJSON buildings.geojson {}", path.display()))),
+        _ => {
+            refuse_flags(args, "a raster", &[("--extent", args.extent.is_some()), ("--cell", args.cell.is_some())])?;
+            let options = SurfaceOptions {
+                terrain: args.terrain.clone(),
+                ground_m: args.ground,
+                building_threshold_m: args.building_threshold,
+                nodata_as,
+                crs,
+                always_hash: args.hash,
+            };
+            read_surface(path, &options, warnings)
+        }
+    }
+}
+
+/// An ignored input is an error, never silence.
+fn refuse_flags(_args: &SceneArgs, what: &str, flags: &[(&str, bool)]) -> Result<()> {
+    match flags.iter().find(|(_, given)| *given) {
+        Some((flag, _)) => Err(Error::usage(116, format!("`{flag}` has no meaning for {what}"))),
+        None => Ok(()),
+    }
+}
+
+/// Reads a scene and builds its height field.
+pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
+    let start = Instant::now();
+    let mut warnings = Vec::new();
+    let scene = read_scene(args, &mut warnings)?;
+    let read = start.elapsed().as_secs_f64();
+    let Scene { name, grid, solids, built_up, sources } = scene;
+    let field = HeightField::build(&grid, solids, &mut warnings);
+    let build = start.elapsed().as_secs_f64() - read;
+    let seed = built_up.map(|_| args.seed);
+    Ok(Ready { name, field, sources, seed, built_up, warnings, timing: Timing { read, build, ..Timing::default() } })
+}
+
+impl Ready {
+    /// What documents say of this run.
+    pub(super) fn facts(&self, command: Vec<String>, method: &'static str) -> RunFacts {
+        RunFacts {
+            command,
+            method,
+            scene_name: self.name.clone(),
+            grid: self.field.grid().clone(),
+            sources: self.sources.clone(),
+            seed: self.seed,
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    /// A length in meters as CRS units.
+    pub(super) fn crs_units(&self, meters: f64) -> f64 {
+        meters / meters_per_unit(self.field.grid())
+    }
+}
+
+/// Length of a CRS unit [m].
+pub(super) fn meters_per_unit(grid: &GeoRef) -> f64 {
+    match grid.crs().map(Crs::kind) {
+        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
+        _ => 1.0,
+    }
+}
+
+/// The input files that a scene names, for the refusal to overwrite them.
+pub(super) fn input_paths(args: &SceneArgs) -> Vec<PathBuf> {
+    std::iter::once(PathBuf::from(&args.scene)).chain(args.terrain.clone()).collect()
+}
+
+/// A UAV as typed: `X,Y,H`.
+pub(super) fn parse_uav(text: &str, id: String) -> Result<Site> {
+    let wrong = |found: String| {
+        Error::usage(102, format!("cannot read `--uav {text}`: {found}"))
+            .with_hint("write X,Y,H, for example 500,500,100 or 691549.7,5334762.2,30roof")
+    };
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, h] = parts[..] else { return Err(wrong(format!("found {} values, wanted X,Y,H", parts.len()))) };
+    let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
+    let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
+    Ok(Site { id, x, y, height: h.parse().map_err(wrong)? })
+}
+
+/// A receiver as typed: `X,Y[,H]`.
+pub(super) fn parse_receiver(text: &str) -> Result<(f64, f64, Height)> {
+    let wrong = |found: String| {
+        Error::usage(103, format!("cannot read `--rx {text}`: {found}"))
+            .with_hint("write X,Y or X,Y,H, for example 620,480 or 620,480,1.5roof")
+    };
+    let parts: Vec<&str> = text.split(',').collect();
+    let (x, y, h) = match parts[..] {
+        [x, y] => (x, y, None),
+        [x, y, h] => (x, y, Some(h)),
+        _ => return Err(wrong(format!("found {} values, wanted X,Y or X,Y,H", parts.len()))),
+    };
+    let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
+    let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
+    let height = h.map_or(Ok(Height::AboveGround(1.5)), str::parse).map_err(wrong)?;
+    Ok((x, y, height))
+}
+
+/// A receiver height on the lattice.
+pub(super) fn receiver_height(meters: f64) -> Result<i32> {
+    height_steps(meters)
+        .filter(|h| *h >= 0)
+        .ok_or_else(|| Error::usage(113, format!("`--rx-height` is `{meters}`, wanted 0 m to 32768 m")))
+}
+
+/// A range in meters: above zero.
+pub(super) fn checked_radius(radius: Option<f64>) -> Result<Option<f64>> {
+    match radius {
+        Some(r) if r <= 0.0 => Err(Error::usage(113, format!("`--radius` is `{r}`, wanted above 0 m"))),
+        other => Ok(other),
+    }
+}
+
+/// Mean radius of the Earth [m].
+const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// Warns where the flat earth of every engine matters: the horizon's drop d²/2R exceeds a meter.
+pub(super) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64>, warnings: &mut Vec<Warning>) {
+    let unit = meters_per_unit(grid);
+    let farthest = uavs
+        .iter()
+        .map(|uav| {
+            let place = &uav.station.place;
+            let dx = (grid.x_max() - place.x).abs().max((grid.x_min() - place.x).abs());
+            let dy = (grid.y_max() - place.y).abs().max((grid.y_min() - place.y).abs());
+            dx.hypot(dy) * unit
+        })
+        .fold(0.0, f64::max)
+        .min(radius.map_or(f64::INFINITY, |r| r * unit));
+    let drop = farthest * farthest / (2.0 * EARTH_RADIUS_M);
+    if drop > 1.0 {
+        warnings.push(Warning::new(
+            201,
+            format!("the earth is taken as flat; at {farthest:.0} m, the farthest receiver, it drops by {drop:.1} m"),
+        ));
+    }
+}
+
+/// Whether any solid is a generated or vector one, for captions.
+pub(super) fn is_vector(solids: &Solids) -> bool {
+    matches!(solids, Solids::Vector { .. })
+}

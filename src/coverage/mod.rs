@@ -1,0 +1,37 @@
+//! Coverage maps: for every cell of a grid, what one UAV sees of the receiver there.
+//!
+//! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
+//! depend on the number of threads: every cell is decided alone and all sums are integer counts.
+
+mod layers;
+mod map;
+mod tally;
+mod uav;
+
+pub use layers::{count_layer, union_mask, which_layer};
+pub use map::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, map_site};
+pub use tally::{BAND_DEGREES, ElevationBand, Tally};
+pub use uav::{Placement, Uav};
+
+/// Values of a mask. 255 wins over 3, 3 over 2, 2 over 0 and 1.
+pub mod class {
+    /// The receiver is not in line of sight.
+    pub const NLOS: u8 = 0;
+    /// The receiver is in line of sight.
+    pub const LOS: u8 = 1;
+    /// The cell holds no receiver (a building, or outside the chosen receivers).
+    pub const NOT_A_RECEIVER: u8 = 2;
+    /// Farther from the UAV than the radius.
+    pub const OUT_OF_RANGE: u8 = 3;
+    /// No height is known.
+    pub const NODATA: u8 = 255;
+
+    /// Every class with its name, in order of value.
+    pub const NAMES: [(u8, &str); 5] = [
+        (NLOS, "NLoS"),
+        (LOS, "LoS"),
+        (NOT_A_RECEIVER, "not a receiver"),
+        (OUT_OF_RANGE, "out of range"),
+        (NODATA, "nodata"),
+    ];
+}

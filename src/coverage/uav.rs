@@ -1,0 +1,162 @@
+//! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
+
+use crate::error::{Error, Result};
+use crate::height_field::{HeightField, Station};
+use crate::quantity::{Height, MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::scene::Site;
+
+/// A UAV that hovers in the clear: not inside a building, not below the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uav {
+    /// Name of its site.
+    pub id: String,
+    /// Where it is.
+    pub station: Station,
+    /// Height above the ground below it [m], if a ground is known there.
+    pub height_agl_m: Option<f64>,
+    /// What it hovers over.
+    pub placement: Placement,
+}
+
+/// What lies below a UAV.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Placement {
+    /// Open ground, or nothing known.
+    Ground,
+    /// A building.
+    Rooftop,
+}
+
+impl Placement {
+    /// The word for it in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Placement::Ground => "ground",
+            Placement::Rooftop => "rooftop",
+        }
+    }
+}
+
+impl Uav {
+    /// Places a site in a scene.
+    ///
+    /// `radius` is the range in CRS units, if it is limited: with the cells in range it bounds the box that must fit
+    /// the lattice.
+    ///
+    /// # Errors
+    /// Site errors: inside a building (E201), below the ground (E202), outside the lattice (E203), a height above a
+    /// ground or roof that is not there (E204), a height beyond ±32 768 m (E205).
+    pub fn place(site: &Site, field: &HeightField, radius: Option<f64>) -> Result<Uav> {
+        let what = format!("cannot place UAV `{}` at ({}, {}) with height {}", site.id, site.x, site.y, site.height);
+        let place = field.place(site.x, site.y);
+        check_extent(&what, site, field, radius)?;
+        let ground = field.ground_at(&place);
+        let roof = field.roof_at(&place);
+
+        let above = |base: i32| meters(base) + site.height.value();
+        let absolute = match site.height {
+            Height::AboveDatum(z) => z,
+            Height::AboveGround(_) if ground == VOID => {
+                return Err(Error::site(204, format!("{what}: no ground is known there"))
+                    .with_hint(format!("give the height above the datum: `{}amsl`", site.height.value())));
+            }
+            Height::AboveGround(_) => above(ground),
+            Height::AboveRoof(_) if field.is_surface_only() => {
+                return Err(Error::site(204, format!("{what}: with a surface model alone no roof is known"))
+                    .with_hint("give `--terrain FILE` or `--ground Z`, or a height above the surface (`agl`)"));
+            }
+            Height::AboveRoof(_) => match roof {
+                Some(roof) => above(roof),
+                None => {
+                    return Err(Error::site(204, format!("{what}: no building is there, wanted a roof"))
+                        .with_hint(format!("above the ground it is `{}agl`", site.height.value())));
+                }
+            },
+        };
+        let z = height_steps(absolute).ok_or_else(|| {
+            Error::site(205, format!("{what}: {absolute} m above the datum, wanted within ±32768 m"))
+        })?;
+        // The very number asked for above a base on the lattice may round differently from its sum.
+        let z = match (site.height, roof) {
+            (Height::AboveGround(h), _) => height_steps(h).map_or(z, |h| ground + h),
+            (Height::AboveRoof(h), Some(roof)) => height_steps(h).map_or(z, |h| roof + h),
+            _ => z,
+        };
+        check_clear(&what, site, field, &place, z, roof)?;
+        Ok(Uav {
+            id: site.id.clone(),
+            station: Station { place, z: i64::from(z) },
+            height_agl_m: (ground != VOID).then(|| meters(z) - meters(ground)),
+            placement: if roof.is_some() { Placement::Rooftop } else { Placement::Ground },
+        })
+    }
+
+    /// Height above the datum [m].
+    pub fn height_amsl_m(&self) -> f64 {
+        i32::try_from(self.station.z).map_or(f64::NAN, meters)
+    }
+}
+
+fn check_clear(
+    what: &str,
+    site: &Site,
+    field: &HeightField,
+    place: &crate::height_field::Place,
+    z: i32,
+    roof: Option<i32>,
+) -> Result<()> {
+    let ground = field.ground_at(place);
+    let in_columns = field.inside_columns_below(place);
+    let inside = field.inside_prisms_below(place).max(if roof.is_some() { in_columns } else { VOID });
+    if z < inside {
+        let (roof_m, asked) = (meters(inside), site.height.value());
+        let mut hint = format!("`{asked}roof` hovers at {} m, {asked} m above the roof", roof_m + asked.max(0.0));
+        if ground != VOID {
+            hint = format!("the lowest height in the clear is `{}agl`; {hint}", roof_m - meters(ground));
+        }
+        return Err(Error::site(
+            201,
+            format!("{what}: {} m above the datum is inside a building with its roof at {roof_m} m", meters(z)),
+        )
+        .with_hint(hint));
+    }
+    let floor = if roof.is_some() { ground } else { ground.max(in_columns) };
+    if z < floor {
+        return Err(Error::site(
+            202,
+            format!("{what}: {} m above the datum is below the ground at {} m", meters(z), meters(floor)),
+        )
+        .with_hint("heights are above ground unless written `150amsl` or `30roof`"));
+    }
+    Ok(())
+}
+
+/// The box of the UAV and the cells in its range must fit the lattice.
+fn check_extent(what: &str, site: &Site, field: &HeightField, radius: Option<f64>) -> Result<()> {
+    let grid = field.grid();
+    let reach = radius.unwrap_or(f64::INFINITY);
+    let units = [field.prisms_frame(), field.columns_frame()];
+    let span = |at: f64, low: f64, high: f64| {
+        let (low, high) = (low.max(at - reach), high.min(at + reach));
+        high.max(at) - low.min(at)
+    };
+    let (width, height) = (span(site.x, grid.x_min(), grid.x_max()), span(site.y, grid.y_min(), grid.y_max()));
+    for frame in units.into_iter().flatten() {
+        let extent = (width / frame.unit_x).max(height / frame.unit_y);
+        if !(extent <= MAX_EXTENT_UNITS) {
+            return Err(Error::site(
+                203,
+                format!(
+                    "{what}: with the cells in range it spans {extent:.0} units, wanted at most {MAX_EXTENT_UNITS}; the \
+                     grid reaches over x {}…{}, y {}…{}",
+                    grid.x_min(),
+                    grid.x_max(),
+                    grid.y_min(),
+                    grid.y_max()
+                ),
+            )
+            .with_hint("check the coordinate reference system of the site, or limit the range with `--radius M`"));
+        }
+    }
+    Ok(())
+}

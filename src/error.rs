@@ -1,0 +1,161 @@
+//! What can go wrong, said so that the reader can act.
+//!
+//! One [`Error`] for the whole crate: a class (which fixes the exit code of the command line), a stable code, one line
+//! of text (what was attempted, where, what was found, what was wanted) and, where a remedy is known, a hint. What is
+//! odd but not fatal is a [`Warning`]: it says what was done instead.
+//!
+//! Codes are grouped by class and never change their meaning: E1xx usage, E2xx site or zone, E3xx input file, E4xx
+//! output file, E5xx a limit, E6xx a failed check, E9xx a fault of the program; W-codes follow the same hundreds.
+
+use std::fmt;
+
+/// The cause of an [`Error`], one per exit code of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorClass {
+    /// A fault of the program or of the machine (disk full): exit code 1.
+    Internal,
+    /// The request itself does not make sense: exit code 2.
+    Usage,
+    /// An input file is bad: exit code 3.
+    File,
+    /// A site, zone or position is bad: exit code 4.
+    Site,
+    /// The request is over a limit of memory, cells or time: exit code 5.
+    Limit,
+    /// A check failed: exit code 6.
+    Check,
+    /// The user interrupted the work: exit code 130.
+    Interrupted,
+}
+
+impl ErrorClass {
+    /// The process exit code for this class.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            ErrorClass::Internal => 1,
+            ErrorClass::Usage => 2,
+            ErrorClass::File => 3,
+            ErrorClass::Site => 4,
+            ErrorClass::Limit => 5,
+            ErrorClass::Check => 6,
+            ErrorClass::Interrupted => 130,
+        }
+    }
+}
+
+/// The error of every fallible function of this crate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Error {
+    class: ErrorClass,
+    code: u16,
+    text: String,
+    hint: Option<String>,
+}
+
+/// The result of every fallible function of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An error of the given class with a stable code and one line of text.
+    ///
+    /// Line breaks in `text` (which may quote a file) are replaced by spaces, so that an error is always one line.
+    pub fn new(class: ErrorClass, code: u16, text: impl Into<String>) -> Self {
+        let text: String = text.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        Error { class, code, text, hint: None }
+    }
+
+    /// A usage error (E1xx).
+    pub fn usage(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Usage, code, text)
+    }
+
+    /// A bad site, zone or position (E2xx).
+    pub fn site(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Site, code, text)
+    }
+
+    /// A bad input file (E3xx).
+    pub fn file(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::File, code, text)
+    }
+
+    /// A request over a limit (E5xx).
+    pub fn limit(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Limit, code, text)
+    }
+
+    /// A fault of the program or the machine (E4xx for outputs, E9xx otherwise).
+    pub fn internal(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Internal, code, text)
+    }
+
+    /// The same error with a remedy.
+    #[must_use]
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// The cause.
+    pub fn class(&self) -> ErrorClass {
+        self.class
+    }
+
+    /// The stable code, for example `E301`.
+    pub fn code(&self) -> String {
+        format!("E{:03}", self.code)
+    }
+
+    /// The remedy, where one is known.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Something odd that did not stop the work: what was found and what was done instead.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Warning {
+    code: u16,
+    text: String,
+}
+
+impl Warning {
+    /// A warning with a stable code and one line of text.
+    pub fn new(code: u16, text: impl Into<String>) -> Self {
+        let text: String = text.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        Warning { code, text }
+    }
+
+    /// The stable code, for example `W320`.
+    pub fn code(&self) -> String {
+        format!("W{:03}", self.code)
+    }
+
+    /// One line: what was found, what was done instead.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_line_whatever_it_quotes() {
+        let error = Error::file(301, "cannot read `a\nb`").with_hint("rename it");
+        assert_eq!(error.to_string(), "cannot read `a b`");
+        assert_eq!(error.code(), "E301");
+        assert_eq!(error.class().exit_code(), 3);
+        assert_eq!(error.hint(), Some("rename it"));
+    }
+}

@@ -1,0 +1,70 @@
+//! A city as files: its surface as heights per cell, its footprints as GeoJSON.
+
+use serde_json::{Map, Value, json};
+
+use crate::height_field::HeightField;
+use crate::quantity::{Frame, meters};
+use crate::raster::GeoRef;
+use crate::scene::Footprint;
+
+/// The surface seen from above at each cell center [m above the datum], NaN where void.
+pub fn city_surface(field: &HeightField) -> Vec<f32> {
+    field.surface_m()
+}
+
+/// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` [m]; shells counterclockwise, holes
+/// clockwise (RFC 7946), coordinates in the grid's CRS and named so if that has an EPSG code.
+pub fn city_geojson(footprints: &[Footprint], frame: Frame, grid: &GeoRef, provenance: &Value) -> Value {
+    let position = |p: &[i32; 2]| {
+        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
+        // Lattice steps are 1/1024 m; a tenth of a millimeter keeps them apart.
+        let tidy = |v: f64| (v * 1e4).round() / 1e4;
+        json!([tidy(x), tidy(y)])
+    };
+    let ring = |points: &Vec<[i32; 2]>, shell: bool| {
+        let area: i128 = points
+            .iter()
+            .zip(points.iter().cycle().skip(1))
+            .map(|(a, b)| i128::from(a[0]) * i128::from(b[1]) - i128::from(b[0]) * i128::from(a[1]))
+            .sum();
+        let mut positions: Vec<Value> = points.iter().map(position).collect();
+        if (area > 0) != shell {
+            positions.reverse();
+        }
+        positions.extend(positions.first().cloned());
+        Value::Array(positions)
+    };
+    let features: Vec<Value> = footprints
+        .iter()
+        .map(|footprint| {
+            let polygons: Vec<Value> = footprint
+                .polygons
+                .iter()
+                .map(|rings| rings.iter().enumerate().map(|(k, r)| ring(r, k == 0)).collect::<Vec<_>>().into())
+                .collect();
+            let geometry = match <[Value; 1]>::try_from(polygons) {
+                Ok([polygon]) => json!({"type": "Polygon", "coordinates": polygon}),
+                Err(polygons) => json!({"type": "MultiPolygon", "coordinates": polygons}),
+            };
+            json!({
+                "type": "Feature",
+                "properties": {
+                    "id": footprint.id,
+                    "height": meters(footprint.top) - meters(footprint.base),
+                    "ground": meters(footprint.base),
+                    "z_top": meters(footprint.top),
+                },
+                "geometry": geometry,
+            })
+        })
+        .collect();
+    let mut collection = Map::new();
+    collection.insert("type".into(), "FeatureCollection".into());
+    if let Some(epsg) = grid.crs().and_then(crate::raster::Crs::epsg) {
+        let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
+        collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
+    }
+    collection.insert("skyshed".into(), provenance.clone());
+    collection.insert("features".into(), features.into());
+    Value::Object(collection)
+}

@@ -1,0 +1,177 @@
+//! Files of a run: their formats, the refusal to replace, and the atomic batch.
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// A file format, told by the extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Picture, or one pixel per cell with `--bare`.
+    Png,
+    /// Picture as vectors.
+    Svg,
+    /// GeoTIFF.
+    GeoTiff,
+    /// OpenEXR.
+    Exr,
+    /// Esri ASCII grid.
+    AsciiGrid,
+    /// Numpy archive.
+    Npz,
+    /// Table.
+    Csv,
+    /// Document.
+    Json,
+    /// Features.
+    GeoJson,
+    /// The document on standard output.
+    Stdout,
+}
+
+impl Format {
+    /// The format of a path.
+    ///
+    /// # Errors
+    /// Usage error (E104) for an unknown extension.
+    pub fn of(path: &Path) -> Result<Format> {
+        if path.as_os_str() == "-" {
+            return Ok(Format::Stdout);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        Ok(match extension.as_str() {
+            "png" => Format::Png,
+            "svg" => Format::Svg,
+            "tif" | "tiff" => Format::GeoTiff,
+            "exr" => Format::Exr,
+            "asc" => Format::AsciiGrid,
+            "npz" => Format::Npz,
+            "csv" => Format::Csv,
+            "json" => Format::Json,
+            "geojson" => Format::GeoJson,
+            _ => {
+                return Err(Error::usage(
+                    104,
+                    format!("cannot write {}: unknown extension `.{extension}`", path.display()),
+                )
+                .with_hint("known are .png .svg .tif .exr .asc .npz .csv .json .geojson, and `-` for standard output"));
+            }
+        })
+    }
+}
+
+/// Checks the outputs of a run before any work: formats that `allowed` lists, folders that exist, no file replaced
+/// without leave, no file given twice, no input overwritten.
+///
+/// # Errors
+/// Usage errors E104–E109.
+pub fn check_outputs(
+    outputs: &[PathBuf],
+    allowed: &[Format],
+    inputs: &[PathBuf],
+    overwrite: bool,
+) -> Result<Vec<(PathBuf, Format)>> {
+    let mut checked: Vec<(PathBuf, Format)> = Vec::new();
+    for path in outputs {
+        let format = Format::of(path)?;
+        let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
+        if !allowed.contains(&format) {
+            return Err(refuse("this command does not write that format"));
+        }
+        if checked.iter().any(|(p, _)| p == path) {
+            return Err(refuse("it is named twice"));
+        }
+        if format != Format::Stdout {
+            let same = |other: &PathBuf| match (std::fs::canonicalize(other), std::fs::canonicalize(path)) {
+                (Ok(a), Ok(b)) => a == b,
+                _ => false,
+            };
+            if inputs.iter().any(same) {
+                return Err(refuse("it is an input of this run"));
+            }
+            let folder = folder_of(path);
+            if !folder.is_dir() {
+                return Err(refuse(&format!("folder {} does not exist", folder.display())));
+            }
+            if path.is_dir() {
+                return Err(refuse("it is a folder"));
+            }
+            refuse_to_replace(path, overwrite)?;
+        }
+        checked.push((path.clone(), format));
+    }
+    Ok(checked)
+}
+
+fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
+    if !overwrite && path.exists() {
+        return Err(Error::usage(106, format!("cannot write {}: it exists", path.display()))
+            .with_hint("`--overwrite` replaces it"));
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// Files that appear together: each is written under a temporary name, and all are renamed by [`Batch::commit`].
+/// Dropped without it, the temporary files are removed.
+#[derive(Debug, Default)]
+pub struct Batch {
+    files: Vec<(PathBuf, PathBuf)>,
+    overwrite: bool,
+}
+
+impl Batch {
+    /// An empty batch that replaces existing files only if `overwrite`.
+    pub fn new(overwrite: bool) -> Self {
+        Batch { files: Vec::new(), overwrite }
+    }
+
+    /// Adds a file: writes its bytes under a temporary name in the same folder.
+    ///
+    /// # Errors
+    /// Usage error if the file exists and may not be replaced (E106); internal error if writing fails (E401).
+    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        refuse_to_replace(path, self.overwrite)?;
+        let mut name = OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(format!(".{}.part", std::process::id()));
+        let temporary = folder_of(path).join(name);
+        self.files.push((temporary.clone(), path.to_path_buf()));
+        let write = || {
+            let mut file = std::fs::File::create(&temporary)?;
+            file.write_all(bytes)?;
+            file.sync_all()
+        };
+        write().map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))
+    }
+
+    /// Gives every file its final name.
+    ///
+    /// # Errors
+    /// Internal error (E401) if a rename fails.
+    pub fn commit(mut self) -> Result<()> {
+        // Renamed files leave the list, so that what is left after a failure is removed when the batch is dropped.
+        while let Some((temporary, path)) = self.files.last() {
+            std::fs::rename(temporary, path)
+                .map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))?;
+            self.files.pop();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Batch {
+    fn drop(&mut self) {
+        for (temporary, _) in &self.files {
+            let _ = std::fs::remove_file(temporary);
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! The coverage of a run as raster files.
+
+use std::path::{Path, PathBuf};
+
+use super::Format;
+use crate::coverage::{SiteCoverage, class, count_layer, union_mask, which_layer};
+use crate::error::{Error, Result};
+use crate::raster::{
+    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, encode_geotiff, pam_sidecar, write_ascii_grid,
+    write_exr, write_npz,
+};
+
+/// Nodata of float rasters in GeoTIFF and ASCII grids.
+const NODATA: f32 = -9999.0;
+/// Nodata of counts.
+const NO_COUNT: u32 = u32::MAX;
+
+/// A layer of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// The mask.
+    Los,
+    /// Receiver height less ceiling [m].
+    Margin,
+    /// Least receiver height [m above the datum].
+    Ceiling,
+    /// Least UAV height [m above the datum].
+    LeastHeight,
+    /// Number of UAVs, per run.
+    Count,
+    /// Set of UAVs, per run.
+    Which,
+}
+
+impl Layer {
+    /// The word for it on the command line and in band names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Layer::Los => "los",
+            Layer::Margin => "margin",
+            Layer::Ceiling => "ceiling",
+            Layer::LeastHeight => "least-height",
+            Layer::Count => "count",
+            Layer::Which => "which",
+        }
+    }
+}
+
+/// The coverage of a run, ready for files.
+#[derive(Debug)]
+pub struct MapResult<'a> {
+    /// The grid.
+    pub georef: &'a GeoRef,
+    /// One coverage per UAV.
+    pub sites: &'a [SiteCoverage],
+    /// The layers that were asked for, in order.
+    pub layers: &'a [Layer],
+    /// Provenance as one JSON text.
+    pub provenance: &'a str,
+}
+
+/// One band: a name and its values.
+enum Band<'a> {
+    Class(&'a [u8]),
+    Measure(&'a [f32]),
+    Count(Vec<u32>),
+    Bits(Vec<u32>),
+}
+
+impl<'a> MapResult<'a> {
+    fn bands(&self) -> Vec<(String, Band<'a>)> {
+        let masks: Vec<&[u8]> = self.sites.iter().map(|s| s.mask.as_slice()).collect();
+        let mut bands: Vec<(String, Band<'a>)> = Vec::new();
+        for &layer in self.layers {
+            for site in self.sites {
+                let name = format!("{}.{}", site.uav.id, layer.name());
+                let measure = |values: &'a Option<Vec<f32>>| values.as_deref().map(Band::Measure);
+                let band = match layer {
+                    Layer::Los => Some(Band::Class(&site.mask)),
+                    Layer::Margin => measure(&site.margin),
+                    Layer::Ceiling => measure(&site.ceiling),
+                    Layer::LeastHeight => measure(&site.least_height),
+                    Layer::Count | Layer::Which => None,
+                };
+                bands.extend(band.map(|b| (name, b)));
+            }
+            match layer {
+                Layer::Count => {
+                    let union = union_mask(&masks);
+                    let mut count = count_layer(&masks);
+                    for (n, c) in count.iter_mut().zip(&union) {
+                        if !matches!(*c, class::LOS | class::NLOS) {
+                            *n = NO_COUNT;
+                        }
+                    }
+                    bands.push(("count".into(), Band::Count(count)));
+                }
+                Layer::Which => {
+                    for (word, bits) in which_layer(&masks).into_iter().enumerate() {
+                        bands.push((format!("which.{word}"), Band::Bits(bits)));
+                    }
+                }
+                _ => {}
+            }
+        }
+        bands
+    }
+}
+
+/// The bytes of a raster file of a map, and of the files that go beside it.
+///
+/// # Errors
+/// Usage error (E107) if the layers do not fit the format; internal errors from the encoders.
+pub fn encode_map(result: &MapResult<'_>, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    match format {
+        Format::GeoTiff => geotiff(result, path),
+        Format::Exr => exr(result, path),
+        Format::AsciiGrid => ascii_grid(result, path),
+        Format::Npz => npz(result, path),
+        _ => Err(Error::internal(902, "a raster format was asked for")),
+    }
+}
+
+fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    let bands = result.bands();
+    let metadata = vec![("SKYSHED".to_string(), result.provenance.to_string())];
+    let image = |bands, nodata, palette| GeoTiffImage {
+        georef: result.georef,
+        bands,
+        nodata,
+        palette,
+        metadata: &metadata,
+    };
+    if bands.iter().all(|(_, b)| matches!(b, Band::Class(_))) {
+        let masks = bands.iter().filter_map(|(name, b)| match b {
+            Band::Class(mask) => Some((name.clone(), *mask)),
+            _ => None,
+        });
+        let palette = palette();
+        let single = bands.len() == 1;
+        let bytes = encode_geotiff(&image(
+            Bands::Byte(masks.collect()),
+            Some(f64::from(class::NODATA)),
+            single.then_some(palette.as_slice()),
+        ))?;
+        let mut files = vec![(path.to_path_buf(), bytes)];
+        if single {
+            files.push((with_suffix(path, ".aux.xml"), pam_sidecar(&palette).into_bytes()));
+        }
+        return Ok(files);
+    }
+    if bands.iter().all(|(_, b)| !matches!(b, Band::Measure(_))) {
+        let has_bits = bands.iter().any(|(_, b)| matches!(b, Band::Bits(_)));
+        let values: Vec<(String, Vec<u32>)> = bands
+            .into_iter()
+            .map(|(name, band)| {
+                let values = match band {
+                    Band::Class(mask) => mask.iter().map(|c| u32::from(*c)).collect(),
+                    Band::Count(n) | Band::Bits(n) => n,
+                    Band::Measure(_) => Vec::new(),
+                };
+                (name, values)
+            })
+            .collect();
+        let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
+        let nodata = (!has_bits).then_some(f64::from(NO_COUNT));
+        return Ok(vec![(path.to_path_buf(), encode_geotiff(&image(Bands::UInt32(borrowed), nodata, None))?)]);
+    }
+    let mut values: Vec<(String, Vec<f32>)> = Vec::new();
+    for (name, band) in bands {
+        let band: Vec<f32> = match band {
+            Band::Class(mask) => {
+                mask.iter().map(|c| if *c == class::NODATA { NODATA } else { f32::from(*c) }).collect()
+            }
+            Band::Measure(v) => v.iter().map(|v| if v.is_nan() { NODATA } else { *v }).collect(),
+            Band::Count(n) => n.iter().map(|n| if *n == NO_COUNT { NODATA } else { exact_f32(*n) }).collect(),
+            Band::Bits(_) if result.sites.len() > 24 => {
+                return Err(Error::usage(
+                    107,
+                    format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
+                )
+                .with_hint("write `which` to a .tif of its own, or to .exr"));
+            }
+            Band::Bits(bits) => bits.iter().map(|n| exact_f32(*n)).collect(),
+        };
+        values.push((name, band));
+    }
+    let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
+    let bytes = encode_geotiff(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))?;
+    Ok(vec![(path.to_path_buf(), bytes)])
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of UAVs and sets of at most 24 bits are exact in f32")]
+fn exact_f32(n: u32) -> f32 {
+    n as f32
+}
+
+/// The classes with their colors; buildings gray, the rest as in the picture.
+fn palette() -> Vec<ClassColor> {
+    let color = |value: u8| match value {
+        class::NLOS => [0xE6, 0x9F, 0x00, 0xFF],
+        class::LOS => [0x00, 0x72, 0xB2, 0xFF],
+        class::NOT_A_RECEIVER => [0x80, 0x80, 0x80, 0xFF],
+        class::OUT_OF_RANGE => [0xE8, 0xE8, 0xE8, 0xFF],
+        _ => [0xFF, 0xFF, 0xFF, 0x00],
+    };
+    class::NAMES.iter().map(|(value, name)| ClassColor { value: *value, name: (*name).to_string(), rgba: color(*value) }).collect()
+}
+
+fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    enum Owned<'a> {
+        Float(std::borrow::Cow<'a, [f32]>),
+        UInt(Vec<u32>),
+    }
+    let bands = result.bands();
+    let channels: Vec<(String, Owned<'_>)> = bands
+        .into_iter()
+        .map(|(name, band)| {
+            let channel = match band {
+                Band::Class(mask) => Owned::UInt(mask.iter().map(|c| u32::from(*c)).collect()),
+                Band::Measure(v) => Owned::Float(v.into()),
+                Band::Count(n) => {
+                    Owned::Float(n.iter().map(|n| if *n == NO_COUNT { f32::NAN } else { exact_f32(*n) }).collect())
+                }
+                Band::Bits(n) => Owned::UInt(n),
+            };
+            (name, channel)
+        })
+        .collect();
+    let borrowed: Vec<(String, ExrChannel<'_>)> = channels
+        .iter()
+        .map(|(name, c)| {
+            let channel = match c {
+                Owned::Float(v) => ExrChannel::Float(v),
+                Owned::UInt(v) => ExrChannel::UInt(v),
+            };
+            (name.clone(), channel)
+        })
+        .collect();
+    let mut bytes = Vec::new();
+    let metadata = [("SKYSHED".to_string(), result.provenance.to_string())];
+    write_exr(&mut bytes, result.georef, &borrowed, &metadata)?;
+    Ok(vec![(path.to_path_buf(), bytes)])
+}
+
+fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    let bands = result.bands();
+    let [(_, band)] = bands.as_slice() else {
+        return Err(Error::usage(
+            107,
+            format!("cannot write {}: an ASCII grid holds one layer of one site, found {}", path.display(), bands.len()),
+        )
+        .with_hint("choose one site and one layer, or write .tif"));
+    };
+    let mut bytes = Vec::new();
+    let failed = |e: std::io::Error| Error::internal(402, format!("cannot encode {}: {e}", path.display()));
+    let mut write = |nodata: f64, values: &mut dyn Iterator<Item = f64>| {
+        write_ascii_grid(&mut bytes, result.georef, nodata, values, None).map_err(failed)
+    };
+    match band {
+        Band::Class(mask) => write(f64::from(class::NODATA), &mut mask.iter().map(|c| f64::from(*c)))?,
+        Band::Measure(v) => {
+            let value = |v: &f32| if v.is_nan() { f64::from(NODATA) } else { f64::from(*v) };
+            write(f64::from(NODATA), &mut v.iter().map(value))?;
+        }
+        Band::Count(n) => {
+            let value = |n: &u32| if *n == NO_COUNT { f64::from(NODATA) } else { f64::from(*n) };
+            write(f64::from(NODATA), &mut n.iter().map(value))?;
+        }
+        Band::Bits(n) => write(f64::from(NODATA), &mut n.iter().map(|n| f64::from(*n)))?,
+    }
+    let mut files = vec![(path.to_path_buf(), bytes)];
+    if let Some(wkt) = result.georef.crs().and_then(crate::raster::Crs::wkt) {
+        files.push((path.with_extension("prj"), wkt.into_bytes()));
+    }
+    files.push((with_suffix(path, ".json"), result.provenance.as_bytes().to_vec()));
+    Ok(files)
+}
+
+fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    let (n_rows, n_cols) = (result.georef.n_rows(), result.georef.n_cols());
+    let n_sites = result.sites.len();
+    let shape = vec![n_sites, n_rows, n_cols];
+    let masks: Vec<&[u8]> = result.sites.iter().map(|s| s.mask.as_slice()).collect();
+    let mut classes: Vec<u8> = Vec::new();
+    let mut measures: Vec<(Layer, Vec<f32>)> = Vec::new();
+    let mut words: Vec<u32> = Vec::new();
+    let mut counts: Vec<u32> = Vec::new();
+    for &layer in result.layers {
+        match layer {
+            Layer::Los => classes = masks.concat(),
+            Layer::Count => counts = count_layer(&masks),
+            Layer::Which => words = which_layer(&masks).concat(),
+            Layer::Margin | Layer::Ceiling | Layer::LeastHeight => {
+                let of = |s: &SiteCoverage| match layer {
+                    Layer::Margin => s.margin.clone(),
+                    Layer::Ceiling => s.ceiling.clone(),
+                    _ => s.least_height.clone(),
+                };
+                measures.push((layer, result.sites.iter().filter_map(of).flatten().collect()));
+            }
+        }
+    }
+    let xs: Vec<f64> = (0..n_cols).map(|c| result.georef.world_from_cell(0, c).0).collect();
+    let ys: Vec<f64> = (0..n_rows).map(|r| result.georef.world_from_cell(r, 0).1).collect();
+    let sites: Vec<f64> = result
+        .sites
+        .iter()
+        .flat_map(|s| [s.uav.station.place.x, s.uav.station.place.y, s.uav.height_amsl_m()])
+        .collect();
+    let mut arrays: Vec<(String, NpyArray<'_>)> = Vec::new();
+    if !classes.is_empty() {
+        arrays.push(("los".into(), NpyArray::U8(&classes, shape.clone())));
+    }
+    for (layer, values) in &measures {
+        arrays.push((layer.name().replace('-', "_"), NpyArray::F32(values, shape.clone())));
+    }
+    if !counts.is_empty() {
+        arrays.push(("count".into(), NpyArray::U32(&counts, vec![n_rows, n_cols])));
+    }
+    if !words.is_empty() {
+        arrays.push(("which".into(), NpyArray::U32(&words, vec![n_sites.div_ceil(32), n_rows, n_cols])));
+    }
+    arrays.push(("x".into(), NpyArray::F64(&xs, vec![n_cols])));
+    arrays.push(("y".into(), NpyArray::F64(&ys, vec![n_rows])));
+    arrays.push(("sites".into(), NpyArray::F64(&sites, vec![n_sites, 3])));
+    arrays.push(("meta".into(), NpyArray::Text(result.provenance)));
+    let mut out = std::io::Cursor::new(Vec::new());
+    write_npz(&mut out, &arrays)?;
+    Ok(vec![(path.to_path_buf(), out.into_inner())])
+}
+
+/// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
+pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The name of the bare picture of one site beside that of all: `NAME.SITE.png`, odd characters replaced.
+pub fn bare_name(path: &Path, site: &str) -> PathBuf {
+    let plain: String = site.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect();
+    path.with_extension(format!("{plain}.png"))
+}

@@ -1,0 +1,13 @@
+//! What is written where: results into files, by extension, all or nothing.
+//!
+//! Every file is written under a temporary name beside its final one and renamed when all files of the run are complete,
+//! so that an error, a full disk or Ctrl-C leaves nothing half written.
+
+mod city;
+mod files;
+mod map;
+
+pub use city::{city_geojson, city_surface};
+pub use files::{Batch, Format, check_outputs};
+pub(crate) use map::with_suffix;
+pub use map::{Layer, MapResult, bare_name, encode_map};

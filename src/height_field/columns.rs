@@ -1,0 +1,112 @@
+//! Columns: the solid of a raster, each cell a flat-topped column.
+
+use crate::quantity::{STEPS_PER_UNIT, VOID};
+
+/// Edge length of a cell on the lattice.
+const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// The closed union T of the columns over the cells of a raster; nothing lies outside it.
+///
+/// Cell `(row, col)` is the square `[col, col+1] × [n_rows−1−row, n_rows−row]` in units of 1024 lattice steps: row 0 is
+/// the northernmost and the local origin is the south-west corner.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Columns {
+    n_cols: usize,
+    n_rows: usize,
+    tops: Vec<i32>,
+    max_top: i32,
+}
+
+impl Columns {
+    /// Columns from their tops [1/1024 m above the datum], row by row from the north-west cell; [`VOID`] blocks nothing.
+    ///
+    /// # Panics
+    /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.
+    pub fn new(n_rows: usize, n_cols: usize, tops: Vec<i32>) -> Self {
+        assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
+        let max_top = tops.iter().copied().max().unwrap_or(VOID);
+        Columns { n_cols, n_rows, tops, max_top }
+    }
+
+    /// Number of columns of cells.
+    pub fn n_cols(&self) -> usize {
+        self.n_cols
+    }
+
+    /// Number of rows of cells.
+    pub fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    /// All tops, row by row from the north-west cell.
+    pub fn tops(&self) -> &[i32] {
+        &self.tops
+    }
+
+    /// The highest top, [`VOID`] if all cells are void.
+    pub fn max_top(&self) -> i32 {
+        self.max_top
+    }
+
+    /// Top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
+    #[inline]
+    pub fn top(&self, east: i64, north: i64) -> i32 {
+        self.index(east, north).map_or(VOID, |i| self.tops[i])
+    }
+
+    /// Index into [`Columns::tops`], `None` outside.
+    #[inline]
+    pub fn index(&self, east: i64, north: i64) -> Option<usize> {
+        let col = usize::try_from(east).ok().filter(|&c| c < self.n_cols)?;
+        let from_south = usize::try_from(north).ok().filter(|&r| r < self.n_rows)?;
+        Some((self.n_rows - 1 - from_south) * self.n_cols + col)
+    }
+
+    /// Index of the cell that holds lattice position `(x, y)`, the one to its north-east on an edge.
+    pub fn cell_at(&self, x: i64, y: i64) -> Option<usize> {
+        self.index(x.div_euclid(CELL), y.div_euclid(CELL))
+    }
+
+    /// Lattice position of the center of a cell.
+    #[inline]
+    pub fn center(&self, row: usize, col: usize) -> (i64, i64) {
+        #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
+        let (east, north) = (col as i64, (self.n_rows - 1 - row) as i64);
+        (east * CELL + CELL / 2, north * CELL + CELL / 2)
+    }
+
+    /// The height below which the vertical line at `(x, y)` is inside the solid: the lowest of the columns whose closed
+    /// squares contain the point. [`VOID`] where one of them is void or outside.
+    pub fn solid_below(&self, x: i64, y: i64) -> i32 {
+        // On an edge or a corner the point is interior only to what all the touching cells have in common.
+        let touching = |v: i64| (v.div_euclid(CELL) - i64::from(v.rem_euclid(CELL) == 0), v.div_euclid(CELL));
+        let ((west, east), (south, north)) = (touching(x), touching(y));
+        let lowest = [(west, south), (west, north), (east, south), (east, north)].map(|(e, n)| self.top(e, n));
+        lowest.into_iter().min().unwrap_or(VOID)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_run_north_to_south_and_the_origin_is_the_south_west_corner() {
+        let columns = Columns::new(2, 3, vec![1, 2, 3, 4, 5, 6]);
+        assert_eq!(columns.top(0, 0), 4);
+        assert_eq!(columns.top(2, 1), 3);
+        assert_eq!(columns.top(3, 0), VOID);
+        assert_eq!(columns.top(-1, 0), VOID);
+        assert_eq!(columns.center(0, 1), (1536, 1536));
+        assert_eq!(columns.cell_at(1024, 0), Some(4));
+        assert_eq!(columns.max_top(), 6);
+    }
+
+    #[test]
+    fn a_point_on_an_edge_is_inside_only_what_both_cells_share() {
+        let columns = Columns::new(1, 2, vec![7, 3]);
+        assert_eq!(columns.solid_below(512, 512), 7);
+        assert_eq!(columns.solid_below(1024, 512), 3);
+        assert_eq!(columns.solid_below(0, 512), VOID);
+    }
+}

@@ -1,0 +1,444 @@
+//! A scene made ready for rays: its obstacles, and the ground and roofs at every cell and every point.
+
+use rayon::prelude::*;
+
+use super::prisms::{holds_half_open, side};
+use super::{Columns, ConvexPieces, Prisms, Ring, convex_pieces};
+use crate::error::Warning;
+use crate::quantity::{Frame, LatticePoint, VOID};
+use crate::raster::GeoRef;
+use crate::scene::{Footprint, Ground, Solids};
+
+/// The obstacles of a scene and what receivers stand on.
+///
+/// Prisms and columns are two solids: a wall that they happen to share is not joined.
+#[derive(Debug, Clone)]
+pub struct HeightField {
+    grid: GeoRef,
+    prisms: Option<(Prisms, Frame)>,
+    columns: Option<(Columns, Frame)>,
+    floor: Floor,
+    /// Vector scenes: roof of each cell whose center is inside a building, [`VOID`] elsewhere.
+    roofs: Option<Vec<i32>>,
+    building_ids: Vec<String>,
+}
+
+/// What lies below the buildings.
+#[derive(Debug, Clone)]
+enum Floor {
+    /// The columns themselves: a surface model alone.
+    Surface,
+    /// A plane; in a raster scene, cells more than the threshold above it are buildings.
+    Flat { z: i32, building_threshold: i32 },
+    /// The terrain of a raster scene, cell by cell.
+    Terrain { tops: Vec<i32>, building_threshold: i32 },
+    /// The columns: the terrain of a vector scene, on its own grid.
+    Columns,
+}
+
+/// What a cell of the receivers' grid is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellKind {
+    /// Open ground at this height [1/1024 m above the datum].
+    Open(i32),
+    /// A building with its roof at this height.
+    Building(i32),
+    /// Nodata: no receiver.
+    Void,
+}
+
+/// A position in the plane on the lattices of both solids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// World x [CRS units].
+    pub x: f64,
+    /// World y [CRS units].
+    pub y: f64,
+    on_prisms: (i64, i64),
+    on_columns: (i64, i64),
+}
+
+/// An end of a link: a place and a height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Where in the plane.
+    pub place: Place,
+    /// Height [1/1024 m above the datum].
+    pub z: i64,
+}
+
+impl Station {
+    /// The end on the lattice of the prisms.
+    #[inline]
+    pub fn on_prisms(&self) -> LatticePoint {
+        LatticePoint { x: self.place.on_prisms.0, y: self.place.on_prisms.1, z: self.z }
+    }
+
+    /// The end on the lattice of the columns.
+    #[inline]
+    pub fn on_columns(&self) -> LatticePoint {
+        LatticePoint { x: self.place.on_columns.0, y: self.place.on_columns.1, z: self.z }
+    }
+}
+
+/// Lattice positions of the cell centers of the receivers' grid.
+#[derive(Debug, Clone)]
+pub struct GridPositions {
+    xs: Vec<(f64, i64, i64)>,
+    ys: Vec<(f64, i64, i64)>,
+}
+
+impl GridPositions {
+    /// The center of a cell.
+    #[inline]
+    pub fn center(&self, row: usize, col: usize) -> Place {
+        let ((x, prisms_x, columns_x), (y, prisms_y, columns_y)) = (self.xs[col], self.ys[row]);
+        Place { x, y, on_prisms: (prisms_x, prisms_y), on_columns: (columns_x, columns_y) }
+    }
+}
+
+impl HeightField {
+    /// Builds the obstacles of a scene: triangulates footprints, rounds nothing more.
+    ///
+    /// Cost: the triangulation, in parallel over footprints, and one test per cell near each piece.
+    pub fn build(grid: &GeoRef, solids: Solids, warnings: &mut Vec<Warning>) -> Self {
+        match solids {
+            Solids::Raster { surface, ground, building_threshold } => {
+                let georef = surface.georef().clone();
+                let floor = match ground {
+                    Ground::Surface => Floor::Surface,
+                    Ground::Flat(z) => Floor::Flat { z, building_threshold },
+                    Ground::Terrain(terrain) => Floor::Terrain { tops: terrain.into_cells(), building_threshold },
+                };
+                let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
+                HeightField {
+                    grid: grid.clone(),
+                    prisms: None,
+                    columns: Some((columns, cell_frame(&georef))),
+                    floor,
+                    roofs: None,
+                    building_ids: Vec::new(),
+                }
+            }
+            Solids::Vector { footprints, frame, ground, .. } => {
+                let prisms = prisms_of(&footprints, warnings);
+                let building_ids = footprints.into_iter().map(|f| f.id).collect();
+                let (columns, floor) = match ground {
+                    Ground::Terrain(terrain) => {
+                        let georef = terrain.georef().clone();
+                        let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
+                        (Some((columns, cell_frame(&georef))), Floor::Columns)
+                    }
+                    Ground::Flat(z) => (None, Floor::Flat { z, building_threshold: 0 }),
+                    Ground::Surface => (None, Floor::Flat { z: 0, building_threshold: 0 }),
+                };
+                let mut field = HeightField {
+                    grid: grid.clone(),
+                    prisms: Some((prisms, frame)),
+                    columns,
+                    floor,
+                    roofs: None,
+                    building_ids,
+                };
+                field.roofs = Some(field.rasterize_roofs());
+                field
+            }
+        }
+    }
+
+    /// The receivers' grid.
+    pub fn grid(&self) -> &GeoRef {
+        &self.grid
+    }
+
+    /// The prisms, in a vector scene.
+    pub fn prisms(&self) -> Option<&Prisms> {
+        self.prisms.as_ref().map(|(p, _)| p)
+    }
+
+    /// The columns: the surface of a raster scene, or the terrain of a vector scene.
+    pub fn columns(&self) -> Option<&Columns> {
+        self.columns.as_ref().map(|(c, _)| c)
+    }
+
+    /// The frame of the prisms' lattice.
+    pub fn prisms_frame(&self) -> Option<Frame> {
+        self.prisms.as_ref().map(|(_, frame)| *frame)
+    }
+
+    /// The frame of the columns' lattice.
+    pub fn columns_frame(&self) -> Option<Frame> {
+        self.columns.as_ref().map(|(_, frame)| *frame)
+    }
+
+    /// The id of a building of the prisms.
+    pub fn building_id(&self, building: u32) -> &str {
+        &self.building_ids[building as usize]
+    }
+
+    /// Number of buildings, in a vector scene.
+    pub fn n_buildings(&self) -> usize {
+        self.building_ids.len()
+    }
+
+    /// Whether receivers stand on a surface model because nothing below it is known.
+    pub fn is_surface_only(&self) -> bool {
+        matches!(self.floor, Floor::Surface)
+    }
+
+    /// A world position on the lattices.
+    pub fn place(&self, x: f64, y: f64) -> Place {
+        let on = |frame: Option<Frame>| frame.map_or((0, 0), |f| f.lattice_from_world(x, y));
+        Place { x, y, on_prisms: on(self.prisms_frame()), on_columns: on(self.columns_frame()) }
+    }
+
+    /// The cell centers of the receivers' grid on the lattices.
+    pub fn positions(&self) -> GridPositions {
+        let xs = (0..self.grid.n_cols()).map(|col| {
+            let place = self.place(self.grid.world_from_cell(0, col).0, self.grid.y_min());
+            (place.x, place.on_prisms.0, place.on_columns.0)
+        });
+        let ys = (0..self.grid.n_rows()).map(|row| {
+            let place = self.place(self.grid.x_min(), self.grid.world_from_cell(row, 0).1);
+            (place.y, place.on_prisms.1, place.on_columns.1)
+        });
+        GridPositions { xs: xs.collect(), ys: ys.collect() }
+    }
+
+    /// What a cell is; `place` is its center.
+    #[inline]
+    pub fn cell_kind(&self, index: usize, place: &Place) -> CellKind {
+        if let Some(roofs) = &self.roofs {
+            let ground = self.ground_at(place);
+            return match (ground, roofs[index]) {
+                (VOID, _) => CellKind::Void,
+                (ground, VOID) => CellKind::Open(ground),
+                (_, roof) => CellKind::Building(roof),
+            };
+        }
+        let top = self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]);
+        if top == VOID || Solids::is_blocking_void(top) {
+            return CellKind::Void;
+        }
+        let above = |ground: i32, threshold: i32| {
+            if ground == VOID {
+                CellKind::Void
+            } else if i64::from(top) - i64::from(ground) > i64::from(threshold) {
+                CellKind::Building(top)
+            } else {
+                CellKind::Open(ground)
+            }
+        };
+        match &self.floor {
+            Floor::Surface | Floor::Columns => CellKind::Open(top),
+            Floor::Flat { z, building_threshold } => above(*z, *building_threshold),
+            Floor::Terrain { tops, building_threshold } => above(tops[index], *building_threshold),
+        }
+    }
+
+    /// Height of the ground at a place, of the cell to its north-east on an edge; [`VOID`] where none is known.
+    pub fn ground_at(&self, place: &Place) -> i32 {
+        let cell = || self.columns.as_ref().and_then(|(c, _)| c.cell_at(place.on_columns.0, place.on_columns.1));
+        let surface = || match (cell(), &self.columns) {
+            (Some(cell), Some((columns, _))) if !Solids::is_blocking_void(columns.tops()[cell]) => columns.tops()[cell],
+            _ => VOID,
+        };
+        match &self.floor {
+            Floor::Surface | Floor::Columns => surface(),
+            // Under a raster scene flat ground reaches as far as the raster; under footprints it has no end.
+            Floor::Flat { z, .. } if self.prisms.is_some() || surface() != VOID => *z,
+            Floor::Flat { .. } => VOID,
+            Floor::Terrain { tops, .. } => cell().map_or(VOID, |cell| tops[cell]),
+        }
+    }
+
+    /// Height of the roof at a place, if a building is there (the one to its north-east on an edge).
+    pub fn roof_at(&self, place: &Place) -> Option<i32> {
+        if let Some((prisms, _)) = &self.prisms {
+            return prisms.roof_at(place.on_prisms.0, place.on_prisms.1).map(|(top, _)| top);
+        }
+        let (columns, _) = self.columns.as_ref()?;
+        let cell = columns.cell_at(place.on_columns.0, place.on_columns.1)?;
+        match self.cell_kind(cell, place) {
+            CellKind::Building(roof) => Some(roof),
+            CellKind::Open(_) | CellKind::Void => None,
+        }
+    }
+
+    /// The height below which the vertical line at a place is inside the prisms; [`VOID`] if it is not.
+    pub fn inside_prisms_below(&self, place: &Place) -> i32 {
+        self.prisms.as_ref().map_or(VOID, |(p, _)| p.solid_below(place.on_prisms.0, place.on_prisms.1))
+    }
+
+    /// The height below which the vertical line at a place is inside the columns; [`VOID`] if it is not.
+    pub fn inside_columns_below(&self, place: &Place) -> i32 {
+        self.columns.as_ref().map_or(VOID, |(c, _)| c.solid_below(place.on_columns.0, place.on_columns.1))
+    }
+
+    /// The highest obstacle [1/1024 m], [`VOID`] if there is none.
+    pub fn max_top(&self) -> i32 {
+        let prisms = self.prisms.as_ref().map_or(VOID, |(p, _)| p.max_top());
+        prisms.max(self.columns.as_ref().map_or(VOID, |(c, _)| c.max_top()))
+    }
+
+    /// The surface seen from above at each cell [m above the datum], NaN where void: for pictures.
+    pub fn surface_m(&self) -> Vec<f32> {
+        let positions = self.positions();
+        let n_cols = self.grid.n_cols();
+        let mut surface = vec![f32::NAN; self.grid.n_cells()];
+        surface.par_chunks_mut(n_cols).enumerate().for_each(|(row, cells)| {
+            for (col, cell) in cells.iter_mut().enumerate() {
+                if let CellKind::Open(z) | CellKind::Building(z) =
+                    self.cell_kind(row * n_cols + col, &positions.center(row, col))
+                {
+                    #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more")]
+                    let meters = crate::quantity::meters(z) as f32;
+                    *cell = meters;
+                }
+            }
+        });
+        surface
+    }
+
+    /// The roof of every cell whose center is in the interior of B and above the ground.
+    fn rasterize_roofs(&self) -> Vec<i32> {
+        let mut roofs = vec![VOID; self.grid.n_cells()];
+        let Some((prisms, _)) = &self.prisms else { return roofs };
+        let positions = self.positions();
+        let xs: Vec<i64> = positions.xs.iter().map(|x| x.1).collect();
+        let ys: Vec<i64> = positions.ys.iter().map(|y| y.1).collect();
+        let n_cols = self.grid.n_cols();
+        let mut on_an_edge: Vec<(usize, usize)> = Vec::new();
+        for piece in prisms.pieces() {
+            let ring = prisms.ring(piece);
+            let range = |k: usize| {
+                let values = || ring.iter().map(|v| i64::from(v[k]));
+                (values().min().unwrap_or(0), values().max().unwrap_or(0))
+            };
+            let ((west, east), (south, north)) = (range(0), range(1));
+            let cols = xs.partition_point(|x| *x < west)..xs.partition_point(|x| *x <= east);
+            let rows = ys.partition_point(|y| *y > north)..ys.partition_point(|y| *y >= south);
+            for row in rows {
+                for col in cols.clone() {
+                    let (x, y) = (xs[col], ys[row]);
+                    if holds_half_open(ring, x, y) {
+                        let roof = &mut roofs[row * n_cols + col];
+                        *roof = (*roof).max(piece.top);
+                    }
+                    if is_on_boundary(ring, x, y) {
+                        on_an_edge.push((row, col));
+                    }
+                }
+            }
+        }
+        // On an edge the half-open rule above tells the roof, but only a shared edge is inside the solid.
+        for (row, col) in on_an_edge {
+            if prisms.solid_below(xs[col], ys[row]) == VOID {
+                roofs[row * n_cols + col] = VOID;
+            }
+        }
+        // A roof that is not above the ground hides nothing and is no place to stand on.
+        for (index, roof) in roofs.iter_mut().enumerate().filter(|(_, r)| **r != VOID) {
+            let center = positions.center(index / n_cols, index % n_cols);
+            let ground = self.ground_at(&center);
+            let inside = self.inside_prisms_below(&center);
+            if ground == VOID || inside <= ground {
+                *roof = VOID;
+            }
+        }
+        roofs
+    }
+}
+
+/// Whether a position inside or on a convex counterclockwise ring lies on its boundary.
+fn is_on_boundary(ring: &[[i32; 2]], x: i64, y: i64) -> bool {
+    let sides = || (0..ring.len()).map(|k| side(ring[k], ring[(k + 1) % ring.len()], x, y));
+    sides().all(|s| s >= 0) && sides().any(|s| s == 0)
+}
+
+fn cell_frame(georef: &GeoRef) -> Frame {
+    Frame {
+        x_origin: georef.x_min(),
+        y_origin: georef.y_min(),
+        unit_x: georef.cell_width(),
+        unit_y: georef.cell_height(),
+    }
+}
+
+/// Convex pieces of all footprints, in the order of the footprints.
+fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
+    let cut: Vec<(Vec<Ring>, bool)> = footprints
+        .par_iter()
+        .map(|footprint| {
+            let mut pieces = Vec::new();
+            let mut fell_back = false;
+            for polygon in &footprint.polygons {
+                match convex_pieces(polygon) {
+                    ConvexPieces::Exact(rings) => pieces.extend(rings),
+                    ConvexPieces::Hull(ring) => {
+                        fell_back = true;
+                        pieces.extend((ring.len() >= 3).then_some(ring));
+                    }
+                }
+            }
+            (pieces, fell_back)
+        })
+        .collect();
+    for (footprint, _) in footprints.iter().zip(&cut).filter(|(_, (_, fell_back))| *fell_back) {
+        warnings.push(Warning::new(
+            345,
+            format!("footprint `{}` could not be triangulated; its convex hull is used instead", footprint.id),
+        ));
+    }
+    let pieces = footprints.iter().zip(cut).enumerate().flat_map(|(building, (footprint, (rings, _)))| {
+        let building = u32::try_from(building).unwrap_or(u32::MAX);
+        rings.into_iter().map(move |ring| (ring, footprint.top, building))
+    });
+    Prisms::new(pieces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FootprintFaults;
+
+    fn square_scene() -> HeightField {
+        // A 4 m square building whose edges pass through cell centers, 10 m high, on ground at 2 m.
+        let grid = GeoRef::new((0.0, 8.0), (1.0, 1.0), (8, 8), None).expect("a valid grid");
+        let (low, high) = (1536, 1536 + 4096);
+        let footprint = Footprint {
+            id: "a".into(),
+            polygons: vec![vec![vec![[low, low], [high, low], [high, high], [low, high]]]],
+            top: 12 * 1024,
+            base: 2 * 1024,
+        };
+        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
+        let solids = Solids::Vector {
+            footprints: vec![footprint],
+            frame,
+            ground: Ground::Flat(2 * 1024),
+            faults: FootprintFaults::default(),
+        };
+        HeightField::build(&grid, solids, &mut Vec::new())
+    }
+
+    #[test]
+    fn a_cell_whose_center_is_on_a_free_wall_is_open_ground() {
+        let field = square_scene();
+        let positions = field.positions();
+        let n_buildings = (0..64)
+            .filter(|i| matches!(field.cell_kind(*i, &positions.center(i / 8, i % 8)), CellKind::Building(_)))
+            .count();
+        // Centers at 1.5, 2.5 … 5.5 along each axis touch the square; three of the five are strictly inside.
+        assert_eq!(n_buildings, 9);
+    }
+
+    #[test]
+    fn the_roof_and_the_ground_are_told_at_any_point() {
+        let field = square_scene();
+        assert_eq!(field.roof_at(&field.place(3.0, 3.0)), Some(12 * 1024));
+        assert_eq!(field.roof_at(&field.place(0.5, 3.0)), None);
+        assert_eq!(field.ground_at(&field.place(100.0, -3.0)), 2048);
+        assert_eq!(field.inside_prisms_below(&field.place(1.5, 3.0)), VOID);
+    }
+}

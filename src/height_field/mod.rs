@@ -1,0 +1,15 @@
+//! What a ray can hit: columns over cells, and prisms over footprints, on the integer lattice.
+//!
+//! [`Columns`] is the closed union T of all columns of a raster, [`Prisms`] the closed union B of all prisms of a
+//! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
+//! Nothing here decides who sees whom; that is [`crate::los`].
+
+mod columns;
+mod field;
+mod prisms;
+mod triangulate;
+
+pub use columns::Columns;
+pub use field::{CellKind, GridPositions, HeightField, Place, Station};
+pub use prisms::{Buckets, Piece, Prisms};
+pub use triangulate::{ConvexPieces, Ring, convex_pieces};

@@ -1,0 +1,65 @@
+//! Exact line-of-sight coverage maps: what a hovering UAV can see of a city, cell by cell.
+//!
+//! Data flows one way through the modules, in this order: a **raster** or other file becomes a **scene**; a scene
+//! becomes a **height field**, what a ray can hit, on an integer lattice; **los** decides who sees whom, exactly;
+//! **coverage** makes maps of that; **render**, **export** and **report** turn maps into pictures, files and documents;
+//! **cli** is the program.
+//!
+//! What line of sight means is written once, in [`los`].
+//!
+//! # Examples
+//!
+//! ```
+//! use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
+//! use skyshed::height_field::HeightField;
+//! use skyshed::quantity::{Height, height_steps};
+//! use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+//!
+//! // 300 m of the ITU urban environment, on a grid of 1 m cells.
+//! let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
+//! let scene = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+//! let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+//!
+//! // A UAV 100 m above the crossroad in the south-west.
+//! let site = Site { id: "1".into(), x: 10.0, y: 10.0, height: Height::AboveGround(100.0) };
+//! let uav = Uav::place(&site, &field, None)?;
+//! let options = MapOptions {
+//!     rx_height: height_steps(1.5).expect("in range"),
+//!     receivers: Receivers::Ground,
+//!     radius: None,
+//!     meters_per_unit: 1.0,
+//!     layers: HeightLayers::default(),
+//! };
+//! let map = map_site(&field, &uav, &options, &Control::default())?;
+//! let p_los = map.tally.p_los().expect("there are streets in range");
+//! assert!(p_los > 0.3 && p_los < 0.9);
+//!
+//! // Inside a building nothing can hover: the error says what is there and what to ask instead.
+//! let inside = Site { id: "2".into(), x: 30.0, y: 30.0, height: Height::AboveGround(1.0) };
+//! assert!(Uav::place(&inside, &field, None).is_err());
+//! # Ok::<(), skyshed::Error>(())
+//! ```
+
+pub mod quantity;
+
+pub mod error;
+
+pub mod raster;
+
+pub mod scene;
+
+pub mod height_field;
+
+pub mod los;
+
+pub mod coverage;
+
+pub mod render;
+
+pub mod export;
+
+pub mod report;
+
+pub mod cli;
+
+pub use error::{Error, ErrorClass, Result, Warning};

@@ -1,0 +1,117 @@
+//! The cells that a segment crosses, in order, in exact integers.
+//!
+//! After Amanatides & Woo 1987, with the crossing parameters kept as products instead of quotients: the next vertical
+//! grid line is met at `t = nx/|dx|`, the next horizontal one at `t = ny/|dy|`, and the nearer of the two is found by
+//! comparing `nx·|dy|` with `ny·|dx|`. When both are met at once, at a lattice corner, both indices step at once, so
+//! that cells which are only touched at a corner are never visited.
+
+/// A crossing of a grid line at parameter `n/d` of the segment, with `d > 0`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Crossing {
+    pub(super) n: i64,
+    pub(super) d: i64,
+}
+
+/// A walk over square cells along a segment with at least one nonzero component.
+///
+/// On a grid line parallel to the segment the walk visits the cells north or east of the line (half-open).
+#[derive(Debug, Clone)]
+pub(super) struct CellWalk {
+    /// Current cell, counted from the origin to the east and to the north.
+    pub(super) cell: (i64, i64),
+    step: (i64, i64),
+    size: i64,
+    next: (i64, i64),
+    length: (i64, i64),
+}
+
+/// Farther than any grid line of the proven range, so that an axis without motion never comes next.
+const NEVER: i64 = 1 << 32;
+
+impl CellWalk {
+    /// A walk from `from` towards `to`, positions relative to the corner of cell (0, 0), cells of edge `size`.
+    pub(super) fn new(from: (i64, i64), to: (i64, i64), size: i64) -> Self {
+        let axis = |from: i64, to: i64| {
+            let first = if to < from { (from - 1).div_euclid(size) } else { from.div_euclid(size) };
+            let (step, next) = match to.cmp(&from) {
+                std::cmp::Ordering::Greater => (1, (first + 1) * size - from),
+                std::cmp::Ordering::Less => (-1, from - first * size),
+                std::cmp::Ordering::Equal => (0, NEVER),
+            };
+            (first, step, next, (to - from).abs())
+        };
+        let (col, step_x, next_x, length_x) = axis(from.0, to.0);
+        let (row, step_y, next_y, length_y) = axis(from.1, to.1);
+        CellWalk {
+            cell: (col, row),
+            step: (step_x, step_y),
+            size,
+            next: (next_x, next_y),
+            length: (length_x, length_y),
+        }
+    }
+
+    /// Where the segment leaves the current cell: `None` if it ends first (or just there).
+    #[inline]
+    pub(super) fn exit(&self) -> Option<Crossing> {
+        let by_x = Crossing { n: self.next.0, d: self.length.0 };
+        let by_y = Crossing { n: self.next.1, d: self.length.1 };
+        let first = if self.x_is_next() { by_x } else { by_y };
+        (first.n < first.d).then_some(first)
+    }
+
+    #[inline]
+    fn x_is_next(&self) -> bool {
+        self.next.0 * self.length.1 <= self.next.1 * self.length.0 && self.length.0 > 0
+    }
+
+    /// Steps into the next cell.
+    #[inline]
+    pub(super) fn advance(&mut self) {
+        let (ex, ey) = (self.next.0 * self.length.1, self.next.1 * self.length.0);
+        if self.length.0 > 0 && (ex <= ey || self.length.1 == 0) {
+            self.cell.0 += self.step.0;
+            self.next.0 += self.size;
+        }
+        if self.length.1 > 0 && (ey <= ex || self.length.0 == 0) {
+            self.cell.1 += self.step.1;
+            self.next.1 += self.size;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(from: (i64, i64), to: (i64, i64)) -> Vec<(i64, i64)> {
+        let mut walk = CellWalk::new(from, to, 10);
+        let mut cells = vec![walk.cell];
+        while walk.exit().is_some() {
+            walk.advance();
+            cells.push(walk.cell);
+        }
+        cells
+    }
+
+    #[test]
+    fn a_diagonal_steps_both_ways_at_a_corner() {
+        assert_eq!(cells((5, 5), (25, 25)), [(0, 0), (1, 1), (2, 2)]);
+        assert_eq!(cells((25, 25), (5, 5)), [(2, 2), (1, 1), (0, 0)]);
+        assert_eq!(cells((5, 25), (25, 5)), [(0, 2), (1, 1), (2, 0)]);
+    }
+
+    #[test]
+    fn an_axis_parallel_segment_stays_in_its_row_and_ends_before_the_line_it_only_touches() {
+        assert_eq!(cells((5, 5), (30, 5)), [(0, 0), (1, 0), (2, 0)]);
+        assert_eq!(cells((5, 30), (5, 5)), [(0, 2), (0, 1), (0, 0)]);
+        assert_eq!(cells((5, 10), (25, 10)), [(0, 1), (1, 1), (2, 1)]);
+    }
+
+    #[test]
+    fn a_slanted_segment_visits_each_cell_it_has_length_in() {
+        assert_eq!(cells((0, 0), (20, 10)), [(0, 0), (1, 0)]);
+        assert_eq!(cells((1, 1), (29, 9)), [(0, 0), (1, 0), (2, 0)]);
+        assert_eq!(cells((-5, -5), (5, 0)), [(-1, -1), (0, -1)]);
+    }
+}

@@ -1,0 +1,274 @@
+//! `ray` over columns: visits every cell that the link crosses, from the receiver up.
+//!
+//! The plain engine, to which all others are equal. Cost: one comparison of two products per crossed cell; it stops at
+//! the first blocked cell and where the ray rises above the highest column.
+
+use std::ops::ControlFlow;
+
+use super::cell_walk::{CellWalk, Crossing};
+use super::obstruction::{Ceiling, Obstruction};
+use crate::height_field::Columns;
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
+
+const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Decides whether the link between `uav` and `receiver` is clear of the interior of T.
+///
+/// Cells whose closed square contains the receiver's position are exempt. A vertical link is LoS.
+/// Positions may differ by at most 2^26 lattice steps along each axis, heights likewise (not checked).
+pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
+    if (dx == 0 && dy == 0) || i64::from(columns.max_top()) <= uav.z.min(receiver.z) {
+        return true;
+    }
+    if uav.z >= receiver.z && !runs_along_a_grid_line(uav, receiver) {
+        if let Some(own) = columns.cell_towards(receiver, dx, dy) {
+            return rising_los(columns, own, uav, receiver);
+        }
+    }
+    let rising = uav.z >= receiver.z;
+    let climb = uav.z - receiver.z;
+    let blocked = visit_intervals(columns, uav, receiver, |interval| {
+        // EXACT: differences of heights and positions are at most 2^26, so both products are below 2^53.
+        let end = if rising { interval.near } else { interval.far };
+        let is_blocked = (i64::from(interval.top) - receiver.z) * end.d > end.n * climb;
+        if is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    blocked.is_continue()
+}
+
+/// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and what sets it.
+/// The receiver's own height plays no part.
+pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    let mut ceiling = Ceiling::Clear;
+    if uav.x == receiver.x && uav.y == receiver.y {
+        return ceiling;
+    }
+    let highest = i64::from(columns.max_top()) - uav.z;
+    let _ = visit_intervals(columns, uav, receiver, |interval| {
+        let from_uav = |c: Crossing| Crossing { n: c.d - c.n, d: c.d };
+        let (near, far) = (from_uav(interval.near), from_uav(interval.far));
+        if highest <= 0 {
+            // Nothing farther up the ray can bind more than the highest column here would.
+            #[expect(clippy::cast_precision_loss, reason = "compared with a margin of one lattice step")]
+            let at_most = uav.z as f64 + highest as f64 * near.d as f64 / near.n as f64;
+            if at_most + 1.0 < ceiling.height_steps() {
+                return ControlFlow::Break(());
+            }
+        }
+        ceiling.raise(Obstruction::new(interval.cell, interval.top, uav, near, far));
+        ControlFlow::Continue(())
+    });
+    ceiling
+}
+
+/// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
+/// the receiver. The UAV's own height plays no part.
+pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    let mut least = Ceiling::Clear;
+    if uav.x == receiver.x && uav.y == receiver.y {
+        return least;
+    }
+    let _ = visit_intervals(columns, uav, receiver, |interval| {
+        least.raise(Obstruction::new(interval.cell, interval.top, receiver, interval.far, interval.near));
+        ControlFlow::Continue(())
+    });
+    least
+}
+
+/// The cells that the link crosses, without the receiver's own, with the ends of each crossing as fractions from the
+/// receiver: for drawing.
+pub fn columns_crossed(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Vec<(usize, f64, f64)> {
+    let mut crossed = Vec::new();
+    if uav.x == receiver.x && uav.y == receiver.y {
+        return crossed;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "for drawing")]
+    let fraction = |c: Crossing| c.n as f64 / c.d as f64;
+    let _ = visit_intervals(columns, uav, receiver, |interval| {
+        crossed.push((interval.cell, fraction(interval.near), fraction(interval.far)));
+        ControlFlow::Continue(())
+    });
+    crossed
+}
+
+/// The part of a ray over one cell (or along the line between two), measured from the receiver.
+struct Interval {
+    cell: usize,
+    top: i32,
+    near: Crossing,
+    far: Crossing,
+}
+
+fn runs_along_a_grid_line(uav: LatticePoint, receiver: LatticePoint) -> bool {
+    (uav.x == receiver.x && receiver.x.rem_euclid(CELL) == 0)
+        || (uav.y == receiver.y && receiver.y.rem_euclid(CELL) == 0)
+}
+
+impl Columns {
+    /// Index of the cell that a ray leaving `from` in direction `(dx, dy)` is in first, if it lies in the raster.
+    fn cell_towards(&self, from: LatticePoint, dx: i64, dy: i64) -> Option<usize> {
+        let first = |v: i64, d: i64| if d < 0 { (v - 1).div_euclid(CELL) } else { v.div_euclid(CELL) };
+        self.index(first(from.x, dx), first(from.y, dy))
+    }
+}
+
+/// The hot case: the receiver in the raster, the UAV not below it, the ray not along a grid line.
+///
+/// INVARIANT: before each pass `index` is the current cell and `nx`, `ny` the distances [lattice steps] along x and y
+/// from the receiver to the grid line that leaves it; `ex = nx·|dy|` and `ey = ny·|dx|` tell which is met first.
+fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
+    let (adx, ady) = (dx.abs(), dy.abs());
+    let climb = uav.z - receiver.z;
+    let above = i64::from(columns.max_top()) - receiver.z;
+    let (width, height) = (extent(columns.n_cols()), extent(columns.n_rows()));
+
+    // How far along each axis a crossing can still matter: short of the UAV, below the highest column, in the raster.
+    let reach = |length: i64, to_border: i64| {
+        let below_the_highest = if climb > 0 { (above * length + climb - 1) / climb } else { i64::MAX };
+        length.min(below_the_highest).min(to_border)
+    };
+    let reach_x = reach(adx, if dx < 0 { receiver.x } else { width - receiver.x });
+    let reach_y = reach(ady, if dy < 0 { receiver.y } else { height - receiver.y });
+
+    const FAR: i64 = 1 << 32;
+    let to_line = |v: i64, d: i64| match d.signum() {
+        1 => CELL - v.rem_euclid(CELL),
+        -1 => (v - 1).rem_euclid(CELL) + 1,
+        _ => FAR,
+    };
+    let (mut nx, mut ny) = (to_line(receiver.x, dx), to_line(receiver.y, dy));
+    let (mut ex, mut ey) = if adx == 0 {
+        (1, 0)
+    } else if ady == 0 {
+        (0, 1)
+    } else {
+        (nx * ady, ny * adx)
+    };
+    let (grow_ex, grow_ey) = (CELL * ady, CELL * adx);
+    let (grow_ex, grow_ey) = if adx == 0 || ady == 0 { (0, 0) } else { (grow_ex, grow_ey) };
+    let east: isize = if dx < 0 { -1 } else { 1 };
+    #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
+    let north: isize = if dy < 0 { columns.n_cols() as isize } else { -(columns.n_cols() as isize) };
+    let tops = columns.tops();
+    let mut index = own;
+    // EXACT: all factors are at most 2^26, so every product is at most 2^52.
+    loop {
+        let (n, d) = if ex <= ey {
+            if nx >= reach_x {
+                return true;
+            }
+            let crossing = (nx, adx);
+            index = index.wrapping_add_signed(east);
+            nx += CELL;
+            if ex == ey {
+                // A corner: both indices step at once.
+                if ny >= reach_y {
+                    return true;
+                }
+                index = index.wrapping_add_signed(north);
+                ny += CELL;
+                ey += grow_ey;
+            }
+            ex += grow_ex;
+            crossing
+        } else {
+            if ny >= reach_y {
+                return true;
+            }
+            let crossing = (ny, ady);
+            index = index.wrapping_add_signed(north);
+            ny += CELL;
+            ey += grow_ey;
+            crossing
+        };
+        if (i64::from(tops[index]) - receiver.z) * d > n * climb {
+            return false;
+        }
+    }
+}
+
+fn extent(cells: usize) -> i64 {
+    i64::try_from(cells).unwrap_or(i64::MAX / CELL) * CELL
+}
+
+/// Calls `visit` for every interval of the link over a column, from the receiver on, exempting its own cells.
+fn visit_intervals(
+    columns: &Columns,
+    uav: LatticePoint,
+    receiver: LatticePoint,
+    mut visit: impl FnMut(Interval) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let along_column_line = uav.x == receiver.x && receiver.x.rem_euclid(CELL) == 0;
+    let along_row_line = uav.y == receiver.y && receiver.y.rem_euclid(CELL) == 0;
+    let is_own = |(east, north): (i64, i64)| {
+        let holds = |cell: i64, v: i64| cell * CELL <= v && v <= (cell + 1) * CELL;
+        holds(east, receiver.x) && holds(north, receiver.y)
+    };
+    let top = |cell: (i64, i64)| if is_own(cell) { VOID } else { columns.top(cell.0, cell.1) };
+
+    let mut walk = CellWalk::new((receiver.x, receiver.y), (uav.x, uav.y), CELL);
+    let mut near = Crossing { n: 0, d: 1 };
+    loop {
+        let exit = walk.exit();
+        let far = exit.unwrap_or(Crossing { n: 1, d: 1 });
+        let (east, north) = walk.cell;
+        let mut obstacle = ((east, north), top((east, north)));
+        // Along the line between two cells the ray is inside the solid only where both are.
+        for (on_line, other) in [(along_column_line, (east - 1, north)), (along_row_line, (east, north - 1))] {
+            if on_line && top(other) < obstacle.1 {
+                obstacle = (other, top(other));
+            }
+        }
+        if obstacle.1 > VOID {
+            if let Some(cell) = columns.index(obstacle.0.0, obstacle.0.1) {
+                visit(Interval { cell, top: obstacle.1, near, far })?;
+            }
+        }
+        let Some(crossing) = exit else { return ControlFlow::Continue(()) };
+        near = crossing;
+        walk.advance();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64, y: f64, z: f64) -> LatticePoint {
+        #[expect(clippy::cast_possible_truncation, reason = "small test coordinates")]
+        let steps = |v: f64| (v * 1024.0) as i64;
+        LatticePoint { x: steps(x), y: steps(y), z: steps(z) }
+    }
+
+    fn row(heights: &[i32]) -> Columns {
+        Columns::new(1, heights.len(), heights.iter().map(|h| h * 1024).collect())
+    }
+
+    #[test]
+    fn touching_the_roof_edge_is_los_and_one_step_lower_is_not() {
+        // Ray from (0.5, 0) to (4.5, 8): at the wall's near edge x = 2 it is 3 m high.
+        let receiver = point(0.5, 0.5, 0.0);
+        let uav = point(4.5, 0.5, 8.0);
+        assert!(columns_los(&row(&[0, 0, 3, 0, 0]), uav, receiver));
+        let lower = LatticePoint { z: uav.z - 1, ..uav };
+        assert!(!columns_los(&row(&[0, 0, 3, 0, 0]), lower, receiver));
+        // The other way around, the obstructing point is on the far side, x = 3 seen from the upper end.
+        assert!(columns_los(&row(&[0, 0, 3, 0, 0]), receiver, point(4.5, 0.5, 8.0)));
+    }
+
+    #[test]
+    fn the_ceiling_names_the_cell_that_sets_it() {
+        let columns = row(&[0, 4, 0, 3, 0, 0]);
+        let uav = point(0.5, 0.5, 10.0);
+        let Ceiling::At(obstruction) = columns_ceiling(&columns, uav, point(5.5, 0.5, 0.0)) else {
+            panic!("an obstruction stands in the way");
+        };
+        // Behind the wall of 4 m whose far edge is 1.5 m away: 10 − 6·5/1.5 = −10; behind the one of 3 m: 10 − 7·5/3.5 = 0.
+        assert_eq!(obstruction.obstacle, 3);
+        let ceiling = columns_ceiling(&columns, uav, point(5.5, 0.5, 0.0));
+        assert!((ceiling.height_steps() - 0.0).abs() < 1e-9);
+        assert!(ceiling.is_met_by(0) && !ceiling.is_met_by(-1));
+    }
+}

@@ -1,0 +1,28 @@
+//! One link of a scene: both solids together, each on its own lattice.
+
+use super::{Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_los};
+use crate::height_field::{HeightField, Station};
+
+/// Decides whether a link is LoS: clear of the prisms and clear of the columns.
+#[inline]
+pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool {
+    field.prisms().is_none_or(|p| prisms_los(p, uav.on_prisms(), receiver.on_prisms()))
+        && field.columns().is_none_or(|c| columns_los(c, uav.on_columns(), receiver.on_columns()))
+}
+
+/// The ceiling of each solid at the receiver's place, prisms first: the receiver is LoS from the higher one up.
+pub fn link_ceilings(field: &HeightField, uav: &Station, receiver: &Station) -> (Ceiling, Ceiling) {
+    (
+        field.prisms().map_or(Ceiling::Clear, |p| prisms_ceiling(p, uav.on_prisms(), receiver.on_prisms())),
+        field.columns().map_or(Ceiling::Clear, |c| columns_ceiling(c, uav.on_columns(), receiver.on_columns())),
+    )
+}
+
+/// The least UAV height over the UAV's place that sees the receiver, for each solid, prisms first.
+pub fn link_least_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (Ceiling, Ceiling) {
+    (
+        // No prism is exempt, so a link and its reverse are obstructed alike.
+        field.prisms().map_or(Ceiling::Clear, |p| prisms_ceiling(p, receiver.on_prisms(), uav.on_prisms())),
+        field.columns().map_or(Ceiling::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
+    )
+}

@@ -1,0 +1,35 @@
+//! Who sees whom: the meaning of line of sight, and the engines that decide it.
+//!
+//! **A link is LoS if and only if the open segment between the UAV and the receiver meets neither the interior of B nor
+//! the interior of T.** B is the closed union of all prisms, T the closed union of all columns. Touching a roof edge, a
+//! wall or a corner is LoS. Solids that share a wall are one solid, blocked up to the lower roof; a ray through the one
+//! point where two cells touch corner to corner passes. In a raster every cell whose closed square contains the receiver
+//! is exempt for that receiver; the UAV's own cell or building blocks like any other, and no prism is ever exempt.
+//!
+//! What this means along one ray. Let h(p) be the height below which the vertical line at p is in the interior of the
+//! solid: the top of the piece or cell around p, on an edge the lower of both sides. Along the ray h is piecewise
+//! constant and drops only at single points, so the link is blocked if and only if some *interval* of the ray has
+//! z < h inside, and since z is linear that is one comparison per interval:
+//!
+//! ```text
+//!   blocked  ⇔  h > z at the obstructing point, the end of the interval nearest the lower terminal
+//! ```
+//!
+//! which is eq. 3 of Saboor et al. 2023 (h_LoS = h_U − r_OP (h_U − h_rx) / r_rx, distances from the UAV). Both sides are
+//! compared as products of integers, so there is no epsilon and no rounding.
+//!
+//! Seen the other way around, an interval of height h bounds the receiver from below: a receiver at the same place is
+//! LoS only from `z_U + (h − z_U) / s` up, s being the fraction of the way from the UAV to the obstructing point. The
+//! largest of these bounds is the **ceiling** at that place (the least visible height), and the interval that sets it is
+//! the **obstruction** that a user wants named.
+
+mod cell_walk;
+mod columns_ray;
+mod link;
+mod obstruction;
+mod prisms_ray;
+
+pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_los};
+pub use link::{link_ceilings, link_least_heights, link_los};
+pub use obstruction::{Ceiling, Obstruction};
+pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_los};

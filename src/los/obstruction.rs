@@ -1,0 +1,150 @@
+//! The ceiling at a place and the obstacle that sets it, compared exactly.
+
+use std::cmp::Ordering;
+
+use crate::quantity::LatticePoint;
+
+use super::cell_walk::Crossing;
+
+/// The least receiver height at a place from which the link is LoS.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ceiling {
+    /// Nothing stands in the way at any height.
+    Clear,
+    /// The receiver must be at least this high; the obstruction sets the bound.
+    At(Obstruction),
+}
+
+/// An interval of the ray over one obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Obstruction {
+    /// Index of the cell ([`crate::height_field::Columns::tops`]) or of the piece.
+    pub obstacle: usize,
+    /// Top of the obstacle [1/1024 m above the datum].
+    pub top: i32,
+    /// Where the interval begins, as a fraction of the way from the receiver to the UAV.
+    pub near: f64,
+    /// Where the interval ends, as a fraction of the way from the receiver to the UAV.
+    pub far: f64,
+    bound: Bound,
+}
+
+/// The bound that an interval puts on the receiver's height: `z_U + num/den`, or no height at all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bound {
+    uav_z: i64,
+    num: i128,
+    /// Positive; 0 means that no receiver height is enough.
+    den: i128,
+}
+
+impl Ceiling {
+    /// The ceiling [1/1024 m above the datum]: −∞ where clear, +∞ where no height is enough.
+    pub fn height_steps(&self) -> f64 {
+        match self {
+            Ceiling::Clear => f64::NEG_INFINITY,
+            Ceiling::At(o) => o.bound.value(),
+        }
+    }
+
+    /// Whether a receiver at height `z` [1/1024 m] is at or above the ceiling; exact.
+    pub fn is_met_by(&self, z: i64) -> bool {
+        match self {
+            Ceiling::Clear => true,
+            Ceiling::At(o) => o.bound.den > 0 && i128::from(z - o.bound.uav_z) * o.bound.den >= o.bound.num,
+        }
+    }
+
+    /// Raises the ceiling to what `other` demands, keeping the present obstruction on a tie.
+    pub(super) fn raise(&mut self, other: Obstruction) {
+        let higher = match self {
+            Ceiling::Clear => true,
+            Ceiling::At(o) => match other.bound.compare(&o.bound) {
+                Ordering::Greater => true,
+                Ordering::Equal => other.near < o.near,
+                Ordering::Less => false,
+            },
+        };
+        if higher {
+            *self = Ceiling::At(other);
+        }
+    }
+}
+
+impl Obstruction {
+    /// An interval of the ray from `near` to `far` over an obstacle with the given top.
+    ///
+    /// Both crossings are measured from the UAV: `near` is the end towards the receiver, `0 < near ≤ 1`, and `far` the
+    /// end towards the UAV, `0 ≤ far < near`.
+    pub(super) fn new(obstacle: usize, top: i32, uav: LatticePoint, near: Crossing, far: Crossing) -> Self {
+        let excess = i64::from(top) - uav.z;
+        // A roof below the UAV hides the cone behind its far edge (the one towards the receiver); a roof above the UAV
+        // hides everything below the plane through its near edge.
+        let at = if excess <= 0 { near } else { far };
+        let bound = Bound { uav_z: uav.z, num: i128::from(excess) * i128::from(at.d), den: i128::from(at.n) };
+        let from_receiver = |c: Crossing| ratio(i128::from(c.d - c.n), i128::from(c.d));
+        Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
+    }
+}
+
+impl Bound {
+    fn value(&self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "heights are far below 2^53")]
+        let uav_z = self.uav_z as f64;
+        if self.den == 0 { f64::INFINITY } else { uav_z + ratio(self.num, self.den) }
+    }
+
+    /// Exact order of two bounds from the same UAV.
+    fn compare(&self, other: &Bound) -> Ordering {
+        debug_assert_eq!(self.uav_z, other.uav_z);
+        match (self.den == 0, other.den == 0) {
+            (true, true) => return Ordering::Equal,
+            (true, false) => return Ordering::Greater,
+            (false, true) => return Ordering::Less,
+            (false, false) => {}
+        }
+        // Far apart even if every conversion and division below erred by 2^-50.
+        let (a, b) = (ratio(self.num, self.den), ratio(other.num, other.den));
+        if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) {
+            return a.total_cmp(&b);
+        }
+        compare_ratios((self.num, self.den), (other.num, other.den))
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "the quotient is reported, or compared with a margin")]
+fn ratio(num: i128, den: i128) -> f64 {
+    num as f64 / den as f64
+}
+
+/// Exact order of `a.0/a.1` and `b.0/b.1` for positive denominators, by continued fractions: no product overflows.
+fn compare_ratios(mut a: (i128, i128), mut b: (i128, i128)) -> Ordering {
+    loop {
+        let (qa, qb) = (a.0.div_euclid(a.1), b.0.div_euclid(b.1));
+        if qa != qb {
+            return qa.cmp(&qb);
+        }
+        let (ra, rb) = (a.0.rem_euclid(a.1), b.0.rem_euclid(b.1));
+        match (ra == 0, rb == 0) {
+            (true, true) => return Ordering::Equal,
+            (true, false) => return Ordering::Less,
+            (false, true) => return Ordering::Greater,
+            // a < b  ⇔  ra/da < rb/db  ⇔  db/rb < da/ra
+            (false, false) => (a, b) = ((b.1, rb), (a.1, ra)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_compare_exactly_where_doubles_cannot_tell() {
+        let big = (1_i128 << 80) + 1;
+        assert_eq!(compare_ratios((big, 1 << 40), (1 << 80, 1 << 40)), Ordering::Greater);
+        assert_eq!(compare_ratios((-7, 3), (-14, 6)), Ordering::Equal);
+        assert_eq!(compare_ratios((-7, 3), (-6, 3)), Ordering::Less);
+        assert_eq!(compare_ratios((1, 3), (333_333_333_333_333, 1_000_000_000_000_000)), Ordering::Greater);
+    }
+}

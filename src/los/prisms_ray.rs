@@ -1,0 +1,306 @@
+//! `ray` over prisms: finds the footprint pieces that the link crosses, bucket by bucket from the receiver up.
+//!
+//! A convex piece meets the line of the link in one interval. If the line has vertices of the piece on both sides, it
+//! crosses the interior; if it runs along an edge, the piece covers one side of the ray only, and the ray is inside the
+//! solid where pieces cover both sides (a shared wall, or the diagonal of a triangulated roof), up to the lower top.
+//! Crossings of the interior are tested at once, the rare edges are kept and paired at the end.
+
+use std::ops::ControlFlow;
+
+use super::cell_walk::{CellWalk, Crossing};
+use super::obstruction::{Ceiling, Obstruction};
+use crate::height_field::{Piece, Prisms};
+use crate::quantity::LatticePoint;
+
+/// Decides whether the link between `uav` and `receiver` is clear of the interior of B.
+///
+/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top. Positions may
+/// differ by at most 2^27 lattice steps along each axis (not checked); orientations then fit in i64, heights against
+/// slanted edges in i128.
+pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let lower = uav.z.min(receiver.z);
+    if i64::from(prisms.max_top()) <= lower {
+        return true;
+    }
+    if uav.x == receiver.x && uav.y == receiver.y {
+        return i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
+    }
+    let ray = Ray::new(uav, receiver);
+    let mut edges: Vec<Edge> = Vec::new();
+    let crossed = visit_buckets(
+        prisms,
+        &ray,
+        |max_top, near, far| ray.dips_below(max_top, near, far),
+        |_, piece| {
+            if i64::from(piece.top) <= lower {
+                return ControlFlow::Continue(());
+            }
+            match ray.meet(prisms.ring(piece)) {
+                Meeting::Interior(interval) if ray.is_blocked(piece.top, &interval) => ControlFlow::Break(()),
+                Meeting::Edge(side, interval) => {
+                    edges.push(Edge { piece: 0, top: piece.top, side, interval });
+                    ControlFlow::Continue(())
+                }
+                _ => ControlFlow::Continue(()),
+            }
+        },
+    );
+    crossed.is_continue() && !shared_edges(&edges).any(|(edge, interval)| ray.is_blocked(edge.top, &interval))
+}
+
+/// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and the piece that sets
+/// it. The receiver's own height plays no part.
+pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    let mut ceiling = Ceiling::Clear;
+    if uav.x == receiver.x && uav.y == receiver.y {
+        // Straight below the UAV a receiver sees it unless a roof is between them: from the roof up.
+        if let Some((top, piece)) = prisms.solid_at(uav.x, uav.y) {
+            let here = Crossing { n: 1, d: 1 };
+            let far = if i64::from(top) > uav.z { Crossing { n: 0, d: 1 } } else { here };
+            ceiling.raise(Obstruction::new(piece, top, uav, here, far));
+        }
+        return ceiling;
+    }
+    let ray = Ray::new(uav, receiver);
+    let mut edges: Vec<Edge> = Vec::new();
+    let ceiling_cell = std::cell::Cell::new(f64::NEG_INFINITY);
+    let may_bind = |max_top: i32, near: f64, _far: f64| ray.may_raise(ceiling_cell.get(), max_top, near);
+    let _ = visit_buckets(prisms, &ray, may_bind, |index, piece| {
+        match ray.meet(prisms.ring(piece)) {
+            Meeting::Interior(interval) => {
+                ceiling.raise(interval.obstruction(index, piece.top, uav));
+                ceiling_cell.set(ceiling.height_steps());
+            }
+            Meeting::Edge(side, interval) => {
+                edges.push(Edge { piece: index, top: piece.top, side, interval });
+            }
+            Meeting::Nothing => {}
+        }
+        ControlFlow::Continue(())
+    });
+    for (edge, interval) in shared_edges(&edges) {
+        ceiling.raise(interval.obstruction(edge.piece, edge.top, uav));
+    }
+    ceiling
+}
+
+/// The pieces whose interior the link crosses, with the ends of each crossing as fractions from the receiver, in no
+/// particular order: for drawing.
+pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Vec<(usize, f64, f64)> {
+    if uav.x == receiver.x && uav.y == receiver.y {
+        return Vec::new();
+    }
+    let ray = Ray::new(uav, receiver);
+    let mut crossed = Vec::new();
+    let _ = visit_buckets(prisms, &ray, |_, _, _| true, |index, piece| {
+        if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
+            let obstruction = interval.obstruction(index, piece.top, uav);
+            crossed.push((index, obstruction.near, obstruction.far));
+        }
+        ControlFlow::Continue(())
+    });
+    crossed.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+    crossed.dedup_by_key(|c| c.0);
+    crossed
+}
+
+/// A link as a line from the UAV (parameter 0) to the receiver (parameter 1).
+struct Ray {
+    uav: LatticePoint,
+    receiver: LatticePoint,
+    dx: i64,
+    dy: i64,
+    /// Rise from the UAV to the receiver.
+    dz: i64,
+}
+
+/// An open interval of the ray, clipped to the link; parameters from the UAV.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    /// The end towards the UAV, at least 0.
+    far: Crossing,
+    /// The end towards the receiver, at most 1.
+    near: Crossing,
+}
+
+/// A piece of which the ray runs along an edge.
+struct Edge {
+    piece: usize,
+    top: i32,
+    side: Side,
+    interval: Interval,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+enum Meeting {
+    Nothing,
+    Interior(Interval),
+    Edge(Side, Interval),
+}
+
+impl Interval {
+    fn obstruction(&self, piece: usize, top: i32, uav: LatticePoint) -> Obstruction {
+        Obstruction::new(piece, top, uav, self.near, self.far)
+    }
+}
+
+impl Ray {
+    fn new(uav: LatticePoint, receiver: LatticePoint) -> Self {
+        Ray { uav, receiver, dx: receiver.x - uav.x, dy: receiver.y - uav.y, dz: receiver.z - uav.z }
+    }
+
+    /// Twice the signed area of the UAV, the receiver and `v`: positive left of the ray.
+    #[inline]
+    fn side(&self, v: [i32; 2]) -> i64 {
+        self.dx * (i64::from(v[1]) - self.uav.y) - self.dy * (i64::from(v[0]) - self.uav.x)
+    }
+
+    /// How a convex counterclockwise ring meets the open link.
+    #[inline]
+    fn meet(&self, ring: &[[i32; 2]]) -> Meeting {
+        let n = ring.len();
+        let mut previous = self.side(ring[n - 1]);
+        let (mut enters, mut leaves, mut zeros) = (None, None, 0);
+        let (mut any_left, mut any_right) = (false, false);
+        for k in 0..n {
+            let side = self.side(ring[k]);
+            any_left |= side > 0;
+            any_right |= side < 0;
+            zeros += i32::from(side == 0);
+            // Counterclockwise, the boundary passes from right to left where the ray leaves the piece.
+            if previous <= 0 && side > 0 {
+                leaves = Some((k, previous, side));
+            } else if previous >= 0 && side < 0 {
+                enters = Some((k, previous, side));
+            }
+            previous = side;
+        }
+        if any_left && any_right {
+            let (Some(enters), Some(leaves)) = (enters, leaves) else { return Meeting::Nothing };
+            let cross = |(k, a, b): (usize, i64, i64)| self.crossing(ring[(k + n - 1) % n], ring[k], a, b);
+            return self.clip(cross(enters), cross(leaves)).map_or(Meeting::Nothing, Meeting::Interior);
+        }
+        if zeros < 2 {
+            return Meeting::Nothing;
+        }
+        let mut ends = ring.iter().filter(|v| self.side(**v) == 0).map(|&v| self.along(v));
+        let (Some(a), Some(b)) = (ends.next(), ends.next()) else { return Meeting::Nothing };
+        let (first, last) = if a.n <= b.n { (a, b) } else { (b, a) };
+        let side = if any_left { Side::Left } else { Side::Right };
+        self.clip(first, last).map_or(Meeting::Nothing, |interval| Meeting::Edge(side, interval))
+    }
+
+    /// Where the line crosses the edge from `a` to `b`, whose ends are `side_a` and `side_b` from it.
+    #[inline]
+    fn crossing(&self, a: [i32; 2], b: [i32; 2], side_a: i64, side_b: i64) -> Crossing {
+        let (ex, ey) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
+        let n = (i64::from(a[0]) - self.uav.x) * ey - (i64::from(a[1]) - self.uav.y) * ex;
+        let d = side_b - side_a;
+        if d > 0 { Crossing { n, d } } else { Crossing { n: -n, d: -d } }
+    }
+
+    /// The parameter of a vertex that lies on the line, over the longer component of the link.
+    fn along(&self, v: [i32; 2]) -> Crossing {
+        let (n, d) = if self.dx.abs() >= self.dy.abs() {
+            (i64::from(v[0]) - self.uav.x, self.dx)
+        } else {
+            (i64::from(v[1]) - self.uav.y, self.dy)
+        };
+        if d > 0 { Crossing { n, d } } else { Crossing { n: -n, d: -d } }
+    }
+
+    /// The part of an interval of the line that lies on the open link, if it has length.
+    #[inline]
+    fn clip(&self, far: Crossing, near: Crossing) -> Option<Interval> {
+        if near.n <= 0 || far.n >= far.d {
+            return None;
+        }
+        let far = if far.n < 0 { Crossing { n: 0, d: 1 } } else { far };
+        let near = if near.n > near.d { Crossing { n: 1, d: 1 } } else { near };
+        Some(Interval { far, near })
+    }
+
+    /// Whether a solid of the given top blocks the ray over an interval: at the end nearest the lower terminal.
+    #[inline]
+    fn is_blocked(&self, top: i32, interval: &Interval) -> bool {
+        let at = if self.dz <= 0 { interval.near } else { interval.far };
+        let excess = i64::from(top) - self.uav.z;
+        // z = z_U + (n/d)·dz, so blocked ⇔ excess·d > n·dz. The f64 products are off by less than 3·2^-53 relative.
+        #[expect(clippy::cast_precision_loss, reason = "filtered: decided in i128 where rounding could matter")]
+        let (left, right) = (excess as f64 * at.d as f64, at.n as f64 * self.dz as f64);
+        if (left - right).abs() > 1e-15 * (left.abs() + right.abs()) {
+            return left > right;
+        }
+        i128::from(excess) * i128::from(at.d) > i128::from(at.n) * i128::from(self.dz)
+    }
+
+    /// Height of the ray at fraction `t` from the receiver, to within one lattice step.
+    #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
+    fn height_from_receiver(&self, t: f64) -> f64 {
+        self.receiver.z as f64 - t * self.dz as f64
+    }
+
+    /// Whether the ray may be below `top` somewhere between fractions `near` and `far` from the receiver.
+    #[inline]
+    fn dips_below(&self, top: i32, near: f64, far: f64) -> bool {
+        let lowest = if self.dz <= 0 { near } else { far };
+        f64::from(top) > self.height_from_receiver(lowest) - 1.0
+    }
+
+    /// Whether an obstacle of at most `top`, at fraction `near` or more from the receiver, may raise the ceiling.
+    fn may_raise(&self, ceiling: f64, top: i32, near: f64) -> bool {
+        #[expect(clippy::cast_precision_loss, reason = "compared with a margin of one lattice step")]
+        let uav_z = self.uav.z as f64;
+        let excess = f64::from(top) - uav_z;
+        excess > 0.0 || ceiling == f64::NEG_INFINITY || uav_z + excess / (1.0 - near).max(1e-300) + 1.0 >= ceiling
+    }
+}
+
+/// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.
+fn shared_edges(edges: &[Edge]) -> impl Iterator<Item = (&Edge, Interval)> {
+    let less = |a: Crossing, b: Crossing| i128::from(a.n) * i128::from(b.d) < i128::from(b.n) * i128::from(a.d);
+    let pairs = edges.iter().enumerate().flat_map(|(i, a)| edges[i + 1..].iter().map(move |b| (a, b)));
+    pairs.filter(|(a, b)| a.side != b.side).filter_map(move |(a, b)| {
+        let far = if less(a.interval.far, b.interval.far) { b.interval.far } else { a.interval.far };
+        let near = if less(a.interval.near, b.interval.near) { a.interval.near } else { b.interval.near };
+        let lower = if a.top <= b.top { a } else { b };
+        less(far, near).then_some((lower, Interval { far, near }))
+    })
+}
+
+/// Visits the pieces listed by the buckets along the link, from the receiver on, skipping the buckets that `matters`
+/// rules out: it gets the bucket's highest top and the ray's entry and exit as fractions from the receiver.
+#[inline]
+fn visit_buckets(
+    prisms: &Prisms,
+    ray: &Ray,
+    matters: impl Fn(i32, f64, f64) -> bool,
+    mut visit: impl FnMut(usize, &Piece) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let buckets = prisms.buckets();
+    let relative = |p: &LatticePoint| (p.x - buckets.origin.0, p.y - buckets.origin.1);
+    let mut walk = CellWalk::new(relative(&ray.receiver), relative(&ray.uav), buckets.size);
+    let mut near = 0.0;
+    loop {
+        let exit = walk.exit();
+        #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
+        let far = exit.map_or(1.0, |c| c.n as f64 / c.d as f64);
+        if let Some((max_top, items)) = buckets.at(walk.cell.0, walk.cell.1) {
+            if matters(max_top, near, far) {
+                for &item in items {
+                    visit(item as usize, &prisms.pieces()[item as usize])?;
+                }
+            }
+        }
+        if exit.is_none() {
+            return ControlFlow::Continue(());
+        }
+        near = far;
+        walk.advance();
+    }
+}

@@ -1,0 +1,622 @@
+//! Coordinate reference systems: what they are called, which units they have, and how to get from one to another.
+//!
+//! Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever order an authority
+//! assigns: that is how rasters, GeoJSON and every GIS store them. Only the horizontal part of a compound system is
+//! kept. The registry and the projections come from `proj-core`, the text forms from `proj-wkt`; what those two do not
+//! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
+
+mod wkt;
+
+use std::fmt;
+use std::mem::discriminant;
+use std::path::Path;
+
+use proj_core::{
+    AreaOfInterest, AxisOrder, CrsDef, ProjectionMethod, SelectionOptions, Transform,
+    operation_candidates_between_with_selection_options,
+};
+
+use crate::error::{Error, Result};
+
+/// A horizontal coordinate reference system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crs {
+    epsg: Option<u32>,
+    name: String,
+    kind: CrsKind,
+    definition: Definition,
+}
+
+/// What the coordinates of a [`Crs`] measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CrsKind {
+    /// Longitude and latitude [deg].
+    Geographic,
+    /// Easting and northing in a plane.
+    Projected {
+        /// Length of one coordinate unit [m].
+        meters_per_unit: f64,
+    },
+    /// Neither: geocentric, or of unknown units.
+    Other,
+}
+
+/// Where the mathematics of a [`Crs`] comes from.
+#[derive(Debug, Clone, PartialEq)]
+enum Definition {
+    /// The registry entry of `Crs::epsg`.
+    Registry,
+    /// A WKT text without a code that the registry knows.
+    Wkt(String),
+    /// A PROJ or PROJJSON text.
+    Proj(String),
+    /// Only a name: coordinates cannot be transformed.
+    Described,
+}
+
+impl Crs {
+    /// The reference system with an EPSG code; of a compound system its horizontal part.
+    ///
+    /// # Errors
+    /// E310 if the registry does not know the code.
+    pub fn from_epsg(code: u32) -> Result<Crs> {
+        let horizontal = registry_entry(code).ok_or_else(|| {
+            Error::file(310, format!("unknown coordinate reference system: no EPSG code `{code}` in the registry"))
+                .with_hint("give another EPSG code, or the definition as WKT or PROJ string")
+        })?;
+        Ok(Crs {
+            epsg: Some(horizontal.epsg()),
+            name: horizontal.name().to_string(),
+            kind: kind_of(&horizontal),
+            definition: Definition::Registry,
+        })
+    }
+
+    /// Reads any common notation: `EPSG:25832`, `25832`, `urn:ogc:def:crs:EPSG::25832`,
+    /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings,
+    /// PROJJSON.
+    ///
+    /// A definition without an EPSG code gets one if a registry entry has the same projection, unit, ellipsoid and
+    /// name of geographic base. A WKT with a projection that is not supported is kept by name and unit, so that its
+    /// rasters can be used, but not transformed.
+    ///
+    /// # Errors
+    /// E310 if `text` is none of these, or names a system that the registry does not know.
+    pub fn parse(text: &str) -> Result<Crs> {
+        let text = text.trim_start_matches('\u{feff}').trim_matches(|c: char| c.is_whitespace() || c == '\0');
+        let is_wkt = text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.contains('[');
+        if is_wkt {
+            return Crs::from_wkt(text);
+        }
+        if let Some(code) = code_in(text) {
+            return Crs::from_epsg(code);
+        }
+        let parsed = proj_wkt::parse_crs(text).map_err(|cause| unreadable(text, &cause.to_string()))?;
+        let horizontal = east_north(parsed).ok_or_else(|| unreadable(text, "it has no horizontal part"))?;
+        if horizontal.epsg() != 0 {
+            return Crs::from_epsg(horizontal.epsg());
+        }
+        // A PROJ string names no geographic base; only WGS 84 is said unmistakably.
+        if text.contains("datum=WGS84")
+            && let Some(crs) = registry_match(&horizontal, "WGS 84", None)
+        {
+            return Ok(crs);
+        }
+        let name = if horizontal.name().is_empty() { text } else { horizontal.name() }.to_string();
+        Ok(Crs { epsg: None, name, kind: kind_of(&horizontal), definition: Definition::Proj(text.to_string()) })
+    }
+
+    fn from_wkt(text: &str) -> Result<Crs> {
+        let node = wkt::horizontal_node(text).ok_or_else(|| unreadable(text, "it has no horizontal part"))?;
+        if let Some(code) = wkt::epsg_of(node)
+            && let Ok(crs) = Crs::from_epsg(code)
+        {
+            return Ok(crs);
+        }
+        let name = wkt::name_of(node).unwrap_or("unnamed").to_string();
+        let parsed = proj_wkt::parse_crs(&wkt::for_proj_wkt(node)).ok().and_then(east_north);
+        if let Some(horizontal) = &parsed {
+            let base = if horizontal.is_projected() { wkt::base_name_of(node) } else { Some(name.as_str()) };
+            if let Some(crs) = base.and_then(|base| registry_match(horizontal, base, Some(&name))) {
+                return Ok(crs);
+            }
+        }
+        let kind = match &parsed {
+            Some(horizontal) => kind_of(horizontal),
+            None => wkt::kind_of(node),
+        };
+        Ok(Crs { epsg: None, name, kind, definition: Definition::Wkt(node.to_string()) })
+    }
+
+    /// A system of which only name and unit are known, as in the GeoKeys of a user-defined projection.
+    ///
+    /// Its rasters can be used; coordinates in it cannot be transformed. `meters_per_unit` counts for projected systems.
+    pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographic: bool) -> Crs {
+        let kind = match meters_per_unit {
+            _ if geographic => CrsKind::Geographic,
+            Some(meters) if meters.is_finite() && meters > 0.0 => CrsKind::Projected { meters_per_unit: meters },
+            _ => CrsKind::Other,
+        };
+        let name = if name.trim().is_empty() { "unnamed" } else { name.trim() };
+        Crs { epsg: None, name: name.to_string(), kind, definition: Definition::Described }
+    }
+
+    /// The EPSG code of the horizontal system.
+    pub fn epsg(&self) -> Option<u32> {
+        self.epsg
+    }
+
+    /// `EPSG:25832`, or the name if there is no code.
+    pub fn label(&self) -> String {
+        self.epsg.map_or_else(|| self.name.clone(), |code| format!("EPSG:{code}"))
+    }
+
+    /// The name, for example `ETRS89 / UTM zone 32N`.
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// What the coordinates measure.
+    pub fn kind(&self) -> CrsKind {
+        self.kind
+    }
+
+    /// Whether this is the Web Mercator projection, whose meters are true at the equator only.
+    pub fn is_web_mercator(&self) -> bool {
+        self.horizontal()
+            .and_then(|crs| crs.as_projected().map(|projected| projected.method()))
+            .is_some_and(|method| matches!(method, ProjectionMethod::WebMercator))
+    }
+
+    /// The definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if it cannot be written.
+    pub fn wkt(&self) -> Option<String> {
+        match &self.definition {
+            Definition::Wkt(text) => Some(text.clone()),
+            Definition::Described => None,
+            Definition::Registry | Definition::Proj(_) => wkt::for_gdal(&self.horizontal()?),
+        }
+    }
+
+    /// The definition that the projections work with, in x, y order.
+    fn horizontal(&self) -> Option<CrsDef> {
+        match &self.definition {
+            Definition::Registry => registry_entry(self.epsg?),
+            Definition::Wkt(text) => proj_wkt::parse_crs(&wkt::for_proj_wkt(text)).ok().and_then(east_north),
+            Definition::Proj(text) => proj_wkt::parse_crs(text).ok().and_then(east_north),
+            Definition::Described => None,
+        }
+    }
+}
+
+/// A prepared way from one [`Crs`] to another, for many points of one place.
+#[derive(Clone)]
+pub struct Transformation {
+    operation: Option<Transform>,
+    labels: (String, String),
+}
+
+impl fmt::Debug for Transformation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let operation = self.operation.as_ref().map_or("none", |transform| &transform.selected_operation().name);
+        write!(f, "Transformation({} to {} by {operation})", self.labels.0, self.labels.1)
+    }
+}
+
+impl Transformation {
+    /// Prepares the way from `from` to `to` for data around the point `near`, in coordinates of `from`.
+    ///
+    /// Datums are tied together by different operations in different regions; `near` decides between them. Operations
+    /// that need a grid file are not available.
+    ///
+    /// # Errors
+    /// E310 if one of the two is only described, if the registry has no way from one to the other, or if `near` is
+    /// outside the domain of the projections.
+    pub fn new(from: &Crs, to: &Crs, near: (f64, f64)) -> Result<Transformation> {
+        let labels = (from.label(), to.label());
+        if from == to {
+            return Ok(Transformation { operation: None, labels });
+        }
+        let refuse = |why: &str| {
+            let (from, to) = &labels;
+            Error::file(310, format!("cannot transform coordinates near `{near:?}` from `{from}` to `{to}`: {why}"))
+                .with_hint("bring the files into one coordinate reference system, for example with gdalwarp or ogr2ogr")
+        };
+        let defined = |crs: &Crs| {
+            crs.horizontal().ok_or_else(|| refuse(&format!("the projection of `{}` is not known", crs.label())))
+        };
+        let operation =
+            operation_near(&defined(from)?, &defined(to)?, near).map_err(|cause| refuse(&cause.to_string()))?;
+        Ok(Transformation { operation: Some(operation), labels })
+    }
+
+    /// Takes one point over: x, y in, x, y out [CRS units; degrees if geographic].
+    ///
+    /// # Errors
+    /// E310 if the point is not finite or lies outside the domain of the projections.
+    pub fn apply(&self, (x, y): (f64, f64)) -> Result<(f64, f64)> {
+        let refuse = |why: &str| {
+            let (from, to) = &self.labels;
+            Error::file(310, format!("cannot transform `{x} {y}` from `{from}` to `{to}`: {why}"))
+        };
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(refuse("coordinates must be finite"));
+        }
+        let Some(operation) = &self.operation else { return Ok((x, y)) };
+        let (x, y) = operation.convert((x, y)).map_err(|cause| refuse(&cause.to_string()))?;
+        if x.is_finite() && y.is_finite() { Ok((x, y)) } else { Err(refuse("the result is not finite")) }
+    }
+}
+
+/// The best operation of the registry around a point that is neither withdrawn nor in need of a grid file.
+///
+/// `proj-core` ranks some withdrawn operations first: EPSG 1508 (CH1903 to WGS 84) is wrong by 100 km.
+fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Result<Transform> {
+    let area = AreaOfInterest::source_crs_point(near.into());
+    let options = SelectionOptions::new().with_area_of_interest(area).with_wgs84_pivot();
+    let first = Transform::from_crs_defs_with_selection_options(from, to, options.clone())?;
+    if !first.selected_operation().deprecated {
+        return Ok(first);
+    }
+    let others = operation_candidates_between_with_selection_options(from, to, &options)?;
+    let valid = others.iter().filter(|other| !other.deprecated && !other.uses_grids).filter_map(|other| other.id);
+    let built = |id| Transform::from_crs_defs_with_selection_options(from, to, options.clone().with_operation(id)).ok();
+    Ok(valid.filter_map(built).next().unwrap_or(first))
+}
+
+/// Takes one point from one system to another; for many points prepare a [`Transformation`].
+///
+/// # Errors
+/// E310 as for [`Transformation`].
+pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
+    Transformation::new(from, to, xy)?.apply(xy)
+}
+
+/// EPSG code of the WGS 84 / UTM zone of a place [deg], with the wider zones of south-west Norway and Svalbard.
+///
+/// # References
+/// NGA.STND.0037 (2014), Universal Grids and Grid Reference Systems: zones 31V, 32V and 31X to 37X.
+pub fn utm_for(lon: f64, lat: f64) -> u32 {
+    let lon = (lon + 180.0).rem_euclid(360.0) - 180.0;
+    let regular = || (1_u32..60).find(|&zone| lon < f64::from(zone) * 6.0 - 180.0).unwrap_or(60);
+    let zone = match (lon, lat) {
+        (3.0..12.0, 56.0..64.0) => 32,
+        (0.0..9.0, 72.0..=84.0) => 31,
+        (9.0..21.0, 72.0..=84.0) => 33,
+        (21.0..33.0, 72.0..=84.0) => 35,
+        (33.0..42.0, 72.0..=84.0) => 37,
+        _ => regular(),
+    };
+    zone + if lat < 0.0 { 32_700 } else { 32_600 }
+}
+
+/// Which kind of file is to be brought into another reference system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InputKind {
+    /// A raster: `gdalwarp`.
+    Raster,
+    /// Vectors: `ogr2ogr`.
+    Vector,
+}
+
+/// The refusal of coordinates in degrees, with the command that fixes the file at `path`.
+///
+/// `center` is the longitude and latitude of the middle of the data [deg].
+pub fn degrees_refusal(path: &str, crs: &Crs, kind: InputKind, center: (f64, f64)) -> Error {
+    let text = format!("`{path}` is in degrees ({}); wanted a projected coordinate system in meters", crs.label());
+    let on_earth = (-180.0..=360.0).contains(&center.0) && (-90.0..=90.0).contains(&center.1);
+    let hint = if on_earth {
+        let epsg = utm_for(center.0, center.1);
+        let stem = Path::new(path).with_extension("").display().to_string();
+        match kind {
+            InputKind::Raster => {
+                let output = format!("{stem}_{epsg}.tif");
+                format!("gdalwarp -t_srs EPSG:{epsg} -r near {} {}", shell_word(path), shell_word(&output))
+            }
+            InputKind::Vector => {
+                let output = format!("{stem}_{epsg}.geojson");
+                format!("ogr2ogr -t_srs EPSG:{epsg} {} {}", shell_word(&output), shell_word(path))
+            }
+        }
+    } else {
+        let (lon, lat) = center;
+        format!("its middle, longitude {lon} and latitude {lat}, is not on Earth: is the coordinate system right?")
+    };
+    Error::file(310, text).with_hint(hint)
+}
+
+/// A word that a POSIX shell reads back as `text`.
+fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%,=".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_string()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+fn unreadable(text: &str, why: &str) -> Error {
+    let shown: String = text.chars().take(80).collect();
+    Error::file(310, format!("cannot read the coordinate reference system `{shown}`: {why}"))
+        .with_hint("wanted for example `EPSG:25832`, a WKT or a PROJ string")
+}
+
+/// The horizontal part of a registry entry.
+fn registry_entry(code: u32) -> Option<CrsDef> {
+    proj_core::lookup_epsg(code).and_then(east_north)
+}
+
+fn east_north(crs: CrsDef) -> Option<CrsDef> {
+    crs.horizontal_crs().map(|horizontal| horizontal.with_axis_order(AxisOrder::EastNorth))
+}
+
+fn kind_of(horizontal: &CrsDef) -> CrsKind {
+    match horizontal {
+        CrsDef::Geographic(_) => CrsKind::Geographic,
+        CrsDef::Projected(projected) => CrsKind::Projected { meters_per_unit: projected.linear_unit_to_meter() },
+        CrsDef::Geocentric(_) | CrsDef::Compound(_) => CrsKind::Other,
+    }
+}
+
+/// The code in `25832`, `EPSG:25832`, `EPSG:25832+5783` and the codes that stood for Web Mercator before it had one.
+fn code_in(text: &str) -> Option<u32> {
+    let bare = match text.split_once(':') {
+        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("EPSG") => rest,
+        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("ESRI") => rest,
+        Some(_) => return None,
+        None => text,
+    };
+    let code = bare.split('+').next()?.trim().parse().ok()?;
+    Some(if matches!(code, 3785 | 102_100 | 102_113 | 900_913) { 3857 } else { code })
+}
+
+/// Largest relative difference of two parameters that mean the same: a few millimeters in a false origin or an angle,
+/// more than the rounding of any writer of `.prj` files.
+const SAME_NUMBER: f64 = 1e-9;
+
+/// The registry entry with the same projection, unit, ellipsoid and base as `crs`, preferring one of the same name.
+///
+/// `base` is the name of the geographic base: entries of different datums can share all numbers.
+fn registry_match(crs: &CrsDef, base: &str, name: Option<&str>) -> Option<Crs> {
+    let (base, name) = (folded(base), name.map(folded));
+    let near = |a: f64, b: f64| (a - b).abs() <= SAME_NUMBER * a.abs().max(1.0);
+    let same_ellipsoid = |a: &CrsDef, b: &CrsDef| {
+        let (a, b) = (a.datum().ellipsoid(), b.datum().ellipsoid());
+        near(a.semi_major_axis(), b.semi_major_axis()) && near(a.flattening(), b.flattening())
+    };
+    let wanted = crs.as_projected().map(|projected| (projected.method(), wkt::conversion_of(crs)));
+    let same_conversion = |entry: &CrsDef| match (&wanted, entry.as_projected()) {
+        (None, None) => crs.is_geographic() && entry.is_geographic(),
+        (Some((method, Some(numbers))), Some(projected))
+            if discriminant(method) == discriminant(&projected.method()) =>
+        {
+            wkt::conversion_of(entry).is_some_and(|other| {
+                numbers.len() == other.len()
+                    && numbers.iter().zip(&other).all(|((name, a), (other, b))| name == other && near(*a, *b))
+            })
+        }
+        _ => false,
+    };
+    let same_numbers = |entry: &CrsDef| same_ellipsoid(crs, entry) && same_conversion(entry);
+    let same_base = |entry: &CrsDef| {
+        let entry_base = entry.base_geographic_crs_epsg().and_then(proj_core::lookup_epsg);
+        entry_base.is_some_and(|entry_base| folded(entry_base.name()) == base)
+    };
+    let candidates = (2_000..33_000).filter_map(registry_entry).filter(|entry| same_numbers(entry) && same_base(entry));
+    let rank = |entry: &CrsDef| {
+        let entry_name = folded(entry.name());
+        let same = name.as_ref().is_some_and(|name| entry_name == *name || entry_name.ends_with(name.as_str()));
+        (!same, entry.name().contains("(N-E)"), entry.epsg())
+    };
+    let best = candidates.min_by_key(rank)?;
+    Crs::from_epsg(best.epsg()).ok()
+}
+
+/// A name without the habits of its writer: `GCS_ETRS_1989` and `ETRS89` fold to the same.
+fn folded(name: &str) -> String {
+    let name = name.trim_start_matches("GCS_").to_uppercase();
+    let name: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
+    let name = name.replace("NORTHAMERICAN19", "NAD").replace("EUROPEAN19", "ED").replace("BELGE19", "BD");
+    let name = name.replace("DEUTSCHESHAUPTDREIECKSNETZ", "DHDN").replace("GAUSSZONE", "GAUSSKRUGERZONE");
+    // Four-digit years of the last century become two digits, as in EPSG names.
+    let mut short = String::with_capacity(name.len());
+    let mut rest = name.as_str();
+    while let Some(at) = rest.find("19") {
+        let (before, year) = rest.split_at(at);
+        let digits = year.chars().take_while(char::is_ascii_digit).count();
+        let free = !before.ends_with(|c: char| c.is_ascii_digit());
+        short.push_str(before);
+        short.push_str(if free && digits == 4 { "" } else { "19" });
+        rest = &year[2..];
+    }
+    short.push_str(rest);
+    short.strip_suffix("V1").map_or_else(|| short.replace("V1LAMBERT", "LAMBERT"), str::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: (f64, f64), b: (f64, f64), tolerance: f64) -> bool {
+        (a.0 - b.0).abs() <= tolerance && (a.1 - b.1).abs() <= tolerance
+    }
+
+    #[test]
+    fn notations_of_one_system_are_equal() {
+        let wanted = Crs::from_epsg(25832).unwrap();
+        assert_eq!(wanted.name(), "ETRS89 / UTM zone 32N");
+        assert_eq!(wanted.kind(), CrsKind::Projected { meters_per_unit: 1.0 });
+        for text in [
+            "EPSG:25832",
+            " epsg:25832\n",
+            "25832",
+            "urn:ogc:def:crs:EPSG::25832",
+            "http://www.opengis.net/def/crs/EPSG/0/25832",
+            "EPSG:25832+5783",
+            "EPSG:5555",
+            "+init=epsg:25832",
+        ] {
+            assert_eq!(Crs::parse(text).unwrap(), wanted, "{text}");
+        }
+        assert_eq!(Crs::parse("urn:ogc:def:crs:OGC:1.3:CRS84").unwrap().epsg(), Some(4326));
+        assert_eq!(Crs::parse("urn:ogc:def:crs:EPSG::4326").unwrap(), Crs::from_epsg(4326).unwrap());
+        assert_eq!(Crs::parse("+proj=utm +zone=33 +datum=WGS84").unwrap().epsg(), Some(32633));
+    }
+
+    #[test]
+    fn esri_names_are_recognized() {
+        let prj = |name: &str, base: &str, ellipsoid: &str, projection: &str| {
+            format!(
+                r#"PROJCS["{name}",GEOGCS["{base}",DATUM["D_X",SPHEROID["X",{ellipsoid}]],PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],{projection},UNIT["Meter",1.0]]"#
+            )
+        };
+        let utm = r#"PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0]"#;
+        let grs = "6378137.0,298.257222101";
+        let etrs = prj("ETRS_1989_UTM_Zone_32N", "GCS_ETRS_1989", grs, utm);
+        assert_eq!(Crs::parse(&etrs).unwrap().epsg(), Some(25832));
+        let wgs = prj("WGS_1984_UTM_Zone_32N", "GCS_WGS_1984", "6378137.0,298.257223563", utm);
+        assert_eq!(Crs::parse(&wgs).unwrap().epsg(), Some(32632));
+        let gauss =
+            utm.replace("Transverse_Mercator", "Gauss_Kruger").replace("500000", "3500000").replace("0.9996", "1.0");
+        let dhdn =
+            prj("DHDN_3_Degree_Gauss_Zone_3", "GCS_Deutsches_Hauptdreiecksnetz", "6377397.155,299.1528128", &gauss);
+        assert_eq!(Crs::parse(&dhdn).unwrap().epsg(), Some(31467));
+        let feet = r#"PROJECTION["Lambert_Conformal_Conic"],PARAMETER["False_Easting",984250.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",-74.0],PARAMETER["Standard_Parallel_1",40.66666666666666],PARAMETER["Standard_Parallel_2",41.03333333333333],PARAMETER["Latitude_Of_Origin",40.16666666666666]"#;
+        let name = "NAD_1983_StatePlane_New_York_Long_Island_FIPS_3104_Feet";
+        let state_plane = prj(name, "GCS_North_American_1983", grs, feet)
+            .replace(r#"UNIT["Meter",1.0]"#, r#"UNIT["Foot_US",0.3048006096012192]"#);
+        assert_eq!(Crs::parse(&state_plane).unwrap().epsg(), Some(2263));
+        let unknown = prj("My city", "GCS_ETRS_1989", grs, &utm.replace("9.0", "8.5"));
+        let unknown = Crs::parse(&unknown).unwrap();
+        assert_eq!((unknown.epsg(), unknown.label().as_str()), (None, "My city"));
+        assert_eq!(unknown.kind(), CrsKind::Projected { meters_per_unit: 1.0 });
+    }
+
+    #[test]
+    fn an_unsupported_projection_keeps_its_unit() {
+        let text = r#"PROJCS["odd",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Bonne"],PARAMETER["standard_parallel_1",60],UNIT["foot",0.3048]]"#;
+        let crs = Crs::parse(text).unwrap();
+        assert_eq!(crs.kind(), CrsKind::Projected { meters_per_unit: 0.3048 });
+        assert_eq!(crs.wkt().as_deref(), Some(text));
+        assert!(transform(&crs, &Crs::from_epsg(4326).unwrap(), (0.0, 0.0)).is_err());
+    }
+
+    #[test]
+    fn nonsense_is_refused_in_one_line() {
+        for text in [
+            "",
+            "EPSG:",
+            "EPSG:99999",
+            "WGS 84",
+            "PROJCS",
+            "[",
+            "a[",
+            "VERT_CS[\"h\",UNIT[\"metre\",1]]",
+            "+proj=nowhere",
+        ] {
+            let error = Crs::parse(text).unwrap_err();
+            assert_eq!(error.code(), "E310", "{text}");
+        }
+    }
+
+    type Pair = (f64, f64);
+
+    /// EPSG code, point in degrees, and what PROJ 9.5.1 without grids makes of it
+    /// (`pyproj.Transformer.from_crs(4326, code, always_xy=True)`).
+    const PROJ_VALUES: [(u32, Pair, Pair); 17] = [
+        (25832, (9.18, 48.78), (513223.5394, 5403015.5180)),
+        (32632, (9.18, 48.78), (513223.5394, 5403015.5182)),
+        (25830, (-3.7, 40.4), (440598.0789, 4472390.0310)),
+        (2154, (2.35, 48.86), (652310.7180, 6862414.6368)),
+        (28992, (4.9, 52.37), (121819.3652, 487013.7615)),
+        (3857, (9.18, 48.78), (1021912.9255, 6237614.1076)),
+        (27700, (-0.13, 51.5), (529897.1019, 179553.2861)),
+        (2056, (8.54, 47.37), (2683186.2856, 1247156.7441)),
+        (3035, (9.18, 48.78), (4260716.6254, 2852189.9267)),
+        (31370, (4.35, 50.85), (148679.4474, 171066.8103)),
+        (5514, (14.42, 50.09), (-742860.0835, -1042721.3635)),
+        (31467, (9.18, 48.78), (3513304.5125, 5404737.5973)),
+        (21781, (8.54, 47.37), (683186.2856, 247156.7441)),
+        (2263, (-73.97, 40.78), (992558.4427, 223453.2998)),
+        (6677, (139.75, 35.68), (-7543.1243, -35499.1822)),
+        (28355, (144.96, -37.81), (320422.8203, 5813305.2226)),
+        (2193, (174.76, -36.85), (1756911.9449, 5920321.8182)),
+    ];
+
+    #[test]
+    fn values_agree_with_proj() {
+        let wgs84 = Crs::from_epsg(4326).unwrap();
+        for (code, lonlat, wanted) in PROJ_VALUES {
+            let crs = Crs::from_epsg(code).unwrap();
+            let found = transform(&wgs84, &crs, lonlat).unwrap();
+            // Where the registry has several datum operations of the same accuracy, PROJ may take another one.
+            let tolerance = match code {
+                21781 => 2.0,
+                31370 | 5514 => 0.1,
+                _ => 1e-3,
+            };
+            assert!(close(found, wanted, tolerance), "EPSG:{code}: {found:?}, wanted {wanted:?}");
+            let back = transform(&crs, &wgs84, found).unwrap();
+            assert!(close(back, lonlat, 2e-8), "EPSG:{code}: {back:?}, wanted {lonlat:?}");
+        }
+    }
+
+    #[test]
+    fn a_withdrawn_datum_operation_is_not_used() {
+        // The default of proj-core for this pair, EPSG operation 1508, is wrong by 100 km.
+        let (wgs84, lv03) = (Crs::from_epsg(4326).unwrap(), Crs::from_epsg(21781).unwrap());
+        let bern = transform(&wgs84, &lv03, (7.438637, 46.951082)).unwrap();
+        assert!(close(bern, (600_000.0, 200_000.0), 3.0), "{bern:?}");
+    }
+
+    #[test]
+    fn wkt_carries_the_code_and_is_read_back() {
+        for code in [25832, 32632, 25830, 2154, 28992, 3857, 4326, 27700, 2056, 3035, 31370, 5514, 31467, 2263] {
+            let crs = Crs::from_epsg(code).unwrap();
+            let wkt = crs.wkt().unwrap();
+            assert!(wkt.ends_with(&format!(r#"AUTHORITY["EPSG","{code}"]]"#)), "{wkt}");
+            assert!(!wkt.contains("EPSG datum"), "{wkt}");
+            assert_eq!(Crs::parse(&wkt).unwrap(), crs);
+        }
+        // Longitude from Paris: better none than a wrong one.
+        assert_eq!(Crs::from_epsg(27572).ok().and_then(|crs| crs.wkt()), None);
+    }
+
+    #[test]
+    fn utm_zones_follow_the_exceptions() {
+        assert_eq!(utm_for(9.18, 48.78), 32632);
+        assert_eq!(utm_for(-43.2, -22.9), 32723);
+        assert_eq!(utm_for(5.32, 60.39), 32632); // Bergen: zone 31 by longitude
+        assert_eq!(utm_for(15.63, 78.22), 32633); // Longyearbyen
+        assert_eq!(utm_for(180.0, 10.0), 32601);
+        assert_eq!(utm_for(-180.0, 10.0), 32601);
+        assert_eq!(utm_for(179.999, 0.0), 32660);
+        assert_eq!(utm_for(6.0, 48.0), 32632);
+    }
+
+    #[test]
+    fn degrees_are_refused_with_the_command_that_helps() {
+        let crs = Crs::from_epsg(4326).unwrap();
+        let error = degrees_refusal("maps/old town.tif", &crs, InputKind::Raster, (9.18, 48.78));
+        assert_eq!(error.code(), "E310");
+        assert_eq!(
+            error.to_string(),
+            "`maps/old town.tif` is in degrees (EPSG:4326); wanted a projected coordinate system in meters"
+        );
+        assert_eq!(
+            error.hint(),
+            Some("gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'")
+        );
+        let error = degrees_refusal("b.shp", &crs, InputKind::Vector, (-70.0, -33.0));
+        assert_eq!(error.hint(), Some("ogr2ogr -t_srs EPSG:32719 b_32719.geojson b.shp"));
+    }
+
+    #[test]
+    fn a_described_system_cannot_be_transformed() {
+        let crs = Crs::from_geokeys_citation("City grid", Some(0.3048), false);
+        assert_eq!(crs.label(), "City grid");
+        assert_eq!(crs.kind(), CrsKind::Projected { meters_per_unit: 0.3048 });
+        assert_eq!(crs.wkt(), None);
+        assert!(transform(&crs, &Crs::from_epsg(25832).unwrap(), (0.0, 0.0)).is_err());
+        assert_eq!(transform(&crs, &crs.clone(), (1.0, 2.0)).unwrap(), (1.0, 2.0));
+    }
+}

@@ -1,0 +1,210 @@
+//! Raster files of any format: told apart by what they hold, not by what they are called.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Raster};
+use crate::error::{Error, Result, Warning};
+
+/// Most memory that the cells of one read may take [bytes].
+pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
+
+/// A raster file whose header has been read.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "one value per input file")]
+pub enum RasterFile {
+    /// A GeoTIFF, cloud-optimized or not.
+    GeoTiff(GeoTiff),
+    /// An Esri ASCII grid.
+    AsciiGrid(AsciiGrid),
+}
+
+impl RasterFile {
+    /// Opens a raster file and reads its header, no cell.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
+    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        let (mut file, len) = open_file(path)?;
+        let mut head = Vec::new();
+        file.by_ref()
+            .take(4096)
+            .read_to_end(&mut head)
+            .map_err(|e| Error::file(301, format!("cannot read `{}`: {e}", path.display())))?;
+        match kind_of(&head) {
+            Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
+            Kind::Other(kind) => {
+                let shown = path.display();
+                let text = format!(
+                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF or an Esri ASCII grid"
+                );
+                Err(Error::file(302, text)
+                    .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
+            }
+        }
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.georef(),
+            RasterFile::AsciiGrid(grid) => grid.georef(),
+        }
+    }
+
+    /// How the file is encoded, in a few words.
+    pub fn description(&self) -> String {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.description(),
+            RasterFile::AsciiGrid(grid) => grid.description(),
+        }
+    }
+
+    /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
+    ///
+    /// # Errors
+    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
+    ///
+    /// # Panics
+    /// If `window` is empty or reaches beyond the grid.
+    pub fn read<T>(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.read(window, warnings, convert),
+            RasterFile::AsciiGrid(grid) => grid.read(window, warnings, convert),
+        }
+    }
+}
+
+/// What the first bytes of a file say that it is.
+#[derive(Debug, PartialEq, Eq)]
+enum Kind {
+    Tiff,
+    AsciiGrid,
+    Other(&'static str),
+}
+
+fn kind_of(head: &[u8]) -> Kind {
+    const MAGIC: [(&[u8], &str); 14] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"GIF8", "a GIF picture"),
+        (b"RIFF", "a RIFF file (WebP?)"),
+        (b"v/1\x01", "an OpenEXR picture"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\x1f\x8b", "a gzip file"),
+        (b"\x89HDF", "an HDF5 file"),
+        (b"CDF", "a netCDF file"),
+        (b"GRIB", "a GRIB file"),
+        (b"LASF", "a LAS point cloud"),
+        (b"SQLite format 3", "an SQLite or GeoPackage file"),
+        (b"\x00\x00\x00\x0cjP", "a JPEG 2000 picture"),
+    ];
+    if head.is_empty() {
+        return Kind::Other("empty");
+    }
+    if head.starts_with(b"II") || head.starts_with(b"MM") {
+        // A text may begin with these letters as well.
+        if matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]) || head.len() < 4 {
+            return Kind::Tiff;
+        }
+    }
+    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Kind::Other(kind);
+    }
+    let Some(text) = leading_text(head) else { return Kind::Other("a binary file of an unknown kind") };
+    let first = text.split_whitespace().next().unwrap_or_default();
+    match first.chars().next() {
+        _ if super::ascii_grid::is_header_key(first) => Kind::AsciiGrid,
+        Some('{' | '[') => Kind::Other("JSON text"),
+        Some('<') if text.contains("<VRTDataset") => Kind::Other("a GDAL virtual raster"),
+        Some('<') => Kind::Other("XML or HTML text"),
+        Some(_) => Kind::Other("text"),
+        None => Kind::Other("blank text"),
+    }
+}
+
+/// The start of a file as text, `None` if it is binary.
+fn leading_text(head: &[u8]) -> Option<&str> {
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let text = match std::str::from_utf8(head) {
+        Ok(text) => text,
+        // The last character may be cut off.
+        Err(error) => std::str::from_utf8(&head[..error.valid_up_to()]).unwrap_or_default(),
+    };
+    let is_text = text.len() + 4 > head.len() && text.chars().all(|c| !c.is_control() || c.is_whitespace());
+    is_text.then_some(text)
+}
+
+/// Opens a file for reading and returns it with its length [bytes]; the error names the path.
+pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
+    let fail = |cause: String| Error::file(301, format!("cannot open `{}`: {cause}", path.display()));
+    let file = File::open(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
+        _ => fail(e.to_string()),
+    })?;
+    let metadata = file.metadata().map_err(|e| fail(e.to_string()))?;
+    if metadata.is_dir() {
+        return Err(fail("it is a folder, wanted a file".to_owned()));
+    }
+    Ok((file, metadata.len()))
+}
+
+/// An empty vector with room for all cells of `georef`.
+///
+/// # Errors
+/// If these are more than may be held in memory.
+pub(super) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
+    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
+    let bytes = georef.n_cells() as u128 * size_of::<T>() as u128;
+    let fail = |why: String| {
+        let needed = bytes as f64 / f64::powi(2.0, 30);
+        let text = format!(
+            "cannot read `{}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}",
+            path.display()
+        );
+        Error::limit(501, text).with_hint(
+            "read a part with --radius, or cut one out with `gdal_translate -projwin ULX ULY LRX LRY IN OUT`",
+        )
+    };
+    if bytes > u128::from(MAX_READ_BYTES) {
+        return Err(fail(format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
+    }
+    let mut cells = Vec::new();
+    cells.try_reserve_exact(georef.n_cells()).map_err(|_| fail("more than there is".to_owned()))?;
+    Ok(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_told_apart_by_their_content() {
+        assert_eq!(kind_of(b"II*\0\x08\0\0\0"), Kind::Tiff);
+        assert_eq!(kind_of(b"MM\0+\0\x08\0\0"), Kind::Tiff);
+        assert_eq!(kind_of(b"\r\n  NCOLS 4\nnrows 3\n"), Kind::AsciiGrid);
+        assert_eq!(kind_of(b"\xef\xbb\xbfcellsize 2"), Kind::AsciiGrid);
+        assert_eq!(kind_of(b"\x89PNG\r\n\x1a\n"), Kind::Other("a PNG picture"));
+        assert_eq!(kind_of(b"{\"type\":"), Kind::Other("JSON text"));
+        assert_eq!(kind_of(b"<VRTDataset>"), Kind::Other("a GDAL virtual raster"));
+        assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
+        assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
+        assert_eq!(kind_of(b""), Kind::Other("empty"));
+    }
+
+    #[test]
+    fn memory_is_checked_before_it_is_taken() {
+        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
+        let error = reserve_cells::<f32>(Path::new("x.tif"), &georef).expect_err("too large");
+        assert_eq!(error.code(), "E501");
+        assert!(error.to_string().contains("149.0 GiB"), "{error}");
+    }
+}

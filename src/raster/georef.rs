@@ -1,0 +1,151 @@
+//! Where the cells of a raster lie in the plane of a coordinate reference system.
+
+use super::Crs;
+
+/// A north-up grid of equal rectangular cells.
+///
+/// Cell `(row, col)` covers `x_min + col·cell_width ≤ x < x_min + (col+1)·cell_width` and
+/// `y_max − (row+1)·cell_height ≤ y < y_max − row·cell_height`: half-open towards the north-east, so that a point on an
+/// edge belongs to the cell north or east of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeoRef {
+    x_min: f64,
+    y_max: f64,
+    cell_width: f64,
+    cell_height: f64,
+    n_cols: usize,
+    n_rows: usize,
+    crs: Option<Crs>,
+}
+
+/// A rectangle of cells: rows `row..row + n_rows`, columns `col..col + n_cols`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellWindow {
+    /// First (northernmost) row.
+    pub row: usize,
+    /// First (westernmost) column.
+    pub col: usize,
+    /// Number of rows.
+    pub n_rows: usize,
+    /// Number of columns.
+    pub n_cols: usize,
+}
+
+impl GeoRef {
+    /// A grid from its north-west corner `(x_min, y_max)`, its cell size and its shape, all lengths in units of the CRS.
+    ///
+    /// Returns `None` unless all numbers are finite, the cell size is positive, there is at least one cell, and the
+    /// number of cells fits in `usize`.
+    pub fn new(
+        (x_min, y_max): (f64, f64),
+        (cell_width, cell_height): (f64, f64),
+        (n_rows, n_cols): (usize, usize),
+        crs: Option<Crs>,
+    ) -> Option<Self> {
+        let finite = [x_min, y_max, cell_width, cell_height].iter().all(|v| v.is_finite());
+        let positive = cell_width > 0.0 && cell_height > 0.0;
+        let countable = n_rows.checked_mul(n_cols).is_some_and(|n| n > 0);
+        (finite && positive && countable)
+            .then_some(GeoRef { x_min, y_max, cell_width, cell_height, n_cols, n_rows, crs })
+    }
+
+    /// West edge [CRS units].
+    pub fn x_min(&self) -> f64 {
+        self.x_min
+    }
+
+    /// East edge [CRS units].
+    pub fn x_max(&self) -> f64 {
+        self.x_min + self.cell_width * self.n_cols as f64
+    }
+
+    /// South edge [CRS units].
+    pub fn y_min(&self) -> f64 {
+        self.y_max - self.cell_height * self.n_rows as f64
+    }
+
+    /// North edge [CRS units].
+    pub fn y_max(&self) -> f64 {
+        self.y_max
+    }
+
+    /// Width of a cell, west to east [CRS units].
+    pub fn cell_width(&self) -> f64 {
+        self.cell_width
+    }
+
+    /// Height of a cell, north to south [CRS units].
+    pub fn cell_height(&self) -> f64 {
+        self.cell_height
+    }
+
+    /// Number of columns.
+    pub fn n_cols(&self) -> usize {
+        self.n_cols
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.n_cols * self.n_rows
+    }
+
+    /// The coordinate reference system, `None` if local.
+    pub fn crs(&self) -> Option<&Crs> {
+        self.crs.as_ref()
+    }
+
+    /// The same grid in another (or no) coordinate reference system.
+    #[must_use]
+    pub fn with_crs(mut self, crs: Option<Crs>) -> Self {
+        self.crs = crs;
+        self
+    }
+
+    /// The whole grid as a window.
+    pub fn window(&self) -> CellWindow {
+        CellWindow { row: 0, col: 0, n_rows: self.n_rows, n_cols: self.n_cols }
+    }
+
+    /// The part of the grid that `window` covers.
+    ///
+    /// # Panics
+    /// If the window is empty or reaches beyond the grid.
+    #[must_use]
+    pub fn part(&self, window: CellWindow) -> GeoRef {
+        assert!(window.n_rows > 0 && window.n_cols > 0, "a window holds at least one cell");
+        assert!(window.row + window.n_rows <= self.n_rows && window.col + window.n_cols <= self.n_cols);
+        GeoRef {
+            x_min: self.x_min + self.cell_width * window.col as f64,
+            y_max: self.y_max - self.cell_height * window.row as f64,
+            n_cols: window.n_cols,
+            n_rows: window.n_rows,
+            ..self.clone()
+        }
+    }
+
+    /// Center of a cell in the plane [CRS units].
+    pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
+        (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)
+    }
+
+    /// Position in cells east and north of the south-west corner, `(0, 0)` being that corner.
+    pub fn cells_from_world(&self, x: f64, y: f64) -> (f64, f64) {
+        ((x - self.x_min) / self.cell_width, (y - self.y_max) / self.cell_height + self.n_rows as f64)
+    }
+
+    /// The same grid to within a millionth of a cell, whatever the CRS says.
+    pub fn same_grid(&self, other: &GeoRef) -> bool {
+        let close = |a: f64, b: f64, unit: f64| (a - b).abs() <= 1e-6 * unit;
+        self.n_cols == other.n_cols
+            && self.n_rows == other.n_rows
+            && close(self.x_min, other.x_min, self.cell_width)
+            && close(self.y_max, other.y_max, self.cell_height)
+            && close(self.x_max(), other.x_max(), self.cell_width)
+            && close(self.y_min(), other.y_min(), self.cell_height)
+    }
+}

@@ -1,0 +1,550 @@
+//! GeoTIFF out: tiled, deflated, with overviews, laid out as a cloud optimized GeoTIFF.
+//!
+//! All tiles are compressed in parallel and held in memory, so that every offset is known before the first byte is
+//! written: header, directories (full resolution first), tiles of the smallest overview, …, tiles of the full
+//! resolution. The bytes depend on the input alone, not on the number of threads or the time of day.
+//!
+//! The codecs and the byte layout of tags are those of `tiff-writer`; GDAL's conventions on top of TIFF (tags 42112 and
+//! 42113, the PAM sidecar) are written here.
+//!
+//! # References
+//! TIFF 6.0 (1992); OGC 19-008r4, GeoTIFF 1.1; OGC 21-026, Cloud Optimized GeoTIFF; the GDAL driver documentation.
+
+use std::io::{Cursor, Seek, SeekFrom, Write};
+
+use geotiff_core::geokeys::{self, GeoKeyDirectory, GeoKeyValue};
+use rayon::prelude::*;
+use tiff_core::{ByteOrder, Compression, Predictor, Tag, TagValue};
+use tiff_writer::compress::{BlockEncodingOptions, compress_block};
+use tiff_writer::{TiffWriteSample, encoder};
+
+use super::super::crs::CrsKind;
+use super::super::{Crs, GeoRef};
+use crate::error::{Error, Result};
+
+/// Rows and columns of a tile [cells], a multiple of 16 as TIFF demands.
+const TILE: usize = 256;
+/// Overviews are made while the next larger level is larger than this [cells] …
+const LARGEST_WITHOUT_OVERVIEW: usize = 256;
+/// … and up to this reduction.
+const LARGEST_REDUCTION: usize = 16;
+
+/// The bands of an image: name and values row by row from the north-west cell, all of one type.
+#[derive(Debug, Clone)]
+pub enum Bands<'a> {
+    /// Classes; overviews show the most frequent one, the smaller on a tie.
+    Byte(Vec<(String, &'a [u8])>),
+    /// Measures; overviews show one of the cells.
+    Float(Vec<(String, &'a [f32])>),
+    /// Counts or sets of bits; overviews show one of the cells.
+    UInt32(Vec<(String, &'a [u32])>),
+}
+
+/// How a class is called and drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClassColor {
+    /// The cell value.
+    pub value: u8,
+    /// The name shown in a legend.
+    pub name: String,
+    /// Red, green, blue, opacity.
+    pub rgba: [u8; 4],
+}
+
+/// Everything that goes into a GeoTIFF file.
+#[derive(Debug, Clone)]
+pub struct GeoTiffImage<'a> {
+    /// Where the cells lie.
+    pub georef: &'a GeoRef,
+    /// The values.
+    pub bands: Bands<'a>,
+    /// The value that means no data, in all bands.
+    pub nodata: Option<f64>,
+    /// Colors of a single byte band. TIFF has no opacity: it is left to the renderer.
+    pub palette: Option<&'a [ClassColor]>,
+    /// Items of GDAL's metadata: key and value.
+    pub metadata: &'a [(String, String)],
+}
+
+/// The file as bytes.
+///
+/// # Errors
+/// E402 if TIFF cannot hold the image.
+///
+/// # Panics
+/// If a band does not hold one value per cell.
+pub fn encode_geotiff(image: &GeoTiffImage<'_>) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_geotiff(&mut bytes, image)?;
+    Ok(bytes)
+}
+
+/// Writes the file front to back; a BigTIFF if it is above 4 GiB.
+///
+/// # Errors
+/// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.
+///
+/// # Panics
+/// If a band does not hold one value per cell.
+pub fn write_geotiff(out: &mut impl Write, image: &GeoTiffImage<'_>) -> Result<()> {
+    write_as(out, image, false)
+}
+
+fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> Result<()> {
+    let levels = match &image.bands {
+        Bands::Byte(bands) => levels(image, bands, Predictor::None, most_frequent)?,
+        Bands::Float(bands) => levels(image, bands, Predictor::FloatingPoint, first_of)?,
+        Bands::UInt32(bands) => levels(image, bands, Predictor::None, first_of)?,
+    };
+    let head = head(&levels, force_big)?;
+    let failed = |cause: std::io::Error| Error::internal(401, format!("cannot write a GeoTIFF: {cause}"));
+    out.write_all(&head).map_err(failed)?;
+    for level in levels.iter().rev() {
+        for tile in &level.tiles {
+            out.write_all(tile).map_err(failed)?;
+        }
+    }
+    Ok(())
+}
+
+/// The sidecar `FILE.tif.aux.xml` in which GDAL and QGIS look for the names of the classes.
+///
+/// GDAL reads category names of a GeoTIFF from nowhere else.
+pub fn pam_sidecar(palette: &[ClassColor]) -> String {
+    let last = palette.iter().map(|class| class.value).max().unwrap_or(0);
+    let mut text = String::from("<PAMDataset>\n  <PAMRasterBand band=\"1\">\n    <CategoryNames>\n");
+    for value in 0..=last {
+        let name = palette.iter().find(|class| class.value == value).map_or("", |class| class.name.as_str());
+        text.push_str(&format!("      <Category>{}</Category>\n", xml_text(name)));
+    }
+    text.push_str("    </CategoryNames>\n  </PAMRasterBand>\n</PAMDataset>\n");
+    text
+}
+
+/// A rectangle of cells that one cell of an overview stands for: first and end row, first and end column.
+#[derive(Clone, Copy)]
+struct Block {
+    rows: (usize, usize),
+    cols: (usize, usize),
+}
+
+/// The value of an overview cell, from all cells of the full resolution, the number of columns and the block.
+type Reduce<T> = fn(&[T], usize, Block) -> T;
+
+/// One resolution: its tags except for the places of the tiles, and its compressed tiles band by band.
+struct Level {
+    tags: Vec<Tag>,
+    tiles: Vec<Vec<u8>>,
+}
+
+/// All resolutions, the full one first.
+fn levels<T: TiffWriteSample + Send + Sync>(
+    image: &GeoTiffImage<'_>,
+    bands: &[(String, &[T])],
+    predictor: Predictor,
+    reduce: Reduce<T>,
+) -> Result<Vec<Level>> {
+    let (n_rows, n_cols) = (image.georef.n_rows(), image.georef.n_cols());
+    let names: Vec<&str> = bands.iter().map(|(name, _)| name.as_str()).collect();
+    for (name, values) in bands {
+        assert_eq!(values.len(), image.georef.n_cells(), "band `{name}` holds one value per cell");
+    }
+    let mut levels = Vec::new();
+    let mut reduction = 1;
+    loop {
+        let shape = (n_rows.div_ceil(reduction), n_cols.div_ceil(reduction));
+        let reduced: Vec<Vec<T>> = match reduction {
+            1 => Vec::new(),
+            _ => bands.iter().map(|(_, values)| overview(values, (n_rows, n_cols), reduction, reduce)).collect(),
+        };
+        let cells: Vec<&[T]> = match reduction {
+            1 => bands.iter().map(|(_, values)| *values).collect(),
+            _ => reduced.iter().map(Vec::as_slice).collect(),
+        };
+        let mut tags = picture_tags::<T>(image, shape, bands.len(), predictor)?;
+        match reduction {
+            1 => tags.extend(place_tags(image, &names)?),
+            _ => tags.push(Tag::new(tiff_core::TAG_NEW_SUBFILE_TYPE, TagValue::Long(vec![1]))),
+        }
+        levels.push(Level { tags, tiles: compressed_tiles(&cells, shape, predictor)? });
+        if reduction >= LARGEST_REDUCTION || shape.0.max(shape.1) <= LARGEST_WITHOUT_OVERVIEW {
+            return Ok(levels);
+        }
+        reduction *= 2;
+    }
+}
+
+/// The tags that describe the picture as such.
+fn picture_tags<T: TiffWriteSample>(
+    image: &GeoTiffImage<'_>,
+    (n_rows, n_cols): (usize, usize),
+    n_bands: usize,
+    predictor: Predictor,
+) -> Result<Vec<Tag>> {
+    let count = |n: usize| u32::try_from(n).map_err(|_| too_large(n));
+    let n_samples = u16::try_from(n_bands).map_err(|_| too_large(n_bands))?;
+    if n_samples == 0 {
+        return Err(Error::internal(402, "cannot write a GeoTIFF without bands"));
+    }
+    let palette = image.palette.filter(|_| n_bands == 1 && matches!(image.bands, Bands::Byte(_)));
+    let tile = count(TILE)?;
+    // 1: zero is black, 3: colors from the map. 2: one plane per band.
+    let photometric = if palette.is_some() { 3 } else { 1 };
+    let planes = if n_bands > 1 { 2 } else { 1 };
+    let mut tags = vec![
+        Tag::new(tiff_core::TAG_IMAGE_WIDTH, TagValue::Long(vec![count(n_cols)?])),
+        Tag::new(tiff_core::TAG_IMAGE_LENGTH, TagValue::Long(vec![count(n_rows)?])),
+        Tag::new(tiff_core::TAG_BITS_PER_SAMPLE, TagValue::Short(vec![T::BITS_PER_SAMPLE; n_bands])),
+        Tag::new(tiff_core::TAG_COMPRESSION, TagValue::Short(vec![Compression::Deflate.to_code()])),
+        Tag::new(tiff_core::TAG_PHOTOMETRIC_INTERPRETATION, TagValue::Short(vec![photometric])),
+        Tag::new(tiff_core::TAG_SAMPLES_PER_PIXEL, TagValue::Short(vec![n_samples])),
+        Tag::new(tiff_core::TAG_PLANAR_CONFIGURATION, TagValue::Short(vec![planes])),
+        Tag::new(tiff_core::TAG_PREDICTOR, TagValue::Short(vec![predictor.to_code()])),
+        Tag::new(tiff_core::TAG_TILE_WIDTH, TagValue::Long(vec![tile])),
+        Tag::new(tiff_core::TAG_TILE_LENGTH, TagValue::Long(vec![tile])),
+        Tag::new(tiff_core::TAG_SAMPLE_FORMAT, TagValue::Short(vec![T::SAMPLE_FORMAT; n_bands])),
+    ];
+    if n_bands > 1 {
+        // Bands after the first are data of no color.
+        tags.push(Tag::new(tiff_core::TAG_EXTRA_SAMPLES, TagValue::Short(vec![0; n_bands - 1])));
+    }
+    if let Some(palette) = palette {
+        tags.push(Tag::new(tiff_core::TAG_COLOR_MAP, TagValue::Short(color_map(palette))));
+    }
+    if let Some(nodata) = image.nodata {
+        let text = if nodata.is_nan() { "nan".to_string() } else { nodata.to_string() };
+        tags.push(Tag::new(geotiff_core::tags::TAG_GDAL_NODATA, TagValue::Ascii(text)));
+    }
+    Ok(tags)
+}
+
+/// Red of all 256 values, then green, then blue, in 16 bits.
+fn color_map(palette: &[ClassColor]) -> Vec<u16> {
+    let mut map = vec![0; 3 * 256];
+    for class in palette {
+        for (plane, &shade) in class.rgba[..3].iter().enumerate() {
+            map[plane * 256 + usize::from(class.value)] = u16::from(shade) * 257;
+        }
+    }
+    map
+}
+
+/// The tags that say where the picture lies and what it is about; in the first directory only.
+fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec<Tag>> {
+    let georef = image.georef;
+    let scale = vec![georef.cell_width(), georef.cell_height(), 0.0];
+    let corner = vec![0.0, 0.0, 0.0, georef.x_min(), georef.y_max(), 0.0];
+    let mut tags = vec![
+        Tag::new(geotiff_core::tags::TAG_MODEL_PIXEL_SCALE, TagValue::Double(scale)),
+        Tag::new(geotiff_core::tags::TAG_MODEL_TIEPOINT, TagValue::Double(corner)),
+    ];
+    // Without a reference system there are no keys at all: with any key GDAL makes up a local system.
+    if let Some(crs) = georef.crs() {
+        let (keys, doubles, text) = geo_keys(crs)
+            .serialize()
+            .map_err(|cause| Error::internal(402, format!("cannot write the GeoKeys of a GeoTIFF: {cause}")))?;
+        tags.push(Tag::new(geotiff_core::tags::TAG_GEO_KEY_DIRECTORY, TagValue::Short(keys)));
+        if !doubles.is_empty() {
+            tags.push(Tag::new(geotiff_core::tags::TAG_GEO_DOUBLE_PARAMS, TagValue::Double(doubles)));
+        }
+        tags.push(Tag::new(geotiff_core::tags::TAG_GEO_ASCII_PARAMS, TagValue::Ascii(text)));
+    }
+    tags.push(Tag::new(GDAL_METADATA, TagValue::Ascii(gdal_metadata(image.metadata, names))));
+    Ok(tags)
+}
+
+/// Tag of GDAL's metadata, an XML text.
+const GDAL_METADATA: u16 = 42112;
+/// GeoKey value: defined by the other keys, not by a code.
+const USER_DEFINED: u16 = 32767;
+/// GeoKey 3077: length of a user-defined unit [m].
+const PROJ_LINEAR_UNIT_SIZE: u16 = 3077;
+
+/// Longest citation taken as a definition [bytes]; GDAL reads up to 2400.
+const LONGEST_DEFINITION: usize = 2300;
+
+/// The reference system as GeoKeys.
+///
+/// A system without an EPSG code is written as a definition in the citation, in Esri's form: GDAL, QGIS and ArcGIS read
+/// it. One of which only the name is known becomes a local system of that name in GDAL.
+fn geo_keys(crs: &Crs) -> GeoKeyDirectory {
+    let ascii = |text: &str| {
+        let plain = text.chars().map(|c| if c.is_ascii_graphic() && c != '|' { c } else { ' ' });
+        GeoKeyValue::Ascii(plain.collect())
+    };
+    let code = crs.epsg().and_then(|code| u16::try_from(code).ok()).filter(|&code| code < USER_DEFINED);
+    let definition = match code {
+        Some(_) => None,
+        None => {
+            crs.wkt().map(|wkt| format!("ESRI PE String = {}", wkt.split_whitespace().collect::<Vec<_>>().join(" ")))
+        }
+    };
+    let definition = definition.filter(|text| text.len() <= LONGEST_DEFINITION);
+    let (model, code_key, citation_key) = match crs.kind() {
+        _ if definition.is_some() => (USER_DEFINED, None, geokeys::PROJ_CITATION),
+        CrsKind::Projected { .. } => (1, Some(geokeys::PROJECTED_CRS_TYPE), geokeys::PROJ_CITATION),
+        CrsKind::Geographic => (2, Some(geokeys::GEODETIC_CRS_TYPE), geokeys::GEODETIC_CITATION),
+        CrsKind::Other => (USER_DEFINED, None, geokeys::PROJ_CITATION),
+    };
+    let mut keys = GeoKeyDirectory::new();
+    keys.set(geokeys::GT_MODEL_TYPE, GeoKeyValue::Short(model));
+    // A cell is an area.
+    keys.set(geokeys::GT_RASTER_TYPE, GeoKeyValue::Short(1));
+    keys.set(geokeys::GT_CITATION, ascii(&crs.name()));
+    if let Some(key) = code_key {
+        keys.set(key, GeoKeyValue::Short(code.unwrap_or(USER_DEFINED)));
+    }
+    if code.is_none() {
+        keys.set(citation_key, ascii(&definition.unwrap_or_else(|| crs.name())));
+    }
+    match crs.kind() {
+        CrsKind::Geographic => keys.set(geokeys::GEOG_ANGULAR_UNITS, GeoKeyValue::Short(9102)),
+        CrsKind::Projected { meters_per_unit } => {
+            // EPSG codes of the meter, the international foot and the US survey foot.
+            const UNITS: [(f64, u16); 3] = [(1.0, 9001), (0.3048, 9002), (1200.0 / 3937.0, 9003)];
+            let unit = UNITS.iter().find(|(meters, _)| (meters - meters_per_unit).abs() < 1e-12).map(|unit| unit.1);
+            keys.set(geokeys::PROJ_LINEAR_UNITS, GeoKeyValue::Short(unit.unwrap_or(USER_DEFINED)));
+            if unit.is_none() {
+                keys.set(PROJ_LINEAR_UNIT_SIZE, GeoKeyValue::Double(vec![meters_per_unit]));
+            }
+        }
+        CrsKind::Other => {}
+    }
+    keys
+}
+
+/// Items of the dataset and names of the bands in the form that GDAL gives them: values are escaped twice.
+fn gdal_metadata(items: &[(String, String)], names: &[&str]) -> String {
+    let mut text = String::from("<GDALMetadata>\n");
+    for (key, value) in items {
+        text.push_str(&format!("  <Item name=\"{}\">{}</Item>\n", xml_text(key), xml_text(&xml_value(value))));
+    }
+    for (sample, name) in names.iter().enumerate() {
+        let name = xml_text(&xml_value(name));
+        text.push_str(&format!(
+            "  <Item name=\"DESCRIPTION\" sample=\"{sample}\" role=\"description\">{name}</Item>\n"
+        ));
+    }
+    text.push_str("</GDALMetadata>\n");
+    text
+}
+
+/// A value as GDAL escapes it before the XML is made; quotation marks may stay, so that JSON remains readable.
+fn xml_value(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// Text within XML; control characters, which XML 1.0 cannot hold, become spaces.
+fn xml_text(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\n' | '\t' => escaped.push(c),
+            c if c.is_control() => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// A smaller picture: each cell stands for `reduction` × `reduction` cells.
+fn overview<T: Copy + Send + Sync>(
+    cells: &[T],
+    (n_rows, n_cols): (usize, usize),
+    reduction: usize,
+    reduce: Reduce<T>,
+) -> Vec<T> {
+    let width = n_cols.div_ceil(reduction);
+    let row_of = |row: usize| {
+        let rows = (row * reduction, ((row + 1) * reduction).min(n_rows));
+        (0..width).map(move |col| {
+            let cols = (col * reduction, ((col + 1) * reduction).min(n_cols));
+            reduce(cells, n_cols, Block { rows, cols })
+        })
+    };
+    (0..n_rows.div_ceil(reduction)).into_par_iter().flat_map_iter(row_of).collect()
+}
+
+/// The north-west cell of a block.
+fn first_of<T: Copy>(cells: &[T], n_cols: usize, block: Block) -> T {
+    cells[block.rows.0 * n_cols + block.cols.0]
+}
+
+/// The most frequent class of a block, the smallest one on a tie.
+fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
+    let mut counts = [0_u16; 256];
+    for row in block.rows.0..block.rows.1 {
+        for &class in &cells[row * n_cols + block.cols.0..row * n_cols + block.cols.1] {
+            counts[usize::from(class)] += 1;
+        }
+    }
+    let most = counts.iter().max().copied().unwrap_or(0);
+    (0..=u8::MAX).find(|&class| counts[usize::from(class)] == most).unwrap_or(0)
+}
+
+/// The tiles of all bands, band by band, row by row; tiles at the margin repeat the last row and column.
+fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
+    bands: &[&[T]],
+    (n_rows, n_cols): (usize, usize),
+    predictor: Predictor,
+) -> Result<Vec<Vec<u8>>> {
+    let options = BlockEncodingOptions {
+        byte_order: ByteOrder::LittleEndian,
+        compression: Compression::Deflate,
+        predictor,
+        samples_per_pixel: 1,
+        row_width_pixels: TILE,
+        jpeg_options: None,
+        jpeg_sampling: None,
+        deflate_level: None,
+    };
+    let (down, across) = (n_rows.div_ceil(TILE), n_cols.div_ceil(TILE));
+    (0..bands.len() * down * across)
+        .into_par_iter()
+        .map(|index| {
+            let (band, tile) = (bands[index / (down * across)], index % (down * across));
+            let (top, left) = (tile / across * TILE, tile % across * TILE);
+            let mut samples = Vec::with_capacity(TILE * TILE);
+            for row in top..top + TILE {
+                let row = row.min(n_rows - 1) * n_cols;
+                let inside = &band[row + left..row + n_cols.min(left + TILE)];
+                samples.extend_from_slice(inside);
+                samples.resize(samples.len() + TILE - inside.len(), inside[inside.len() - 1]);
+            }
+            compress_block(&samples, options, index).map_err(refused)
+        })
+        .collect()
+}
+
+/// Header and all directories: everything before the tiles.
+fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
+    let data: u64 = levels.iter().map(Level::n_bytes).sum();
+    let is_big = force_big || data + head_len(levels, false)? > u64::from(u32::MAX);
+    let head_len = head_len(levels, is_big)?;
+
+    // Tiles begin after the head, those of the smallest level first.
+    let mut starts = vec![0; levels.len()];
+    let mut next = head_len;
+    for (level, start) in levels.iter().zip(&mut starts).rev() {
+        *start = next;
+        next += level.n_bytes();
+    }
+
+    let mut head = Cursor::new(Vec::new());
+    let order = ByteOrder::LittleEndian;
+    let header = encoder::write_header(&mut head, order, is_big).map_err(refused)?;
+    let mut pointer = None;
+    for (level, &start) in levels.iter().zip(&starts) {
+        align(&mut head)?;
+        let tags = level.tags_at(start, is_big);
+        let (offsets, counts) = (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS);
+        let directory =
+            encoder::write_ifd(&mut head, order, is_big, &tags, offsets, counts, level.tiles.len()).map_err(refused)?;
+        match pointer {
+            None => encoder::patch_first_ifd(&mut head, header, order, is_big, directory.ifd_offset),
+            Some(pointer) => encoder::patch_next_ifd(&mut head, order, is_big, pointer, directory.ifd_offset),
+        }
+        .map_err(refused)?;
+        head.seek(SeekFrom::End(0)).map_err(|cause| refused(cause.into()))?;
+        pointer = Some(directory.next_ifd_pointer_offset);
+    }
+    align(&mut head)?;
+    assert_eq!(head.get_ref().len() as u64, head_len, "tiles begin where the directories say");
+    Ok(head.into_inner())
+}
+
+/// Length of [`head`] [bytes].
+fn head_len(levels: &[Level], is_big: bool) -> Result<u64> {
+    let even = |n: u64| n + n % 2;
+    let mut len = encoder::header_len(is_big);
+    for level in levels {
+        let tags = level.tags_at(0, is_big);
+        len = even(len + encoder::estimate_ifd_size(ByteOrder::LittleEndian, is_big, &tags).map_err(refused)?);
+    }
+    Ok(len)
+}
+
+/// Directories begin on even offsets.
+fn align(head: &mut Cursor<Vec<u8>>) -> Result<()> {
+    if head.get_ref().len() % 2 == 1 { write_all(head, &[0]) } else { Ok(()) }
+}
+
+fn write_all(head: &mut Cursor<Vec<u8>>, bytes: &[u8]) -> Result<()> {
+    head.write_all(bytes).map_err(|cause| refused(cause.into()))
+}
+
+impl Level {
+    /// Length of all tiles [bytes].
+    fn n_bytes(&self) -> u64 {
+        self.tiles.iter().map(|tile| tile.len() as u64).sum()
+    }
+
+    /// All tags in order, for tiles that begin at `start`.
+    fn tags_at(&self, start: u64, is_big: bool) -> Vec<Tag> {
+        let mut next = start;
+        let mut offsets = Vec::with_capacity(self.tiles.len());
+        for tile in &self.tiles {
+            offsets.push(next);
+            next += tile.len() as u64;
+        }
+        let counts = self.tiles.iter().map(|tile| tile.len() as u64).collect();
+        // Saturation is out of reach: a file in which an offset does not fit in 32 bits is a BigTIFF.
+        let narrow = |n| u32::try_from(n).unwrap_or(u32::MAX);
+        let value = |numbers: Vec<u64>| match is_big {
+            true => TagValue::Long8(numbers),
+            false => TagValue::Long(numbers.into_iter().map(narrow).collect()),
+        };
+        let mut tags = self.tags.clone();
+        tags.push(Tag::new(tiff_core::TAG_TILE_OFFSETS, value(offsets)));
+        tags.push(Tag::new(tiff_core::TAG_TILE_BYTE_COUNTS, value(counts)));
+        tags.sort_by_key(|tag| tag.code);
+        tags
+    }
+}
+
+fn refused(cause: tiff_writer::Error) -> Error {
+    Error::internal(402, format!("cannot encode a GeoTIFF: {cause}"))
+}
+
+fn too_large(n: usize) -> Error {
+    Error::internal(402, format!("cannot encode a GeoTIFF: {n} is more than TIFF can count"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classic_and_big_files_hold_the_same() {
+        let crs = Crs::from_epsg(25832).unwrap();
+        let georef = GeoRef::new((500_000.0, 5_400_000.0), (1.0, 1.0), (300, 700), Some(crs)).unwrap();
+        let cells: Vec<f32> = (0..georef.n_cells()).map(|i| (i % 977) as f32 / 8.0).collect();
+        let bands = Bands::Float(vec![("a".to_string(), &cells), ("b".to_string(), &cells)]);
+        let image = GeoTiffImage { georef: &georef, bands, nodata: Some(-9999.0), palette: None, metadata: &[] };
+        for (force_big, magic) in [(false, 42), (true, 43)] {
+            let mut bytes = Vec::new();
+            write_as(&mut bytes, &image, force_big).unwrap();
+            assert_eq!(bytes[2], magic);
+            let file = geotiff_reader::GeoTiffFile::from_bytes(bytes).unwrap();
+            assert_eq!((file.width(), file.height(), file.band_count()), (700, 300, 2));
+            assert_eq!(file.overview_count(), 2);
+            assert_eq!(file.read_band::<f32>(1).unwrap().iter().copied().collect::<Vec<_>>(), cells);
+        }
+    }
+
+    #[test]
+    fn the_most_frequent_class_wins_and_the_smaller_on_a_tie() {
+        let cells = [1, 1, 0, 2, 2, 1, 0, 2];
+        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (0, 2) }), 1);
+        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (2, 4) }), 0);
+    }
+
+    #[test]
+    fn text_in_xml_is_escaped() {
+        assert_eq!(xml_text("a<b> & \"c\"\u{1}ä"), "a&lt;b&gt; &amp; &quot;c&quot; ä");
+    }
+}

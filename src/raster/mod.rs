@@ -1,0 +1,65 @@
+//! Rasters: rows of cells on a georeferenced grid, and the file formats they come in and go out as.
+//!
+//! Rows run north to south and columns west to east, in every file and every array; a cell is an area, and its value
+//! holds for the whole of it. Formats know nothing of line of sight; each is known in exactly one file.
+
+mod ascii_grid;
+mod crs;
+mod exr_file;
+mod file;
+mod georef;
+mod geotiff;
+mod npz;
+mod voids;
+mod world_file;
+
+pub use ascii_grid::{AsciiGrid, write_ascii_grid};
+pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
+pub use exr_file::{ExrChannel, write_exr};
+pub use file::RasterFile;
+pub use georef::{CellWindow, GeoRef};
+pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, encode_geotiff, pam_sidecar, write_geotiff};
+pub use npz::{NpyArray, write_npz};
+pub use world_file::world_file;
+
+/// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster<T> {
+    georef: GeoRef,
+    cells: Vec<T>,
+}
+
+impl<T> Raster<T> {
+    /// A raster from its cells.
+    ///
+    /// # Panics
+    /// If `cells` does not hold exactly `georef.n_cells()` values.
+    pub fn new(georef: GeoRef, cells: Vec<T>) -> Self {
+        assert_eq!(cells.len(), georef.n_cells(), "a raster holds one value per cell of its grid");
+        Raster { georef, cells }
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// All values, row by row from the north-west cell.
+    pub fn cells(&self) -> &[T] {
+        &self.cells
+    }
+
+    /// One row of values, row 0 being the northernmost.
+    ///
+    /// # Panics
+    /// If `row` is not below the number of rows.
+    pub fn row(&self, row: usize) -> &[T] {
+        let n_cols = self.georef.n_cols();
+        &self.cells[row * n_cols..(row + 1) * n_cols]
+    }
+
+    /// The values without their grid.
+    pub fn into_cells(self) -> Vec<T> {
+        self.cells
+    }
+}

@@ -1,0 +1,113 @@
+//! Cells without a height, told apart and counted while a raster is read.
+//!
+//! A declared nodata value is what a file is meant to hold and passes silently; NaN, infinities, missing blocks and
+//! numbers that look like an undeclared nodata value are reported, with the rectangle they lie in.
+
+use std::path::Path;
+
+use crate::error::{Error, Result, Warning};
+
+/// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth [m or ft].
+const LOWEST_LIKELY: f64 = -9000.0;
+const HIGHEST_LIKELY: f64 = 32_000.0;
+
+/// How many cells of one kind there were, and between which rows and columns.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    count: u64,
+    rows: (usize, usize),
+    cols: (usize, usize),
+}
+
+impl Found {
+    const NONE: Found = Found { count: 0, rows: (usize::MAX, 0), cols: (usize::MAX, 0) };
+
+    #[cold]
+    fn add(&mut self, row: usize, col: usize) {
+        self.count += 1;
+        self.rows = (self.rows.0.min(row), self.rows.1.max(row));
+        self.cols = (self.cols.0.min(col), self.cols.1.max(col));
+    }
+}
+
+/// The tally of one read.
+#[derive(Debug)]
+pub(super) struct Voids {
+    nodata: Option<f64>,
+    /// Cells with a height.
+    pub(super) n_heights: u64,
+    /// Cells with the declared nodata value, or hidden by a mask.
+    pub(super) n_nodata: u64,
+    /// Cells of blocks that the file leaves out.
+    pub(super) n_missing: u64,
+    nan: Found,
+    infinite: Found,
+    unlikely: Found,
+}
+
+impl Voids {
+    /// An empty tally; cells equal to `nodata` (NaN equals NaN) are void.
+    pub(super) fn new(nodata: Option<f64>) -> Self {
+        Voids {
+            nodata,
+            n_heights: 0,
+            n_nodata: 0,
+            n_missing: 0,
+            nan: Found::NONE,
+            infinite: Found::NONE,
+            unlikely: Found::NONE,
+        }
+    }
+
+    /// The height of a cell as stored, NaN where it has none.
+    #[inline]
+    #[expect(clippy::float_cmp, reason = "a nodata value is a pattern to recognize, not a quantity")]
+    pub(super) fn height(&mut self, row: usize, col: usize, stored: f64) -> f64 {
+        if self.nodata.is_some_and(|nodata| stored == nodata || (stored.is_nan() && nodata.is_nan())) {
+            self.n_nodata += 1;
+            return f64::NAN;
+        }
+        if !stored.is_finite() {
+            if stored.is_nan() { &mut self.nan } else { &mut self.infinite }.add(row, col);
+            return f64::NAN;
+        }
+        self.n_heights += 1;
+        if stored <= LOWEST_LIKELY || stored >= HIGHEST_LIKELY {
+            self.unlikely.add(row, col);
+        }
+        stored
+    }
+
+    /// Warns of what was odd.
+    ///
+    /// # Errors
+    /// If there was no height at all.
+    pub(super) fn report(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<()> {
+        let path = path.display();
+        let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
+        if self.n_heights == 0 {
+            let text =
+                format!("cannot use `{path}`: none of the {n_voids} cells read holds a height, wanted at least one");
+            return Err(
+                Error::file(305, text).with_hint("look at the nodata value and the band with `gdalinfo -stats`")
+            );
+        }
+        let mut warn = |code, found: &Found, what: &str, done: &str| {
+            if found.count > 0 {
+                let ((top, bottom), (left, right)) = (found.rows, found.cols);
+                let place = format!("rows {top} to {bottom}, columns {left} to {right}");
+                let text = format!("`{path}` has {} cells with {what} ({place}): {done}", found.count);
+                warnings.push(Warning::new(code, text));
+            }
+        };
+        warn(320, &self.nan, "NaN", "read as void");
+        warn(320, &self.infinite, "an infinite height", "read as void");
+        let hint = "kept as heights; declare nodata with `gdal_edit.py -a_nodata VALUE` if they are none";
+        warn(328, &self.unlikely, "a height at or below -9000 or at or above 32000", hint);
+        if self.n_missing > 0 {
+            let text = format!("`{path}` stores nothing for {} cells (sparse file): read as void", self.n_missing);
+            warnings.push(Warning::new(321, text));
+        }
+        Ok(())
+    }
+}

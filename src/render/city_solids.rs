@@ -1,0 +1,364 @@
+//! The solids of a city: prisms or columns as faces, ready to be drawn from any side.
+//!
+//! Each face has a tag that says whose it is and where it looks, so that a z-buffer of tags is all that shading needs.
+
+use glam::{DVec2, DVec3};
+
+use super::city_picture::{CityHeights, CityModel, CityPrism};
+use super::colors;
+use super::paint::quantiles;
+use super::z_buffer::{View, ZBuffer};
+
+/// A column rises above its ground by more than this [m] if it is a building.
+const BUILDING_THRESHOLD_M: f64 = 0.25;
+/// Columns a side beyond which a height raster is thinned.
+const MOST_COLUMNS: usize = 1600;
+
+/// Tags: the normal in the upper 8 bits (0 is up, else a direction), the face's owner in the lower 24.
+pub(crate) const OWNER_BITS: u32 = 24;
+pub(crate) const OWNER: u32 = (1 << OWNER_BITS) - 1;
+pub(crate) const GROUND: u32 = OWNER;
+pub(crate) const PLATE: u32 = OWNER - 1;
+
+/// A face: three or four corners.
+struct Face<'a> {
+    corners: &'a [DVec3],
+    tag: u32,
+}
+
+/// The solids of a city around a local origin, ready to be drawn from any side.
+#[derive(Debug)]
+pub(crate) struct Solids<'a> {
+    model: Columns<'a>,
+    /// South-west corner, in the caller's coordinates [m].
+    pub(crate) origin: DVec3,
+    /// Size of the extent and greatest height above the lowest ground [m].
+    pub(crate) size: DVec3,
+}
+
+#[derive(Debug)]
+enum Columns<'a> {
+    Prisms(&'a [CityPrism]),
+    /// Thinned heights (surface, building height) with columns and rows.
+    Raster {
+        tops: Vec<[f32; 2]>,
+        n_cols: usize,
+        n_rows: usize,
+    },
+}
+
+impl<'a> Solids<'a> {
+    /// Takes a city within `extent` (west, south, east, north) [m].
+    pub(crate) fn new(model: &CityModel<'a>, extent: [f64; 4]) -> Self {
+        let [west, south, east, north] = extent;
+        let (model, low, high) = match *model {
+            CityModel::Prisms(prisms) => {
+                let low = prisms.iter().map(|p| p.base_m).fold(f64::INFINITY, f64::min);
+                let high = prisms.iter().map(|p| p.top_m).fold(f64::NEG_INFINITY, f64::max);
+                (Columns::Prisms(prisms), low, high)
+            }
+            CityModel::Heights(heights) => thin(&heights),
+        };
+        let (low, high) = if low.is_finite() && high.is_finite() {
+            (low, high)
+        } else {
+            (0.0, 0.0)
+        };
+        Self {
+            model,
+            origin: DVec3::new(west, south, low),
+            size: DVec3::new(east - west, north - south, (high - low).max(0.0)),
+        }
+    }
+
+    /// Returns the heights of all buildings above their ground [m].
+    pub(crate) fn building_heights(&self) -> Vec<f32> {
+        match &self.model {
+            Columns::Prisms(prisms) => prisms
+                .iter()
+                .map(|p| super::paint::narrow(p.top_m - p.base_m))
+                .collect(),
+            Columns::Raster { tops, .. } => {
+                let heights = tops.iter().map(|[_, height]| *height);
+                heights.filter(|&h| f64::from(h) > BUILDING_THRESHOLD_M).collect()
+            }
+        }
+    }
+
+    /// Returns the heights that the color scale spans, and whether some buildings are taller.
+    pub(crate) fn height_scale(&self) -> (f64, bool) {
+        let heights = self.building_heights();
+        let (_, most) = quantiles(heights.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
+        let (_, usual) = quantiles(heights, 0.0, 0.985).unwrap_or((0.0, 1.0));
+        if most <= 1.35 * usual {
+            (most.max(1.0), false)
+        } else {
+            (usual.max(1.0), true)
+        }
+    }
+
+    pub(crate) fn is_raster(&self) -> bool {
+        matches!(self.model, Columns::Raster { .. })
+    }
+
+    /// Height of the owner of a face above its ground [m], or nothing for open ground.
+    pub(crate) fn height_of(&self, owner: u32) -> Option<f64> {
+        let owner = (owner as usize).checked_sub(1)?;
+        match &self.model {
+            Columns::Prisms(prisms) => prisms.get(owner).map(|p| p.top_m - p.base_m),
+            Columns::Raster { tops, .. } => tops
+                .get(owner)
+                .map(|top| f64::from(top[1]))
+                .filter(|&h| h > BUILDING_THRESHOLD_M),
+        }
+    }
+
+    fn plate_thickness(&self) -> f64 {
+        0.012 * self.size.x.max(self.size.y)
+    }
+
+    /// Calls `draw` with each face that `view` may see, in local coordinates.
+    fn faces(&self, view: &View, mut draw: impl FnMut(Face<'_>)) {
+        let DVec3 { x: w, y: d, .. } = self.size;
+        let floor = -self.plate_thickness();
+        let corners = [[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from);
+        let outward = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
+        for k in 0..4 {
+            let (from, to) = (corners[k], corners[(k + 1) % 4]);
+            let wall = [from.extend(0.0), to.extend(0.0), to.extend(floor), from.extend(floor)];
+            draw(Face {
+                corners: &wall,
+                tag: wall_tag(outward[k], PLATE),
+            });
+        }
+        match &self.model {
+            Columns::Prisms(prisms) => {
+                draw(Face {
+                    corners: &corners.map(|c| c.extend(0.0)),
+                    tag: GROUND,
+                });
+                for (i, prism) in prisms.iter().enumerate() {
+                    let owner = u32::try_from(i + 1).unwrap_or(OWNER).min(PLATE - 1);
+                    self.prism_faces(prism, owner, &mut draw);
+                }
+            }
+            Columns::Raster { tops, n_cols, n_rows } => self.column_faces(tops, *n_cols, *n_rows, view, &mut draw),
+        }
+    }
+
+    fn prism_faces(&self, prism: &CityPrism, owner: u32, draw: &mut impl FnMut(Face<'_>)) {
+        let (base, top) = (prism.base_m - self.origin.z, prism.top_m - self.origin.z);
+        let local = |p: [f64; 2]| DVec2::from(p) - self.origin.truncate();
+        for triangle in &prism.roof_triangles {
+            draw(Face {
+                corners: &triangle.map(|p| local(p).extend(top)),
+                tag: owner,
+            });
+        }
+        for ring in &prism.rings {
+            for (i, &from) in ring.iter().enumerate() {
+                let (from, to) = (local(from), local(ring[(i + 1) % ring.len()]));
+                let outward = (to - from).perp();
+                if outward == DVec2::ZERO {
+                    continue;
+                }
+                let wall = [from.extend(top), to.extend(top), to.extend(base), from.extend(base)];
+                draw(Face {
+                    corners: &wall,
+                    tag: wall_tag(outward, owner),
+                });
+            }
+        }
+    }
+
+    fn column_faces(
+        &self,
+        tops: &[[f32; 2]],
+        n_cols: usize,
+        n_rows: usize,
+        view: &View,
+        draw: &mut impl FnMut(Face<'_>),
+    ) {
+        let step = DVec2::new(self.size.x / n_cols as f64, self.size.y / n_rows as f64);
+        let top_of = |row: usize, col: usize| f64::from(tops[row * n_cols + col][0]) - self.origin.z;
+        let box_of = |row: usize, from_col: usize, to_col: usize| {
+            let low = DVec2::new(from_col as f64 * step.x, self.size.y - (row as f64 + 1.0) * step.y);
+            let high = low + DVec2::new((to_col - from_col) as f64 * step.x, step.y);
+            [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]
+        };
+        for row in 0..n_rows {
+            // Neighbors of equal height share one roof.
+            let mut run = 0;
+            for col in 0..n_cols {
+                let same = |k: usize| tops[row * n_cols + col][k].to_bits() == tops[row * n_cols + run][k].to_bits();
+                if !(same(0) && same(1)) {
+                    run = col;
+                }
+                let top = top_of(row, col);
+                if !top.is_finite() {
+                    continue;
+                }
+                let owner = u32::try_from(row * n_cols + col + 1).unwrap_or(OWNER).min(PLATE - 1);
+                let is_last = col + 1 == n_cols
+                    || (0..2)
+                        .any(|k| tops[row * n_cols + col + 1][k].to_bits() != tops[row * n_cols + col][k].to_bits());
+                if is_last {
+                    draw(Face {
+                        corners: &box_of(row, run, col + 1).map(|c| c.extend(top)),
+                        tag: owner,
+                    });
+                }
+                let corners = box_of(row, col, col + 1);
+                let low = corners[0];
+                let neighbors = [
+                    (DVec2::NEG_Y, (row + 1 < n_rows).then(|| top_of(row + 1, col))),
+                    (DVec2::X, (col + 1 < n_cols).then(|| top_of(row, col + 1))),
+                    (DVec2::Y, (row > 0).then(|| top_of(row - 1, col))),
+                    (DVec2::NEG_X, (col > 0).then(|| top_of(row, col - 1))),
+                ];
+                for (k, (outward, neighbor)) in neighbors.into_iter().enumerate() {
+                    let foot = neighbor.filter(|z| z.is_finite()).unwrap_or(0.0);
+                    if foot < top && view.sees(low.extend(top), outward.extend(0.0)) {
+                        let (from, to) = (corners[k], corners[(k + 1) % 4]);
+                        let wall = [from.extend(top), to.extend(top), to.extend(foot), from.extend(foot)];
+                        draw(Face {
+                            corners: &wall,
+                            tag: wall_tag(outward, owner),
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Draws all faces into a buffer of `size` [px].
+    pub(crate) fn buffer(&self, view: &View, size: [usize; 2]) -> ZBuffer {
+        let mut buffer = ZBuffer::new(size[0], size[1]);
+        self.faces(view, |face| {
+            let at = |k: usize| view.project(face.corners[k]);
+            let first = at(0);
+            let mut previous = at(1);
+            for k in 2..face.corners.len() {
+                let next = at(k);
+                buffer.triangle([first, previous, next], face.tag);
+                previous = next;
+            }
+        });
+        buffer
+    }
+
+    /// Fits a view to the plate and to the roofs, of a raster to every fourth.
+    pub(crate) fn fit(&self, view: &mut View, size: DVec2, margin: f64) -> DVec2 {
+        let DVec3 { x: w, y: d, .. } = self.size;
+        let floor = -self.plate_thickness();
+        let plate = [[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from);
+        let mut points: Vec<DVec3> = plate.iter().flat_map(|c| [c.extend(0.0), c.extend(floor)]).collect();
+        match &self.model {
+            Columns::Prisms(prisms) => {
+                for prism in *prisms {
+                    let corners = prism
+                        .rings
+                        .iter()
+                        .flatten()
+                        .map(|&c| DVec2::from(c) - self.origin.truncate());
+                    points.extend(corners.map(|c| c.extend(prism.top_m - self.origin.z)));
+                }
+            }
+            Columns::Raster { tops, n_cols, n_rows } => {
+                for row in (0..*n_rows).step_by(4) {
+                    for col in (0..*n_cols).step_by(4) {
+                        let top = f64::from(tops[row * n_cols + col][0]) - self.origin.z;
+                        let place =
+                            DVec2::new(w * col as f64 / *n_cols as f64, d * (1.0 - row as f64 / *n_rows as f64));
+                        points.extend(top.is_finite().then(|| place.extend(top)));
+                    }
+                }
+            }
+        }
+        view.fit(points.into_iter(), size, margin)
+    }
+}
+
+/// Samples a height raster down to [`MOST_COLUMNS`] a side; returns it with its lowest ground and highest top.
+fn thin<'a>(heights: &CityHeights<'_>) -> (Columns<'a>, f64, f64) {
+    let thinned = |n: usize| n.div_ceil(n.div_ceil(MOST_COLUMNS));
+    let (n_cols, n_rows) = (thinned(heights.n_cols), thinned(heights.n_rows));
+    let mut tops = Vec::with_capacity(n_cols * n_rows);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for row in 0..n_rows {
+        let from_row = (2 * row + 1) * heights.n_rows / (2 * n_rows);
+        for col in 0..n_cols {
+            let cell = from_row * heights.n_cols + (2 * col + 1) * heights.n_cols / (2 * n_cols);
+            let top = heights.surface_m[cell];
+            let ground = heights.ground_m.map_or(0.0, |ground| ground[cell]);
+            if top.is_finite() && ground.is_finite() {
+                low = low.min(f64::from(ground.min(top)));
+                high = high.max(f64::from(top));
+            }
+            tops.push([top, if ground.is_finite() { top - ground } else { 0.0 }]);
+        }
+    }
+    (Columns::Raster { tops, n_cols, n_rows }, low, high)
+}
+
+/// Tags a wall: the direction of its normal in 254 steps around a square, which needs no angle.
+fn wall_tag(outward: DVec2, owner: u32) -> u32 {
+    let t = outward.y / (outward.x.abs() + outward.y.abs());
+    let around = if outward.x >= 0.0 { 1.0 + t } else { 3.0 - t };
+    let step = u32::try_from(colors::index(around / 4.0 * 254.0, 253)).unwrap_or(0);
+    (step + 1) << OWNER_BITS | owner
+}
+
+/// Returns the normal of a tagged face.
+pub(crate) fn normal_of(tag: u32) -> DVec3 {
+    let code = tag >> OWNER_BITS;
+    if code == 0 {
+        return DVec3::Z;
+    }
+    let around = (f64::from(code) - 0.5) / 254.0 * 4.0;
+    let (x, y) = if around < 2.0 {
+        (1.0 - (around - 1.0).abs(), around - 1.0)
+    } else {
+        ((3.0 - around).abs() - 1.0, 3.0 - around)
+    };
+    DVec3::new(x, y, 0.0).normalize()
+}
+
+/// Returns a square building for tests.
+#[cfg(test)]
+pub(crate) fn block(west: f64, south: f64, side: f64, top_m: f64) -> CityPrism {
+    let (e, n) = (west + side, south + side);
+    let ring = vec![[west, south], [e, south], [e, n], [west, n]];
+    let roof_triangles = vec![[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]];
+    CityPrism {
+        rings: vec![ring],
+        roof_triangles,
+        base_m: 0.0,
+        top_m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wall_normals_survive_their_tag() {
+        for (x, y) in [
+            (1.0, 0.0),
+            (0.0, 1.0),
+            (-1.0, 0.0),
+            (0.0, -1.0),
+            (0.6, -0.8),
+            (-0.6, 0.8),
+            (-0.1, -3.0),
+        ] {
+            let normal = normal_of(wall_tag(DVec2::new(x, y), 5));
+            assert!(
+                normal.truncate().dot(DVec2::new(x, y).normalize()) > 0.999,
+                "{x}, {y}: {normal}"
+            );
+        }
+        assert_eq!(normal_of(5), DVec3::Z);
+    }
+}

@@ -1,0 +1,262 @@
+//! The palette: one meaning per color, readable with any color vision.
+//!
+//! The two class colors are from Okabe and Ito's set and are fixed: blue is line of sight, orange is none.
+//! Ramps change monotonically in lightness (a test measures it), so that they survive a gray printer; the
+//! diverging ramp runs from orange over near-white to blue, so that a positive margin has the color of line of sight.
+//!
+//! Averages of colors are taken in linear light. The transfer curve is tabulated with additions, products and
+//! quotients only (no `powf`), since the library functions differ in the last bit between platforms and pictures
+//! must not.
+
+use std::sync::OnceLock;
+
+/// A color with 8 bits each of red, green and blue in the sRGB space.
+pub(crate) type Rgb = [u8; 3];
+
+/// Line of sight.
+pub(crate) const LOS: Rgb = [0x00, 0x72, 0xB2];
+/// No line of sight.
+pub(crate) const NLOS: Rgb = [0xE6, 0x9F, 0x00];
+/// Buildings where no height is known.
+pub(crate) const BUILDING: Rgb = [0xC3, 0xC6, 0xC9];
+/// Cells beyond the radius.
+pub(crate) const OUT_OF_RANGE: Rgb = [0xE9, 0xED, 0xF0];
+/// Stripes over cells without data.
+pub(crate) const HATCH: Rgb = [0xC2, 0xC8, 0xCE];
+/// Open ground on a city plan.
+pub(crate) const OPEN_GROUND: Rgb = [0xF3, 0xF1, 0xEB];
+/// Paper.
+pub(crate) const WHITE: Rgb = [0xFF, 0xFF, 0xFF];
+
+/// Text and frames.
+pub(crate) const INK: &str = "#1B1F24";
+/// Secondary text.
+pub(crate) const MUTED: &str = "#545D68";
+/// Hairlines.
+pub(crate) const HAIRLINE: &str = "#AEB6BF";
+
+/// Gray of the lowest and of the tallest building on a map.
+const BUILDING_TONES: [Rgb; 2] = [[0xDE, 0xE0, 0xE2], [0x7D, 0x81, 0x86]];
+
+/// Viridis (Smith, van der Walt, 2015; CC0) at seventeen equal steps.
+const VIRIDIS: [Rgb; 17] = [
+    [68, 1, 84],
+    [72, 24, 106],
+    [71, 45, 123],
+    [66, 64, 134],
+    [59, 82, 139],
+    [51, 99, 141],
+    [44, 114, 142],
+    [38, 130, 142],
+    [33, 145, 140],
+    [31, 160, 136],
+    [40, 174, 128],
+    [63, 188, 115],
+    [94, 201, 98],
+    [132, 212, 75],
+    [173, 220, 48],
+    [216, 226, 25],
+    [253, 231, 37],
+];
+const DIVERGING: [Rgb; 5] = [[0x7F, 0x4A, 0x00], NLOS, [0xF6, 0xF4, 0xEF], LOS, [0x00, 0x2F, 0x4C]];
+const SEEN: [Rgb; 4] = [[0xB4, 0xDB, 0xF2], [0x5A, 0xA9, 0xDB], LOS, [0x00, 0x3A, 0x5E]];
+const HEIGHT: [Rgb; 6] = [
+    [0xD3, 0xEE, 0xCD],
+    [0x94, 0xD9, 0xBE],
+    [0x4F, 0xB9, 0xBE],
+    [0x3B, 0x8D, 0xB8],
+    [0x45, 0x5C, 0xA0],
+    [0x32, 0x1D, 0x4F],
+];
+
+/// A continuous color scale over 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ramp {
+    /// Dark violet to yellow, for unsigned quantities.
+    Sequential,
+    /// Orange, near-white, blue, for signed quantities with 0 in the middle.
+    Diverging,
+    /// Pale to deep blue, for the number of UAVs that see a cell.
+    Seen,
+    /// Pale green to deep violet, for building heights.
+    Height,
+    /// Light to dark gray, for buildings under a mask.
+    BuildingTone,
+}
+
+impl Ramp {
+    /// Returns the color at `t`, clamped to 0 to 1.
+    pub(crate) fn at(self, t: f64) -> Rgb {
+        let anchors: &[Rgb] = match self {
+            Self::Sequential => &VIRIDIS,
+            Self::Diverging => &DIVERGING,
+            Self::Seen => &SEEN,
+            Self::Height => &HEIGHT,
+            Self::BuildingTone => &BUILDING_TONES,
+        };
+        let last = anchors.len() - 1;
+        let position = t.clamp(0.0, 1.0) * last as f64;
+        let i = index(position, last - 1);
+        mix(anchors[i], anchors[i + 1], position - i as f64)
+    }
+}
+
+/// Returns the color of `seen` out of `n_sites` UAVs: orange for none, blue for one of one, else a pale to deep blue.
+pub(crate) fn count_color(seen: u32, n_sites: u32) -> Rgb {
+    match (seen, n_sites) {
+        (0, _) => NLOS,
+        (_, 0 | 1) => LOS,
+        _ => Ramp::Seen.at(f64::from(seen - 1) / f64::from(n_sites - 1)),
+    }
+}
+
+/// Mixes `a` and `b` in the sRGB space; `t` = 0 gives `a`.
+pub(crate) fn mix(a: Rgb, b: Rgb, t: f64) -> Rgb {
+    std::array::from_fn(|k| byte(f64::from(a[k]) + (f64::from(b[k]) - f64::from(a[k])) * t))
+}
+
+/// Multiplies a color by `factor`; above 1 the excess moves it towards white.
+pub(crate) fn shade(color: Rgb, factor: f64) -> Rgb {
+    if factor <= 1.0 {
+        mix([0, 0, 0], color, factor.max(0.0))
+    } else {
+        mix(color, WHITE, (factor - 1.0).min(1.0))
+    }
+}
+
+/// Writes a color as SVG wants it, `#RRGGBB`.
+pub(crate) fn hex(color: Rgb) -> String {
+    format!("#{:02X}{:02X}{:02X}", color[0], color[1], color[2])
+}
+
+/// Rounds a channel value to a byte.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the range of a byte first"
+)]
+pub(crate) fn byte(value: f64) -> u8 {
+    (value + 0.5).clamp(0.0, 255.0) as u8
+}
+
+/// Truncates a non-negative position to an index of at most `last`.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the range of indices first"
+)]
+pub(crate) fn index(position: f64, last: usize) -> usize {
+    position.clamp(0.0, last as f64) as usize
+}
+
+/// White in linear light, in the 12-bit units of [`Light`].
+pub(crate) const FULL_LIGHT: u32 = 4095;
+
+/// Tables between sRGB bytes and linear light in 12 bits; each byte survives the round trip.
+#[derive(Debug)]
+pub(crate) struct Light {
+    to_linear: [u16; 256],
+    to_srgb: Vec<u8>,
+}
+
+impl Light {
+    /// Returns the tables, made on first use.
+    pub(crate) fn tables() -> &'static Self {
+        static TABLES: OnceLock<Light> = OnceLock::new();
+        TABLES.get_or_init(|| {
+            let to_linear: [u16; 256] = std::array::from_fn(|code| {
+                let linear = srgb_to_linear(code as f64 / 255.0) * f64::from(FULL_LIGHT);
+                u16::try_from(index(linear + 0.5, 4095)).expect("4095 fits 16 bits")
+            });
+            let mut code = 0_usize;
+            let to_srgb = (0..=4095_u16)
+                .map(|linear| {
+                    while code < 255 && to_linear[code + 1].abs_diff(linear) <= to_linear[code].abs_diff(linear) {
+                        code += 1;
+                    }
+                    u8::try_from(code).expect("codes end at 255")
+                })
+                .collect();
+            Self { to_linear, to_srgb }
+        })
+    }
+
+    /// Returns the linear light of a color.
+    pub(crate) fn linear(&self, color: Rgb) -> [u32; 3] {
+        color.map(|c| u32::from(self.to_linear[usize::from(c)]))
+    }
+
+    /// Returns the byte nearest to a linear light of at most [`FULL_LIGHT`].
+    pub(crate) fn srgb(&self, linear: u32) -> u8 {
+        self.to_srgb[linear.min(FULL_LIGHT) as usize]
+    }
+}
+
+/// The sRGB transfer curve (IEC 61966-2-1); x^2.4 is x² · (x²)^(1/5), the root by Newton's method.
+fn srgb_to_linear(code: f64) -> f64 {
+    if code <= 0.04045 {
+        return code / 12.92;
+    }
+    let x = (code + 0.055) / 1.055;
+    let square = x * x;
+    let mut root = 1.0_f64;
+    for _ in 0..40 {
+        let fourth = root * root * root * root;
+        root -= (root * fourth - square) / (5.0 * fourth);
+    }
+    square * root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lightness(color: Rgb) -> f64 {
+        let [r, g, b] = Light::tables()
+            .linear(color)
+            .map(|c| f64::from(c) / f64::from(FULL_LIGHT));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    #[test]
+    fn every_byte_survives_linear_light() {
+        let light = Light::tables();
+        for code in 0..=255_u8 {
+            assert_eq!(light.srgb(light.linear([code; 3])[0]), code);
+        }
+    }
+
+    #[test]
+    fn the_curve_passes_published_values() {
+        assert!((srgb_to_linear(0.5) - 0.214_041_140_5).abs() < 1e-9);
+        assert!((srgb_to_linear(1.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ramps_for_unsigned_quantities_are_monotonic_in_lightness() {
+        for (ramp, sign) in [
+            (Ramp::Sequential, 1.0),
+            (Ramp::Seen, -1.0),
+            (Ramp::Height, -1.0),
+            (Ramp::BuildingTone, -1.0),
+        ] {
+            for k in 0..64 {
+                let [a, b] = [k, k + 1].map(|k| lightness(ramp.at(f64::from(k) / 64.0)));
+                assert!((b - a) * sign > 0.0, "{ramp:?} at step {k}: {a} to {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn counts_start_at_orange_and_one_site_is_plain_line_of_sight() {
+        assert_eq!(count_color(0, 3), NLOS);
+        assert_eq!(count_color(1, 1), LOS);
+        assert!(lightness(count_color(1, 3)) > lightness(count_color(3, 3)));
+    }
+
+    #[test]
+    fn class_colors_are_the_fixed_ones() {
+        assert_eq!((hex(LOS).as_str(), hex(NLOS).as_str()), ("#0072B2", "#E69F00"));
+        assert_eq!(Ramp::Diverging.at(0.75), LOS);
+    }
+}

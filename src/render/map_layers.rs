@@ -1,0 +1,231 @@
+//! What a map shows, as a palette and a legend: classes, counts, or a continuous field.
+
+use super::colors::{self, Ramp, Rgb};
+use super::furniture::{self, Block, Scale, Swatch};
+use super::lettering::{grouped, number, percent};
+use super::map_picture::{Layer, MapPicture};
+use super::marks;
+use super::paint::{self, Axis, Cells, Paint, Painted};
+
+/// More UAVs than this share a color bar instead of legend entries.
+const MOST_COUNT_ENTRIES: u32 = 6;
+
+/// The special classes at the end of every palette.
+const SPECIAL: [Paint; 3] = [Paint::Building, Paint::OutOfRange, Paint::Void];
+
+/// Returns the offset of a special class behind `n` colors, or nothing for a receiver.
+fn special(class: u8, n: usize) -> Option<usize> {
+    match class {
+        0 | 1 => None,
+        2 => Some(n),
+        3 => Some(n + 1),
+        _ => Some(n + 2),
+    }
+}
+
+/// Paints the layer of a picture and makes the entries of its legend.
+pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted, Vec<Block>) {
+    let mut legend = Vec::new();
+    let painted = match picture.layer {
+        Layer::Los(mask) => {
+            let index_of = |cell: usize| special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
+            let painted = paint_with(picture, axes, &[colors::NLOS, colors::LOS], index_of);
+            let (nlos, los) = (painted.histogram[0], painted.histogram[1]);
+            for (n, color, name) in [
+                (los, colors::LOS, "Line of sight"),
+                (nlos, colors::NLOS, "No line of sight"),
+            ] {
+                if n > 0 {
+                    let receivers = match picture.receivers_name.strip_suffix('s') {
+                        Some(singular) if n == 1 => singular,
+                        _ => picture.receivers_name,
+                    };
+                    let detail = format!("{} · {} {receivers}", percent(n, los + nlos), grouped(n));
+                    legend.push(furniture::legend_entry(Swatch::Flat(color), name, &detail));
+                }
+            }
+            painted
+        }
+        Layer::Count { count, mask, n_sites } => {
+            let palette: Vec<Rgb> = (0..=n_sites).map(|k| colors::count_color(k, n_sites)).collect();
+            let index_of =
+                |cell: usize| special(mask[cell], palette.len()).unwrap_or(count[cell].min(n_sites) as usize);
+            let painted = paint_with(picture, axes, &palette, index_of);
+            legend.extend(count_legend(n_sites, &palette, &painted.histogram));
+            painted
+        }
+        Layer::Field {
+            values,
+            name,
+            unit,
+            mask,
+        } => {
+            let field = Field::new(values, mask);
+            let palette: Vec<Rgb> = (0..256).map(|k| field.ramp.at(f64::from(k) / 255.0)).collect();
+            let index_of =
+                |cell: usize| special(mask[cell], 256).unwrap_or_else(|| field.index(values[cell]).unwrap_or(256 + 2));
+            let painted = paint_with(picture, axes, &palette, index_of);
+            let n: u64 = painted.histogram[..256].iter().sum();
+            let title = if unit.is_empty() {
+                name.to_string()
+            } else {
+                format!("{name} [{unit}]")
+            };
+            if n > 0 {
+                let along: Vec<Rgb> = palette.iter().step_by(2).copied().collect();
+                legend.push(furniture::color_bar(&title, field.scale, &along, 460.0));
+            }
+            painted
+        }
+    };
+    let n_colors = painted.histogram.len() - SPECIAL.len();
+    let tones = [Ramp::BuildingTone.at(0.0), Ramp::BuildingTone.at(1.0)];
+    let building = if picture.surface_m.is_some() {
+        Swatch::Range(tones[0], tones[1])
+    } else {
+        Swatch::Flat(colors::BUILDING)
+    };
+    let special = [
+        (building, picture.others_name),
+        (Swatch::Flat(colors::OUT_OF_RANGE), "Out of range"),
+        (Swatch::Hatched, "No data"),
+    ];
+    for ((swatch, name), &n) in special.into_iter().zip(&painted.histogram[n_colors..]) {
+        if n > 0 {
+            let detail = format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" });
+            legend.push(furniture::legend_entry(swatch, name, &detail));
+        }
+    }
+    match picture.uavs {
+        [] => {}
+        [uav] => {
+            let detail = marks::detail(uav, [picture.n_cols as f64, picture.n_rows as f64], picture.cell_m);
+            legend.push(furniture::legend_entry(Swatch::Uav, &uav_name(uav.label), &detail));
+        }
+        uavs => legend.push(furniture::legend_entry(
+            Swatch::Uav,
+            &format!("{} UAVs", uavs.len()),
+            "id and height",
+        )),
+    }
+    (painted, legend)
+}
+
+fn uav_name(label: &str) -> String {
+    if label.to_lowercase().contains("uav") {
+        label.to_string()
+    } else {
+        format!("UAV {label}").trim_end().to_string()
+    }
+}
+
+fn paint_with(
+    picture: &MapPicture<'_>,
+    axes: [Axis; 2],
+    colors: &[Rgb],
+    index_of: impl Fn(usize) -> usize + Sync,
+) -> Painted {
+    let palette: Vec<Paint> = colors.iter().map(|&color| Paint::Flat(color)).chain(SPECIAL).collect();
+    paint::paint(&Cells {
+        axes,
+        cell_m: picture.cell_m,
+        index_of,
+        palette: &palette,
+        surface_m: picture.surface_m,
+    })
+}
+
+fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
+    let receivers: u64 = histogram[..palette.len()].iter().sum();
+    let entry = |k: u32, name: &str| {
+        let n = histogram[k as usize];
+        let detail = format!("{} · {}", percent(n, receivers), grouped(n));
+        (n > 0).then(|| furniture::legend_entry(Swatch::Flat(palette[k as usize]), name, &detail))
+    };
+    let none = entry(0, "Seen by none");
+    if n_sites <= MOST_COUNT_ENTRIES {
+        let name = |k: u32| match k {
+            1 if n_sites == 1 => "Seen by the UAV".to_string(),
+            1 => "By 1 UAV".to_string(),
+            2 if n_sites == 2 => "By both UAVs".to_string(),
+            k if k == n_sites => format!("By all {k} UAVs"),
+            k => format!("By {k} UAVs"),
+        };
+        return none
+            .into_iter()
+            .chain((1..=n_sites).filter_map(|k| entry(k, &name(k))))
+            .collect();
+    }
+    let scale = Scale {
+        low: 1.0,
+        high: f64::from(n_sites),
+        open_low: false,
+        open_high: false,
+    };
+    let along: Vec<Rgb> = (0..64).map(|k| Ramp::Seen.at(f64::from(k) / 63.0)).collect();
+    let title = format!("UAVs that see a cell (of {})", number(f64::from(n_sites), 0));
+    std::iter::once(furniture::color_bar(&title, scale, &along, 420.0))
+        .chain(none)
+        .collect()
+}
+
+/// How values become colors.
+#[derive(Debug)]
+struct Field {
+    ramp: Ramp,
+    scale: Scale,
+}
+
+impl Field {
+    /// Spans the middle 98 % of the receivers' values, from a sample of at most about a million.
+    fn new(values: &[f32], mask: &[u8]) -> Self {
+        let step = (values.len() / 1_000_000).max(1) | 1;
+        let sample: Vec<f32> = (0..values.len())
+            .step_by(step)
+            .filter(|&cell| mask[cell] <= 1)
+            .map(|cell| values[cell])
+            .collect();
+        let infinite = [f32::NEG_INFINITY, f32::INFINITY].map(|end| sample.iter().any(|v| v.total_cmp(&end).is_eq()));
+        let (least, most) = paint::quantiles(sample.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
+        let (mut low, mut high) = paint::quantiles(sample, 0.01, 0.99).unwrap_or((0.0, 1.0));
+        let signed = least < 0.0 && most > 0.0;
+        if signed {
+            high = low.abs().max(high.abs());
+            low = -high;
+        }
+        if high - low < 1e-6 * (1.0 + high.abs()) {
+            (low, high) = (low - 0.5, high + 0.5);
+        }
+        let slack = 1e-9 * (high - low);
+        let scale = Scale {
+            low,
+            high,
+            open_low: infinite[0] || least < low - slack,
+            open_high: infinite[1] || most > high + slack,
+        };
+        Self {
+            ramp: if signed { Ramp::Diverging } else { Ramp::Sequential },
+            scale,
+        }
+    }
+
+    fn index(&self, value: f32) -> Option<usize> {
+        let t = (f64::from(value) - self.scale.low) / (self.scale.high - self.scale.low);
+        (!value.is_nan()).then(|| colors::index(t * 255.0 + 0.5, 255))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signed_fields_are_centered_on_zero_and_unsigned_are_not() {
+        let mask = [1_u8; 4];
+        let field = Field::new(&[-2.0, 0.0, 1.0, f32::NAN], &mask);
+        assert_eq!((field.ramp, field.index(0.0)), (Ramp::Diverging, Some(128)));
+        assert!((field.scale.low + field.scale.high).abs() < 1e-12);
+        assert_eq!(field.index(f32::NAN), None);
+        assert_eq!(Field::new(&[1.0, 2.0, 3.0, 4.0], &mask).ramp, Ramp::Sequential);
+    }
+}

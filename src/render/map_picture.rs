@@ -1,0 +1,330 @@
+//! The picture of a coverage map: title, map, legend, scale bar, north arrow, marks, caption.
+//!
+//! The legend stands below the map, or beside it where the map is narrow. Lengths are constants in pixels because a
+//! map has about the same size in every picture, however many cells it has.
+
+use super::furniture::{self, TITLE};
+use super::map_layers;
+use super::marks::{Mark, draw_marks};
+use super::paint;
+use super::sheet::{Drawing, Sheet};
+
+const MARGIN: f64 = 40.0;
+const SMALLEST_BODY: f64 = 900.0;
+
+/// A map to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
+///
+/// Mask classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
+#[derive(Clone, Copy, Debug)]
+pub struct MapPicture<'a> {
+    /// Title, such as `What a UAV sees of Munich`.
+    pub title: &'a str,
+    /// Lines below the map; long ones are wrapped. The first is set in ink, the others in gray.
+    pub caption: &'a [String],
+    /// Columns.
+    pub n_cols: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// Cell size along columns and along rows [m]; the picture keeps the proportions of the ground.
+    pub cell_m: (f64, f64),
+    /// What to show.
+    pub layer: Layer<'a>,
+    /// Surface heights for gray tones and hillshade of buildings [m]; not finite where unknown. Heights above ground
+    /// give tones that follow building height, heights above the datum give tones that follow altitude.
+    pub surface_m: Option<&'a [f32]>,
+    /// UAVs.
+    pub uavs: &'a [Mark<'a>],
+    /// What receivers are, in the plural, such as `street cells`.
+    pub receivers_name: &'a str,
+    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    pub others_name: &'a str,
+}
+
+/// What a map shows.
+#[derive(Clone, Copy, Debug)]
+pub enum Layer<'a> {
+    /// Line of sight of one UAV: the mask.
+    Los(&'a [u8]),
+    /// Number of UAVs that see a cell.
+    Count {
+        /// The number, where the mask is 0 or 1.
+        count: &'a [u32],
+        /// Classes 2, 3 and 255 apply.
+        mask: &'a [u8],
+        /// Number of UAVs.
+        n_sites: u32,
+    },
+    /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
+    Field {
+        /// The values, where the mask is 0 or 1; NaN is drawn as nodata.
+        values: &'a [f32],
+        /// Its name, such as `Clearance margin`.
+        name: &'a str,
+        /// Its unit, such as `m`; may be empty.
+        unit: &'a str,
+        /// Classes 2, 3 and 255 apply.
+        mask: &'a [u8],
+    },
+}
+
+/// Draws a map as PNG.
+///
+/// Cost: one pass over the cells, in parallel. Memory beyond the input is that of the picture.
+///
+/// # Errors
+/// An empty raster, an array of another length, a cell size that is not positive, or a keyword of `provenance` that
+/// PNG does not allow.
+pub fn draw_map(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+    compose(picture)?.to_png(provenance)
+}
+
+/// Draws a map as one SVG document: words and marks as vectors, the map itself as an embedded PNG.
+///
+/// # Errors
+/// As [`draw_map`].
+pub fn draw_map_svg(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<String, String> {
+    compose(picture)?.to_svg(provenance)
+}
+
+fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
+    check(picture)?;
+    let axes = paint::scale(picture.n_cols, picture.n_rows, picture.cell_m);
+    let (painted, legend) = map_layers::paint_layer(picture, axes);
+    let size = axes.map(|axis| axis.n_px as f64);
+    let [map_w, map_h] = size;
+    let px_per_cell = [map_w / picture.n_cols as f64, map_h / picture.n_rows as f64];
+    let px_per_m = px_per_cell[0] / picture.cell_m.0;
+    let scale_bar = furniture::scale_bar(px_per_m, (0.2 * map_w).clamp(160.0, 320.0));
+    let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
+
+    let narrow = map_w < 620.0 || map_w < 0.55 * map_h;
+    let column = furniture::stack(&[furniture::stack(&legend, 16.0), orientation.clone()], 34.0);
+    let body_w = if narrow { map_w + 40.0 + column.width } else { map_w }
+        .max(SMALLEST_BODY)
+        .round();
+    let title = furniture::paragraph(picture.title, TITLE, body_w);
+    let title_h = if title.height > 0.0 { title.height + 16.0 } else { 0.0 };
+    let caption = furniture::caption(picture.caption, body_w);
+    let [left, top] = [MARGIN, (MARGIN + title_h - 6.0).round()];
+
+    let mut furniture = Drawing::default();
+    furniture.place(&title.drawing, left, MARGIN - 6.0);
+    furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
+    furniture.place(&cell_borders(picture, size), left, top);
+    furniture.place(&draw_marks(picture.uavs, size, px_per_cell, picture.cell_m), left, top);
+    let mut bottom = top + map_h;
+    if narrow {
+        furniture.place(&column.drawing, left + map_w + 40.0, top);
+        bottom = bottom.max(top + column.height) + 26.0;
+    } else {
+        let legend = furniture::flow(&legend, body_w - orientation.width - 44.0, [38.0, 14.0]);
+        furniture.place(&legend.drawing, left, bottom + 24.0);
+        furniture.place(&orientation.drawing, left + body_w - orientation.width, bottom + 16.0);
+        bottom += 24.0 + legend.height.max(orientation.height) + 24.0;
+    }
+    if caption.height > 0.0 {
+        furniture.line([left, bottom], [left + body_w, bottom], &furniture::hairline());
+        furniture.place(&caption.drawing, left, bottom + 14.0);
+        bottom += 14.0 + caption.height;
+    }
+    let place = |length: f64| super::sheet::pixels(length);
+    Ok(Sheet {
+        width: body_w + 2.0 * MARGIN,
+        height: bottom + MARGIN - 8.0,
+        images: vec![(place(left), place(top), painted.image)],
+        furniture,
+    })
+}
+
+fn check(picture: &MapPicture<'_>) -> Result<(), String> {
+    let shape = |name: &str, length: usize| super::check_shape(name, length, picture.n_cols, picture.n_rows);
+    let (cell_x, cell_y) = picture.cell_m;
+    if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
+        return Err(format!(
+            "cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"
+        ));
+    }
+    match picture.layer {
+        Layer::Los(mask) => shape("mask", mask.len())?,
+        Layer::Count { count, mask, .. } => {
+            shape("count", count.len())?;
+            shape("mask", mask.len())?;
+        }
+        Layer::Field { values, mask, .. } => {
+            shape("values", values.len())?;
+            shape("mask", mask.len())?;
+        }
+    }
+    picture
+        .surface_m
+        .map_or(Ok(()), |surface| shape("surface", surface.len()))
+}
+
+/// Thin lines between cells where these are large enough to be counted.
+fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
+    let mut drawing = Drawing::default();
+    let (n_cols, n_rows) = (picture.n_cols, picture.n_rows);
+    let cell = (w / n_cols as f64).min(h / n_rows as f64);
+    if cell >= 12.0 {
+        let width = if cell >= 40.0 { 2.0 } else { 1.0 };
+        let stroke = format!("stroke=\"#FFFFFF\" stroke-opacity=\"0.55\" stroke-width=\"{width}\"");
+        for col in 1..n_cols {
+            let x = (w * col as f64 / n_cols as f64).round();
+            drawing.line([x, 0.0], [x, h], &stroke);
+        }
+        for row in 1..n_rows {
+            let y = (h * row as f64 / n_rows as f64).round();
+            drawing.line([0.0, y], [w, y], &stroke);
+        }
+    }
+    drawing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::colors;
+
+    fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
+        MapPicture {
+            title: "A test",
+            caption: &[],
+            n_cols,
+            n_rows,
+            cell_m: (1.0, 1.0),
+            layer,
+            surface_m: None,
+            uavs: &[],
+            receivers_name: "street cells",
+            others_name: "Buildings",
+        }
+    }
+
+    fn words(picture: &MapPicture<'_>) -> String {
+        compose(picture).expect("the picture is valid").furniture.svg
+    }
+
+    #[test]
+    fn the_pixel_of_a_cell_has_its_class_color() {
+        let mask = [0, 1, 2, 3, 255, 1];
+        let picture = picture(Layer::Los(&mask), 3, 2);
+        let sheet = compose(&picture).expect("the picture is valid");
+        let (left, top, map) = &sheet.images[0];
+        assert_eq!(map.dimensions(), (960, 640));
+        let file = draw_map(&picture, &[]).expect("the picture is valid");
+        let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
+        assert_eq!(image.width(), crate::render::sheet::pixels(sheet.width));
+        assert_eq!(image.get_pixel(left + 100, top + 100).0, colors::NLOS);
+        assert_eq!(image.get_pixel(left + 480, top + 100).0, colors::LOS);
+        assert_eq!(image.get_pixel(left + 800, top + 500).0, colors::LOS);
+        assert_eq!(image.get_pixel(0, 0).0, [255; 3]);
+    }
+
+    #[test]
+    fn the_legend_names_classes_that_occur_and_no_others() {
+        let svg = words(&picture(Layer::Los(&[0, 1, 1, 1, 2, 2]), 3, 2));
+        for text in [
+            "Line of sight",
+            "75.0\u{202F}% · 3 street cells",
+            "No line of sight",
+            "Buildings",
+            "2 cells",
+        ] {
+            assert!(svg.contains(text), "{text} in {svg}");
+        }
+        assert!(!svg.contains("Out of range") && !svg.contains("No data"));
+        let svg = words(&picture(Layer::Los(&[3, 255]), 2, 1));
+        assert!(svg.contains("Out of range") && svg.contains("No data") && !svg.contains("ine of sight"));
+    }
+
+    #[test]
+    fn counts_list_each_number_or_become_a_bar() {
+        let mask = [0, 1, 1, 1];
+        let svg = words(&picture(
+            Layer::Count {
+                count: &[0, 1, 2, 3],
+                mask: &mask,
+                n_sites: 3,
+            },
+            4,
+            1,
+        ));
+        for text in ["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        let svg = words(&picture(
+            Layer::Count {
+                count: &[0, 1, 2, 30],
+                mask: &mask,
+                n_sites: 30,
+            },
+            4,
+            1,
+        ));
+        assert!(svg.contains("UAVs that see a cell (of 30)"));
+    }
+
+    #[test]
+    fn a_field_has_a_bar_with_its_name_and_unit() {
+        let mask = [1_u8; 4];
+        let svg = words(&picture(
+            Layer::Field {
+                values: &[1.0, 2.0, 3.0, f32::INFINITY],
+                name: "Ceiling",
+                unit: "m",
+                mask: &mask,
+            },
+            4,
+            1,
+        ));
+        assert!(svg.contains("Ceiling [m]"));
+    }
+
+    #[test]
+    fn equal_input_gives_equal_bytes() {
+        let mask: Vec<u8> = (0..5000_u16)
+            .map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3"))
+            .collect();
+        let picture = picture(Layer::Los(&mask), 100, 50);
+        assert_eq!(draw_map(&picture, &[]), draw_map(&picture, &[]));
+    }
+
+    #[test]
+    fn odd_shapes_and_long_words_are_drawn() {
+        let title = "A title that goes on and on ".repeat(8);
+        let caption = ["x".repeat(3000)];
+        for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
+            let mask = vec![1; n_cols * n_rows];
+            let picture = MapPicture {
+                title: &title,
+                caption: &caption,
+                ..picture(Layer::Los(&mask), n_cols, n_rows)
+            };
+            let file = draw_map(&picture, &[]).expect("the picture is valid");
+            let image = image::load_from_memory(&file).expect("it is a PNG");
+            assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
+        }
+    }
+
+    #[test]
+    fn input_of_the_wrong_shape_is_refused() {
+        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &[]).is_err());
+        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &[]).is_err());
+        let flat = MapPicture {
+            cell_m: (1.0, 0.0),
+            ..picture(Layer::Los(&[0]), 1, 1)
+        };
+        assert!(draw_map(&flat, &[]).is_err());
+        let surface = MapPicture {
+            surface_m: Some(&[1.0; 3]),
+            ..picture(Layer::Los(&[0]), 1, 1)
+        };
+        assert!(draw_map(&surface, &[]).is_err());
+    }
+
+    #[test]
+    fn vector_output_holds_the_same_words() {
+        let svg = draw_map_svg(&picture(Layer::Los(&[0, 1]), 2, 1), &[]).expect("the picture is valid");
+        assert!(svg.starts_with("<svg") && svg.contains("No line of sight") && svg.contains("<image"));
+    }
+}

@@ -1,0 +1,293 @@
+//! UAV marks on a map, and labels that keep out of each other's way.
+
+use super::furniture::{self, NAME};
+use super::lettering::{self, Weight};
+use super::sheet::{Anchor, Drawing, Type};
+
+/// A UAV on a map.
+#[derive(Clone, Copy, Debug)]
+pub struct Mark<'a> {
+    /// Its id, such as `1` or `UAV 1`.
+    pub label: &'a str,
+    /// Its height in words, such as `60 m` or `60 m above ground`; may be empty.
+    pub height: &'a str,
+    /// Distance from the western border [cells]; may lie outside the grid.
+    pub col: f64,
+    /// Distance from the northern border [cells]; may lie outside the grid.
+    pub row: f64,
+}
+
+/// A rectangle: left, top, right, bottom [px].
+type Bounds = [f64; 4];
+
+fn overlap(a: &Bounds, b: &Bounds) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+fn within(inner: &Bounds, outer: &Bounds) -> bool {
+    inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
+}
+
+/// Where a mark is drawn.
+#[derive(Clone, Debug)]
+struct Placed {
+    at: [f64; 2],
+    /// Unit vector towards a UAV outside the map.
+    outward: Option<[f64; 2]>,
+    words: [String; 2],
+}
+
+/// Draws marks and labels on a map of `size` [px] with `px_per_cell` and `cell_m` per axis.
+///
+/// A UAV outside the grid becomes an arrow at the border and its distance from there. Labels that find no free place
+/// are left out, later marks first; beyond 60 UAVs there are no labels.
+pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Drawing {
+    let radius = match uavs.len() {
+        0..=12 => 23.0,
+        13..=60 => 16.0,
+        61..=400 => 10.0,
+        _ => 6.0,
+    };
+    let placed: Vec<Placed> = uavs.iter().map(|uav| place(uav, size, px_per_cell, cell_m)).collect();
+    let mut drawing = Drawing::default();
+    // The first UAV is drawn last, on top.
+    for mark in placed.iter().rev() {
+        match mark.outward {
+            Some(outward) => arrow(&mut drawing, mark.at, outward, radius),
+            None => furniture::uav_symbol(&mut drawing, mark.at, radius),
+        }
+    }
+    if uavs.len() > 60 {
+        return drawing;
+    }
+    let map = [6.0, 6.0, size[0] - 6.0, size[1] - 6.0];
+    let mut taken: Vec<Bounds> = placed.iter().map(|mark| symbol_bounds(mark, radius)).collect();
+    for mark in &placed {
+        let font_size = if radius > 20.0 { 25.0 } else { 20.0 };
+        // Where the whole label finds no place, the id alone may.
+        for words in [mark.words.clone(), [mark.words[0].clone(), String::new()]] {
+            let label = Label::new(&words, font_size);
+            let spot = candidates(mark, radius, [label.width, label.height]).find_map(|[x, y]| {
+                let x = x.min(map[2] - label.width).max(map[0]);
+                let y = y.min(map[3] - label.height).max(map[1]);
+                let bounds = [x, y, x + label.width, y + label.height];
+                (within(&bounds, &map) && !taken.iter().any(|other| overlap(&bounds, other))).then_some(bounds)
+            });
+            if let Some(bounds) = spot {
+                taken.push(bounds);
+                label.draw(&mut drawing, bounds[0], bounds[1]);
+                break;
+            }
+        }
+    }
+    drawing
+}
+
+fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Placed {
+    let wanted = [uav.col * px_per_cell[0], uav.row * px_per_cell[1]];
+    let at = [wanted[0].clamp(0.0, size[0]), wanted[1].clamp(0.0, size[1])];
+    let beyond_m = [
+        (wanted[0] - at[0]) / px_per_cell[0] * cell_m.0,
+        (wanted[1] - at[1]) / px_per_cell[1] * cell_m.1,
+    ];
+    let distance_m = (beyond_m[0] * beyond_m[0] + beyond_m[1] * beyond_m[1]).sqrt();
+    let outward = (distance_m > 0.0).then(|| beyond_m.map(|d| d / distance_m));
+    let beyond = outward.map(|_| format!("{} outside", lettering::length(distance_m)));
+    let height = (!uav.height.is_empty()).then(|| uav.height.to_string());
+    let details: Vec<String> = height.into_iter().chain(beyond).collect();
+    Placed {
+        at,
+        outward,
+        words: [uav.label.to_string(), details.join(" · ")],
+    }
+}
+
+/// Says what the label of a mark says beside the id: its height, and its distance from a map of this size in cells.
+pub(crate) fn detail(uav: &Mark<'_>, size_cells: [f64; 2], cell_m: (f64, f64)) -> String {
+    place(uav, size_cells, [1.0, 1.0], cell_m).words[1].clone()
+}
+
+fn symbol_bounds(mark: &Placed, radius: f64) -> Bounds {
+    let [x, y] = match mark.outward {
+        Some([dx, dy]) => [mark.at[0] - dx * radius, mark.at[1] - dy * radius],
+        None => mark.at,
+    };
+    let reach = radius * 1.1;
+    [x - reach, y - reach, x + reach, y + reach]
+}
+
+/// Draws an arrow whose tip touches the border, with a white halo.
+fn arrow(drawing: &mut Drawing, [x, y]: [f64; 2], [dx, dy]: [f64; 2], radius: f64) {
+    let at = |along: f64, across: f64| {
+        [
+            x - (dx * along + dy * across) * radius,
+            y - (dy * along - dx * across) * radius,
+        ]
+    };
+    let shape = [
+        at(0.1, 0.0),
+        at(1.1, 0.85),
+        at(1.1, 0.3),
+        at(2.1, 0.3),
+        at(2.1, -0.3),
+        at(1.1, -0.3),
+        at(1.1, -0.85),
+    ];
+    drawing.polygon(
+        &shape,
+        "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"7\" stroke-linejoin=\"round\"",
+    );
+    drawing.polygon(&shape, "fill=\"#101418\"");
+}
+
+/// Top left corners for a label around a mark, best first.
+fn candidates(mark: &Placed, radius: f64, [w, h]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let [x, y] = mark.at;
+    let inset = if mark.outward.is_some() { 1.4 * radius } else { 0.0 };
+    [6.0, 20.0, 45.0, 80.0, 130.0].into_iter().flat_map(move |gap| {
+        let reach = radius * 1.15 + inset + gap;
+        let (east, west) = (x + reach, x - reach - w);
+        let (above, below) = (y - reach - h, y + reach);
+        let (middle_x, middle_y) = (x - w / 2.0, y - h / 2.0);
+        let near = 0.7 * reach;
+        [
+            [east, middle_y],
+            [west, middle_y],
+            [middle_x, above],
+            [middle_x, below],
+            [x + near, y - near - h],
+            [x - near - w, y - near - h],
+            [x + near, y + near],
+            [x - near - w, y + near],
+        ]
+    })
+}
+
+/// A label: a name and a detail on a white plate.
+#[derive(Debug)]
+pub(crate) struct Label {
+    /// Width [px].
+    pub(crate) width: f64,
+    /// Height [px].
+    pub(crate) height: f64,
+    size: f64,
+    name_width: f64,
+    words: [String; 2],
+}
+
+impl Label {
+    /// Measures a label of a name and a detail, either of which may be empty.
+    pub(crate) fn new(words: &[String; 2], size: f64) -> Self {
+        let name_width = lettering::width(&words[0], size, Weight::SemiBold);
+        let detail_width = lettering::width(&words[1], size, Weight::Regular);
+        let gap = if words.iter().any(String::is_empty) {
+            0.0
+        } else {
+            0.36 * size
+        };
+        let name_width = name_width + gap;
+        Self {
+            width: name_width + detail_width + 0.8 * size,
+            height: 1.44 * size,
+            size,
+            name_width,
+            words: words.clone(),
+        }
+    }
+
+    /// Draws the label with its top left corner at (`x`, `y`).
+    pub(crate) fn draw(&self, drawing: &mut Drawing, x: f64, y: f64) {
+        drawing.rect(
+            [x, y, self.width, self.height],
+            "rx=\"5\" fill=\"#FFFFFF\" fill-opacity=\"0.93\" stroke=\"#1B1F24\" stroke-opacity=\"0.55\" stroke-width=\"1.1\"",
+        );
+        let baseline = y + self.height / 2.0 + 0.36 * self.size;
+        let style = Type {
+            size: self.size,
+            anchor: Anchor::Start,
+            ..NAME
+        };
+        let left = x + 0.4 * self.size;
+        if !self.words[0].is_empty() {
+            drawing.text(left, baseline, style, &self.words[0]);
+        }
+        if !self.words[1].is_empty() {
+            drawing.text(
+                left + self.name_width,
+                baseline,
+                Type {
+                    weight: Weight::Regular,
+                    ..style
+                },
+                &self.words[1],
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(label: &str, col: f64, row: f64) -> Mark<'_> {
+        Mark {
+            label,
+            height: "60 m",
+            col,
+            row,
+        }
+    }
+
+    fn plates(svg: &str) -> Vec<Bounds> {
+        let value = |line: &str, key: &str| -> f64 {
+            let rest = line
+                .split(&format!(" {key}=\""))
+                .nth(1)
+                .expect("the attribute is there");
+            rest.split('"')
+                .next()
+                .and_then(|v| v.parse().ok())
+                .expect("it is a number")
+        };
+        let plates = svg.lines().filter(|line| line.starts_with("<rect"));
+        plates
+            .map(|line| {
+                let [x, y, w, h] = ["x", "y", "width", "height"].map(|key| value(line, key));
+                [x, y, x + w, y + h]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn labels_of_crowded_marks_do_not_overlap_and_stay_on_the_map() {
+        let uavs: Vec<Mark<'_>> = (0..10)
+            .map(|k| mark("UAV", 500.0 + 12.0 * f64::from(k), 500.0))
+            .collect();
+        let drawing = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        let plates = plates(&drawing.svg);
+        assert!(plates.len() >= 6, "{} labels", plates.len());
+        for (i, a) in plates.iter().enumerate() {
+            assert!(within(a, &[0.0, 0.0, 1000.0, 1000.0]));
+            assert!(plates[i + 1..].iter().all(|b| !overlap(a, b)));
+        }
+    }
+
+    #[test]
+    fn a_uav_outside_becomes_an_arrow_with_its_distance() {
+        let drawing = draw_marks(&[mark("1", 1340.0, 300.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        assert!(drawing.svg.contains("60 m · 340 m outside"));
+        assert!(drawing.svg.contains("<polygon") && !drawing.svg.contains("<circle"));
+        let inside = draw_marks(&[mark("1", 1000.0, 0.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        assert!(inside.svg.contains("<circle") && !inside.svg.contains("outside"));
+    }
+
+    #[test]
+    fn many_marks_have_no_labels() {
+        let uavs: Vec<Mark<'_>> = (0..100).map(|k| mark("1", f64::from(k), 5.0)).collect();
+        assert!(
+            !draw_marks(&uavs, [1000.0, 100.0], [10.0, 10.0], (1.0, 1.0))
+                .svg
+                .contains("<text")
+        );
+    }
+}

@@ -1,0 +1,52 @@
+//! Pictures: what people look at.
+//!
+//! A picture is a pure function of plain slices: no file, no clock, no font of the machine, so equal input gives equal
+//! bytes. Maps and cities are painted pixel by pixel; title, legend, scale bar, marks and caption are SVG over it,
+//! rasterized with the embedded font, or kept as vectors.
+//!
+//! * [`draw_map`]: a coverage map with everything that a publication wants around it; [`draw_map_svg`] keeps words as
+//!   vectors.
+//! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
+//! * [`draw_city`]: a plan and a view of a city.
+//! * [`draw_link_profile`]: one link from the side.
+//!
+//! Blue is line of sight and orange is none, in every picture.
+
+mod city_light;
+mod city_picture;
+mod city_solids;
+mod city_view;
+mod colors;
+mod furniture;
+mod hillshade;
+mod lettering;
+mod link_profile;
+mod map_layers;
+mod map_picture;
+mod marks;
+mod paint;
+mod png;
+mod sheet;
+mod z_buffer;
+
+pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
+pub use lettering::grouped;
+pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
+pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};
+pub use marks::Mark;
+pub use png::draw_bare;
+
+/// Refuses an empty raster and an array that does not fit it.
+fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {
+    if n_cols == 0 || n_rows == 0 {
+        return Err(format!(
+            "cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"
+        ));
+    }
+    if n_cols.checked_mul(n_rows) != Some(length) {
+        return Err(format!(
+            "cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"
+        ));
+    }
+    Ok(())
+}

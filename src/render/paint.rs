@@ -1,0 +1,472 @@
+//! From cells to pixels: classes become colors, large rasters shrink, small ones grow.
+//!
+//! A raster of up to 2000 cells a side keeps one whole number of pixels per cell, so that a cell is a crisp rectangle.
+//! A larger one is reduced: a pixel is the average, in linear light, of the colors of all its cells, none skipped, and
+//! of the heights of some 16 of them. Work and memory beyond the input are those of the picture, not of the raster.
+//! Cells that are not square keep their proportions.
+
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
+use super::hillshade::Surface;
+
+/// The longer side of a map [px] that the scale aims at.
+const TARGET_PX: f64 = 1400.0;
+/// Rasters up to this many cells a side are not reduced.
+const WHOLE_CELLS: f64 = 2000.0;
+/// No cell is drawn larger than this [px].
+const LARGEST_CELL_PX: f64 = 320.0;
+/// Strength of the hillshade on buildings, and on what is out of range.
+const RELIEF: f64 = 0.45;
+const FAINT_RELIEF: f64 = 0.22;
+
+/// How cells map to pixels along one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Axis {
+    /// Cells.
+    pub(crate) n_cells: usize,
+    /// Pixels.
+    pub(crate) n_px: usize,
+}
+
+impl Axis {
+    /// Number of colors to work out: one per cell, or one per pixel when several cells share it.
+    fn n_work(self) -> usize {
+        self.n_cells.min(self.n_px)
+    }
+
+    fn work_of_px(self, px: usize) -> usize {
+        px * self.n_work() / self.n_px
+    }
+
+    fn cells_of_work(self, work: usize) -> std::ops::Range<usize> {
+        work * self.n_cells / self.n_work()..(work + 1) * self.n_cells / self.n_work()
+    }
+
+    fn px_per_cell(self) -> f64 {
+        self.n_px as f64 / self.n_cells as f64
+    }
+}
+
+/// Chooses the size of a map in pixels, columns first.
+pub(crate) fn scale(n_cols: usize, n_rows: usize, cell_m: (f64, f64)) -> [Axis; 2] {
+    let finest = cell_m.0.min(cell_m.1);
+    let sides_m = [n_cols as f64 * cell_m.0, n_rows as f64 * cell_m.1];
+    let longest = sides_m[0].max(sides_m[1]) / finest;
+    let px_per_finest = if longest > WHOLE_CELLS {
+        1.0 / (longest / TARGET_PX).round().max(2.0)
+    } else {
+        (TARGET_PX / longest).round().clamp(1.0, LARGEST_CELL_PX)
+    };
+    let axis = |n_cells: usize, side_m: f64| {
+        let n_px = colors::index((side_m / finest * px_per_finest).round(), 4000).max(1);
+        Axis { n_cells, n_px }
+    };
+    [axis(n_cols, sides_m[0]), axis(n_rows, sides_m[1])]
+}
+
+/// What a palette entry puts on the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Paint {
+    /// A flat color.
+    Flat(Rgb),
+    /// Gray by height, with hillshade.
+    Building,
+    /// Pale, with a faint hillshade.
+    OutOfRange,
+    /// Hatched.
+    Void,
+}
+
+/// The cells of a map and what they mean.
+#[derive(Debug)]
+pub(crate) struct Cells<'a, F> {
+    /// Columns and rows.
+    pub(crate) axes: [Axis; 2],
+    /// Cell size [m] along columns and rows.
+    pub(crate) cell_m: (f64, f64),
+    /// Palette index of a cell.
+    pub(crate) index_of: F,
+    /// The palette.
+    pub(crate) palette: &'a [Paint],
+    /// Surface heights [m].
+    pub(crate) surface_m: Option<&'a [f32]>,
+}
+
+/// A painted map.
+#[derive(Debug)]
+pub(crate) struct Painted {
+    /// The map, without furniture.
+    pub(crate) image: RgbaImage,
+    /// Cells per palette entry.
+    pub(crate) histogram: Vec<u64>,
+}
+
+/// Paints all cells.
+pub(crate) fn paint<F: Fn(usize) -> usize + Sync>(cells: &Cells<'_, F>) -> Painted {
+    let [across, down] = cells.axes;
+    let ground = Ground::new(cells);
+    let colors = PackedPalette::new(cells.palette);
+    let mut pixels = vec![0_u8; across.n_px * down.n_px * 4];
+    let histogram = pixels
+        .par_chunks_exact_mut(across.n_px * 4)
+        .enumerate()
+        .fold(
+            || vec![0_u64; cells.palette.len()],
+            |mut histogram, (y, pixels)| {
+                let work_row = down.work_of_px(y);
+                let first = y == 0 || down.work_of_px(y - 1) != work_row;
+                let sums = sum_row(cells, &colors, work_row, first.then_some(&mut histogram));
+                let row_colors: Vec<_> = sums
+                    .iter()
+                    .enumerate()
+                    .map(|(col, sum)| ground.color(sum, work_row, col))
+                    .collect();
+                for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+                    let color = row_colors[across.work_of_px(x)].unwrap_or_else(|| hatch(x, y));
+                    pixel.copy_from_slice(&[color[0], color[1], color[2], 255]);
+                }
+                histogram
+            },
+        )
+        .reduce(
+            || vec![0_u64; cells.palette.len()],
+            |mut a, b| {
+                a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+                a
+            },
+        );
+    let side = |n: usize| u32::try_from(n).expect("a map has at most 4000 pixels a side");
+    let image = RgbaImage::from_raw(side(across.n_px), side(down.n_px), pixels).expect("the buffer has this size");
+    Painted { image, histogram }
+}
+
+/// The color of a hatched pixel.
+fn hatch(x: usize, y: usize) -> Rgb {
+    if (x + y) % 14 < 3 { colors::HATCH } else { colors::WHITE }
+}
+
+/// Sums over the cells of one work cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    /// Linear light of flat colors.
+    light: [u64; 3],
+    /// Number of cells that are buildings, out of range, void.
+    special: [u64; 3],
+    /// Number of cells.
+    n: u64,
+}
+
+/// Palette entries as three 21-bit lanes per word, so that one addition sums three numbers.
+#[derive(Debug)]
+struct PackedPalette {
+    entries: Vec<[u64; 2]>,
+}
+
+impl PackedPalette {
+    /// Cells that can be added before a lane of 21 bits overflows: 2²¹ / 2¹².
+    const RUN: usize = 512;
+
+    fn new(palette: &[Paint]) -> Self {
+        let entry = |paint: &Paint| match *paint {
+            Paint::Flat(color) => {
+                let [r, g, b] = Light::tables().linear(color).map(u64::from);
+                [r | g << 21 | b << 42, 0]
+            }
+            Paint::Building => [0, 1],
+            Paint::OutOfRange => [0, 1 << 21],
+            Paint::Void => [0, 1 << 42],
+        };
+        Self {
+            entries: palette.iter().map(entry).collect(),
+        }
+    }
+}
+
+fn lanes(word: u64) -> [u64; 3] {
+    [word & 0x1F_FFFF, word >> 21 & 0x1F_FFFF, word >> 42 & 0x1F_FFFF]
+}
+
+/// Sums one row of work cells, and counts palette entries if asked.
+///
+/// PERF: two counters take turns because runs of equal cells would otherwise wait for the same memory word.
+fn sum_row<F: Fn(usize) -> usize>(
+    cells: &Cells<'_, F>,
+    colors: &PackedPalette,
+    work_row: usize,
+    histogram: Option<&mut Vec<u64>>,
+) -> Vec<Sum> {
+    let [across, down] = cells.axes;
+    let mut sums = vec![Sum::default(); across.n_work()];
+    let mut counts = vec![[0_u32; 2]; colors.entries.len()];
+    for row in down.cells_of_work(work_row) {
+        for (work_col, sum) in sums.iter_mut().enumerate() {
+            let range = across.cells_of_work(work_col);
+            sum.n += range.len() as u64;
+            let end = row * across.n_cells + range.end;
+            let mut cell = row * across.n_cells + range.start;
+            while cell < end {
+                let stop = end.min(cell + PackedPalette::RUN);
+                let mut packed = [0_u64; 2];
+                while cell < stop {
+                    let entry = (cells.index_of)(cell);
+                    counts[entry][cell & 1] += 1;
+                    packed[0] += colors.entries[entry][0];
+                    packed[1] += colors.entries[entry][1];
+                    cell += 1;
+                }
+                let (light, special) = (lanes(packed[0]), lanes(packed[1]));
+                for k in 0..3 {
+                    sum.light[k] += light[k];
+                    sum.special[k] += special[k];
+                }
+            }
+        }
+    }
+    if let Some(histogram) = histogram {
+        for (total, count) in histogram.iter_mut().zip(&counts) {
+            *total += u64::from(count[0]) + u64::from(count[1]);
+        }
+    }
+    sums
+}
+
+/// What buildings look like: the surface at the resolution of the picture.
+#[derive(Debug)]
+struct Ground<'a> {
+    heights: std::borrow::Cow<'a, [f32]>,
+    n_cols: usize,
+    n_rows: usize,
+    step_m: (f64, f64),
+    /// Heights of the lightest and the darkest building [m].
+    tones: (f64, f64),
+    known: bool,
+    /// Strength of the relief, 0 where cells are large.
+    relief: f64,
+}
+
+impl<'a> Ground<'a> {
+    fn new<F: Fn(usize) -> usize + Sync>(cells: &Cells<'a, F>) -> Self {
+        let [across, down] = cells.axes;
+        let (n_cols, n_rows) = (across.n_work(), down.n_work());
+        let is_building = |cell: usize| cells.palette[(cells.index_of)(cell)] == Paint::Building;
+        let heights = match cells.surface_m {
+            Some(surface) if n_cols == across.n_cells && n_rows == down.n_cells => surface.into(),
+            Some(surface) => reduce(cells.axes, |cell| surface[cell]).into(),
+            // Without heights, buildings are blocks four cells high, which draws their outlines.
+            None => {
+                let block = narrow(cells.cell_m.0.max(cells.cell_m.1)) * 4.0;
+                reduce(cells.axes, |cell| if is_building(cell) { block } else { 0.0 }).into()
+            }
+        };
+        let tones = cells.surface_m.and_then(|surface| tone_range(surface, is_building));
+        let px_per_cell = across.px_per_cell().min(down.px_per_cell());
+        let step_m = (
+            cells.cell_m.0 * across.n_cells as f64 / n_cols as f64,
+            cells.cell_m.1 * down.n_cells as f64 / n_rows as f64,
+        );
+        let relief = if px_per_cell >= 8.0 { 0.0 } else { 1.0 };
+        Self {
+            heights,
+            n_cols,
+            n_rows,
+            step_m,
+            tones: tones.unwrap_or((0.0, 1.0)),
+            known: tones.is_some(),
+            relief,
+        }
+    }
+
+    /// Returns the color of a work cell, or nothing where most of it is void.
+    fn color(&self, sum: &Sum, row: usize, col: usize) -> Option<Rgb> {
+        let light = Light::tables();
+        let [n_building, n_out, n_void] = sum.special;
+        if 2 * n_void > sum.n {
+            return None;
+        }
+        let mut total = sum.light;
+        let mut add = |color: Rgb, n: u64| {
+            let linear = light.linear(color);
+            (0..3).for_each(|k| total[k] += u64::from(linear[k]) * n);
+        };
+        if n_building + n_out > 0 {
+            let surface = Surface {
+                heights: &self.heights,
+                n_cols: self.n_cols,
+                n_rows: self.n_rows,
+                step_m: self.step_m,
+            };
+            let relief = (surface.light(row, col) - 1.0) * self.relief;
+            if n_building > 0 {
+                let height = f64::from(self.heights[row * self.n_cols + col]);
+                let tone = (height - self.tones.0) / (self.tones.1 - self.tones.0);
+                let flat = if self.known && tone.is_finite() {
+                    Ramp::BuildingTone.at(tone)
+                } else {
+                    colors::BUILDING
+                };
+                add(
+                    colors::shade(flat, (1.0 + RELIEF * relief).clamp(0.55, 1.3)),
+                    n_building,
+                );
+            }
+            add(colors::shade(colors::OUT_OF_RANGE, 1.0 + FAINT_RELIEF * relief), n_out);
+        }
+        let n = sum.n - n_void;
+        Some(total.map(|t| light.srgb(u32::try_from((t + n / 2) / n).unwrap_or(FULL_LIGHT))))
+    }
+}
+
+/// Averages a surface over work cells, from up to four by four samples each; unknown heights do not count.
+fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
+    let [across, down] = axes;
+    let samples = |range: std::ops::Range<usize>| {
+        let n = range.len().min(4);
+        (0..n).map(move |k| range.start + (2 * k + 1) * range.len() / (2 * n))
+    };
+    let mut heights = vec![0.0_f32; across.n_work() * down.n_work()];
+    heights
+        .par_chunks_exact_mut(across.n_work())
+        .enumerate()
+        .for_each(|(work_row, out)| {
+            for (work_col, out) in out.iter_mut().enumerate() {
+                let (mut sum, mut n) = (0.0_f32, 0.0_f32);
+                for row in samples(down.cells_of_work(work_row)) {
+                    for col in samples(across.cells_of_work(work_col)) {
+                        let height = height(row * across.n_cells + col);
+                        if height.is_finite() {
+                            sum += height;
+                            n += 1.0;
+                        }
+                    }
+                }
+                *out = if n > 0.0 { sum / n } else { f32::NAN };
+            }
+        });
+    heights
+}
+
+/// Returns the heights [m] between which most buildings lie, from a sample of at most about 200 000.
+fn tone_range(surface: &[f32], is_building: impl Fn(usize) -> bool) -> Option<(f64, f64)> {
+    // A step without small factors does not fall into the rhythm of rows.
+    let step = (surface.len() / 200_000).max(1) | 1;
+    let heights: Vec<f32> = (0..surface.len())
+        .step_by(step)
+        .filter(|&cell| is_building(cell))
+        .map(|c| surface[c])
+        .collect();
+    let (low, high) = quantiles(heights, 0.02, 0.98)?;
+    Some((low, high.max(low + 1.0)))
+}
+
+/// Returns two quantiles of the finite values, or nothing if there is none.
+pub(crate) fn quantiles(mut values: Vec<f32>, low: f64, high: f64) -> Option<(f64, f64)> {
+    values.retain(|v| v.is_finite());
+    if values.is_empty() {
+        return None;
+    }
+    values.sort_unstable_by(f32::total_cmp);
+    let at = |q: f64| f64::from(values[colors::index(q * (values.len() - 1) as f64 + 0.5, values.len() - 1)]);
+    Some((at(low), at(high)))
+}
+
+/// Rounds to single precision.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is what is wanted")]
+pub(crate) fn narrow(value: f64) -> f32 {
+    value as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PALETTE: [Paint; 5] = [
+        Paint::Flat(colors::NLOS),
+        Paint::Flat(colors::LOS),
+        Paint::Building,
+        Paint::OutOfRange,
+        Paint::Void,
+    ];
+
+    fn painted(n_cols: usize, n_rows: usize, mask: &[u8], surface_m: Option<&[f32]>) -> Painted {
+        let axes = scale(n_cols, n_rows, (1.0, 1.0));
+        let index_of = |cell: usize| usize::from(mask[cell].min(4));
+        paint(&Cells {
+            axes,
+            cell_m: (1.0, 1.0),
+            index_of,
+            palette: &PALETTE,
+            surface_m,
+        })
+    }
+
+    #[test]
+    fn sizes_are_whole_multiples_and_stay_within_bounds() {
+        let px = |n_cols, n_rows, cell_m| scale(n_cols, n_rows, cell_m).map(|axis| axis.n_px);
+        assert_eq!(px(5, 4, (1.0, 1.0)), [1400, 1120]);
+        assert_eq!(px(1, 1, (1.0, 1.0)), [320, 320]);
+        assert_eq!(px(1474, 1205, (1.0, 1.0)), [1474, 1205]);
+        assert_eq!(px(1, 500, (1.0, 1.0)), [3, 1500]);
+        assert_eq!(px(40, 40, (2.5, 1.0)), [1400, 560]);
+        assert_eq!(px(16384, 16384, (1.0, 1.0)), [1365, 1365]);
+        for n in 1..9000 {
+            let side = px(n, 1, (1.0, 1.0))[0];
+            assert!(n < 4 || (933..=2000).contains(&side), "{n} cells: {side} px");
+        }
+    }
+
+    #[test]
+    fn a_magnified_cell_has_its_class_color_everywhere() {
+        let map = painted(2, 2, &[0, 1, 1, 0], None);
+        assert_eq!(map.image.dimensions(), (640, 640));
+        for (x, y, color) in [
+            (0, 0, colors::NLOS),
+            (319, 319, colors::NLOS),
+            (320, 0, colors::LOS),
+            (0, 639, colors::LOS),
+        ] {
+            assert_eq!(map.image.get_pixel(x, y).0[..3], color);
+        }
+        assert_eq!(map.histogram, [2, 2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn reduction_keeps_uniform_colors_and_averages_mixtures() {
+        let mut mask = vec![1_u8; 3000 * 3000];
+        mask[..3000 * 1500].fill(0);
+        for cell in (1..3000 * 300).step_by(2) {
+            mask[cell] = 1;
+        }
+        let map = painted(3000, 3000, &mask, None);
+        assert_eq!(map.image.dimensions(), (1500, 1500));
+        assert_eq!(map.image.get_pixel(700, 1400).0[..3], colors::LOS);
+        assert_eq!(map.image.get_pixel(700, 700).0[..3], colors::NLOS);
+        let half = map.image.get_pixel(700, 50).0;
+        assert!(
+            half[0] > 150 && half[0] < 180 && half[2] > 110 && half[2] < 145,
+            "{half:?}"
+        );
+        assert_eq!(map.histogram.iter().sum::<u64>(), 9_000_000);
+        assert_eq!(map.histogram[0], 3000 * 1500 - 450_000);
+    }
+
+    #[test]
+    fn taller_buildings_are_darker_and_voids_are_hatched() {
+        let mask = [vec![2_u8; 200], vec![255; 100]].concat();
+        let surface: Vec<f32> = (0..300).map(|cell| if cell < 100 { 5.0 } else { 50.0 }).collect();
+        let map = painted(300, 1, &mask, Some(&surface));
+        let scale = map.image.width() / 300;
+        assert!(map.image.get_pixel(50 * scale, 0).0[0] > map.image.get_pixel(150 * scale, 0).0[0] + 50);
+        let hatched: Vec<_> = (250 * scale..280 * scale)
+            .map(|x| map.image.get_pixel(x, 0).0[0])
+            .collect();
+        assert!(hatched.contains(&255) && hatched.contains(&colors::HATCH[0]));
+    }
+
+    #[test]
+    fn quantiles_skip_what_is_not_finite() {
+        assert_eq!(quantiles(vec![f32::NAN, 1.0, 2.0, 3.0], 0.0, 1.0), Some((1.0, 3.0)));
+        assert_eq!(quantiles(vec![f32::INFINITY], 0.0, 1.0), None);
+    }
+}

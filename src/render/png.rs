@@ -1,0 +1,152 @@
+//! PNG files: pictures in true color, bare masks with a palette, both with their provenance as text.
+//!
+//! A file holds no time and nothing of the machine, so that equal input gives equal bytes.
+
+use image::RgbaImage;
+
+use super::colors::{self, Rgb};
+
+/// Pixels per meter in the `pHYs` chunk: 200 dpi, which prints a large map about 20 cm wide.
+const PIXELS_PER_METER: u32 = 7874;
+
+/// Encodes an opaque picture as an RGB file.
+///
+/// # Errors
+/// A keyword of `provenance` that PNG does not allow.
+pub(crate) fn encode_picture(image: &RgbaImage, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, image.width(), image.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: PIXELS_PER_METER,
+        yppu: PIXELS_PER_METER,
+        unit: png::Unit::Meter,
+    }));
+    add_provenance(&mut encoder, provenance)?;
+    let mut rgb = Vec::with_capacity(image.as_raw().len() / 4 * 3);
+    for pixel in image.pixels() {
+        rgb.extend_from_slice(&pixel.0[..3]);
+    }
+    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
+    writer.write_image_data(&rgb).map_err(|e| cannot(&e))?;
+    writer.finish().map_err(|e| cannot(&e))?;
+    Ok(file)
+}
+
+/// Draws a mask with one pixel per cell and nothing else: no frame, no words.
+///
+/// `mask` is `[n_rows, n_cols]`, columns running fastest. Blue is line of sight, orange none, gray not a receiver;
+/// out of range and nodata are transparent. The file has a palette of two bits per pixel, so that 16384 × 16384 cells
+/// need no more than the encoded file.
+///
+/// # Errors
+/// A mask of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a side, or a keyword of
+/// `provenance` that PNG does not allow (1 to 79 characters of Latin-1).
+pub fn draw_bare(
+    n_cols: usize,
+    n_rows: usize,
+    mask: &[u8],
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    super::check_shape("mask", mask.len(), n_cols, n_rows)?;
+    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
+    let (Some(width), Some(height)) = (side(n_cols), side(n_rows)) else {
+        return Err(format!(
+            "cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"
+        ));
+    };
+    let palette: [Rgb; 4] = [colors::NLOS, colors::LOS, colors::BUILDING, colors::WHITE];
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Two);
+    encoder.set_palette(palette.concat());
+    encoder.set_trns(vec![255, 255, 255, 0]);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::NoFilter);
+    add_provenance(&mut encoder, provenance)?;
+    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
+    let mut stream = writer.stream_writer().map_err(|e| cannot(&e))?;
+    let mut packed = vec![0_u8; n_cols.div_ceil(4)];
+    for row in mask.chunks_exact(n_cols) {
+        for (byte, cells) in packed.iter_mut().zip(row.chunks(4)) {
+            *byte = cells
+                .iter()
+                .zip([6, 4, 2, 0])
+                .map(|(&class, shift)| class.min(3) << shift)
+                .sum();
+        }
+        std::io::Write::write_all(&mut stream, &packed).map_err(|e| cannot(&e))?;
+    }
+    stream.finish().map_err(|e| cannot(&e))?;
+    writer.finish().map_err(|e| cannot(&e))?;
+    Ok(file)
+}
+
+fn add_provenance<W: std::io::Write>(
+    encoder: &mut png::Encoder<'_, W>,
+    provenance: &[(String, String)],
+) -> Result<(), String> {
+    for (keyword, text) in provenance {
+        let latin_1 = keyword.chars().all(|c| matches!(c, ' '..='~' | '\u{A1}'..='\u{FF}'));
+        if !(1..=79).contains(&keyword.chars().count()) || !latin_1 || keyword.trim() != keyword {
+            return Err(format!(
+                "cannot store `{keyword}` in PNG: a keyword is 1 to 79 printable Latin-1 characters"
+            ));
+        }
+        let text = text.replace('\0', " ");
+        encoder.add_itxt_chunk(keyword.clone(), text).map_err(|e| cannot(&e))?;
+    }
+    Ok(())
+}
+
+fn cannot(error: &dyn std::fmt::Display) -> String {
+    format!("cannot encode PNG: {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bare_picture_has_one_pixel_per_cell_in_the_palette() {
+        let mask = [0, 1, 2, 3, 255, 1, 0, 0, 1, 2];
+        let file = draw_bare(5, 2, &mask, &[]).expect("the mask has the right length");
+        let image = image::load_from_memory(&file).expect("it is a PNG").to_rgba8();
+        assert_eq!(image.dimensions(), (5, 2));
+        assert_eq!(image.get_pixel(0, 0).0, [0xE6, 0x9F, 0x00, 255]);
+        assert_eq!(image.get_pixel(1, 0).0, [0x00, 0x72, 0xB2, 255]);
+        assert_eq!(image.get_pixel(2, 0).0[3], 255);
+        assert_eq!((image.get_pixel(3, 0).0[3], image.get_pixel(4, 0).0[3]), (0, 0));
+        assert_eq!(image.get_pixel(4, 1).0, image.get_pixel(2, 0).0);
+    }
+
+    #[test]
+    fn provenance_is_read_back_and_bad_keywords_are_refused() {
+        let provenance = [("Software".to_string(), "skyshed 1 — Ångström, θ".to_string())];
+        let file = draw_bare(1, 1, &[1], &provenance).expect("the keyword is valid");
+        let reader = png::Decoder::new(std::io::Cursor::new(&file))
+            .read_info()
+            .expect("it is a PNG");
+        let text = &reader.info().utf8_text[0];
+        assert_eq!(
+            (text.keyword.as_str(), text.get_text().expect("plain text")),
+            ("Software", provenance[0].1.clone())
+        );
+        for keyword in ["", " padded", "λ", &"k".repeat(80)] {
+            assert!(
+                draw_bare(1, 1, &[1], &[(keyword.to_string(), String::new())]).is_err(),
+                "{keyword:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_mask_of_the_wrong_length_is_refused() {
+        assert!(draw_bare(2, 2, &[1; 3], &[]).is_err());
+        assert!(draw_bare(0, 2, &[], &[]).is_err());
+    }
+}

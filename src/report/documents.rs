@@ -1,0 +1,341 @@
+//! The documents of a run: `skyshed/map/1` and `skyshed/link/1`, and the table of a map.
+//!
+//! Keys are stable within a version. A number that does not exist is null with a reason, never 0 or NaN.
+
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+
+use crate::coverage::{SiteCoverage, Tally};
+use crate::error::Warning;
+use crate::raster::GeoRef;
+use crate::scene::Source;
+
+/// What every document says of a run.
+#[derive(Debug, Clone)]
+pub struct RunFacts {
+    /// The words of the command line.
+    pub command: Vec<String>,
+    /// The engine that ran.
+    pub method: &'static str,
+    /// What the scene is called.
+    pub scene_name: String,
+    /// The grid of receivers.
+    pub grid: GeoRef,
+    /// The input files.
+    pub sources: Vec<Source>,
+    /// Seed, for generated cities.
+    pub seed: Option<u64>,
+    /// What was odd.
+    pub warnings: Vec<Warning>,
+}
+
+/// Seconds spent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timing {
+    /// Reading and checking inputs.
+    pub read: f64,
+    /// Building the height field.
+    pub build: f64,
+    /// Deciding line of sight.
+    pub los: f64,
+    /// Encoding and writing outputs.
+    pub write: f64,
+    /// All of it.
+    pub total: f64,
+}
+
+/// One UAV of a map, as reported.
+#[derive(Debug, Clone)]
+pub struct SiteFacts {
+    /// Name.
+    pub id: String,
+    /// East [CRS units].
+    pub x: f64,
+    /// North [CRS units].
+    pub y: f64,
+    /// Height above the datum [m].
+    pub height_amsl_m: f64,
+    /// Height above the ground [m], if one is known there.
+    pub height_agl_m: Option<f64>,
+    /// What it hovers over.
+    pub placement: &'static str,
+    /// Counts.
+    pub tally: Tally,
+}
+
+impl SiteFacts {
+    /// The facts of a coverage.
+    pub fn of(site: &SiteCoverage) -> Self {
+        SiteFacts {
+            id: site.uav.id.clone(),
+            x: site.uav.station.place.x,
+            y: site.uav.station.place.y,
+            height_amsl_m: site.uav.height_amsl_m(),
+            height_agl_m: site.uav.height_agl_m,
+            placement: site.uav.placement.name(),
+            tally: site.tally,
+        }
+    }
+}
+
+/// A map as reported.
+#[derive(Debug, Clone)]
+pub struct MapReport {
+    /// The run.
+    pub facts: RunFacts,
+    /// Height of the receivers above what they stand on [m].
+    pub rx_height_m: f64,
+    /// Which cells hold receivers.
+    pub receivers: &'static str,
+    /// Range [m], if it is limited.
+    pub radius_m: Option<f64>,
+    /// The UAVs.
+    pub sites: Vec<SiteFacts>,
+    /// All UAVs together.
+    pub union: Tally,
+    /// Digest of the masks, see [`digest`].
+    pub digest: String,
+}
+
+/// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
+pub fn digest<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> String {
+    let mut hasher = Sha256::new();
+    hasher.update((grid.n_cols() as u64).to_le_bytes());
+    hasher.update((grid.n_rows() as u64).to_le_bytes());
+    masks.for_each(|m| hasher.update(m));
+    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    format!("sha256:{hex}")
+}
+
+impl RunFacts {
+    fn scene(&self) -> Value {
+        let grid = &self.grid;
+        let sources: Vec<Value> =
+            self.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect();
+        json!({
+            "name": self.scene_name,
+            "cols": grid.n_cols(),
+            "rows": grid.n_rows(),
+            "cell_m": [grid.cell_width(), grid.cell_height()],
+            "extent": [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
+            "crs": grid.crs().map(crate::raster::Crs::label),
+            "seed": self.seed,
+            "sources": sources,
+        })
+    }
+
+    fn head(&self, schema: &str) -> Map<String, Value> {
+        let mut document = Map::new();
+        document.insert("schema".into(), schema.into());
+        document.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+        document.insert("command".into(), self.command.clone().into());
+        document.insert("method".into(), self.method.into());
+        document.insert("scene".into(), self.scene());
+        document
+    }
+
+    fn warnings(&self) -> Value {
+        self.warnings.iter().map(|w| json!({"code": w.code(), "text": w.text()})).collect::<Vec<_>>().into()
+    }
+
+    /// Where a result comes from, as stored in every output: no times, so that equal runs give equal files.
+    pub fn provenance(&self, schema: &str, digest: Option<&str>) -> Value {
+        let mut document = self.head(schema);
+        document.insert("warnings".into(), self.warnings());
+        document.extend(digest.map(|d| ("digest".to_string(), Value::from(d))));
+        Value::Object(document)
+    }
+}
+
+/// Counts with P_LoS, or null and the reason.
+fn tally_json(tally: &Tally) -> Map<String, Value> {
+    let mut counts = Map::new();
+    counts.insert("receivers".into(), tally.receivers.into());
+    counts.insert("los".into(), tally.los.into());
+    counts.insert("p_los".into(), tally.p_los().into());
+    if tally.p_los().is_none() {
+        counts.insert("reason".into(), tally.reason().into());
+    }
+    counts
+}
+
+impl MapReport {
+    /// The document `skyshed/map/1`; without `timing` it is the same for equal runs.
+    pub fn document(&self, timing: Option<Timing>) -> Value {
+        let mut document = self.facts.head("skyshed/map/1");
+        document.insert("rx_height_m".into(), self.rx_height_m.into());
+        document.insert("receivers".into(), self.receivers.into());
+        document.insert("radius_m".into(), self.radius_m.into());
+        document.insert("sites".into(), self.sites.iter().map(site_json).collect::<Vec<_>>().into());
+        document.insert("union".into(), tally_json(&self.union).into());
+        if let Some(t) = timing {
+            document.insert(
+                "timing_s".into(),
+                json!({"read": t.read, "build": t.build, "los": t.los, "write": t.write, "total": t.total}),
+            );
+        }
+        document.insert("warnings".into(), self.facts.warnings());
+        document.insert("digest".into(), self.digest.clone().into());
+        Value::Object(document)
+    }
+
+    /// The table: one row per site and zone, and one for the union of several sites.
+    pub fn table(&self) -> Vec<Vec<String>> {
+        let header = "site,x,y,height_amsl_m,height_agl_m,placement,zone,receivers,los,p_los,not_receivers,\
+                      out_of_range,nodata,rx_height_m,radius_m,method,crs,cell_width,cell_height";
+        let mut rows = vec![header.split(',').map(str::to_string).collect::<Vec<_>>()];
+        let optional = |v: Option<f64>| v.map_or(String::new(), |v| v.to_string());
+        let run = [
+            self.rx_height_m.to_string(),
+            optional(self.radius_m),
+            self.facts.method.to_string(),
+            self.facts.grid.crs().map_or(String::new(), crate::raster::Crs::label),
+            self.facts.grid.cell_width().to_string(),
+            self.facts.grid.cell_height().to_string(),
+        ];
+        let mut push = |site: [String; 6], tally: &Tally| {
+            let counts = [
+                "all".to_string(),
+                tally.receivers.to_string(),
+                tally.los.to_string(),
+                optional(tally.p_los()),
+                tally.not_receivers.to_string(),
+                tally.out_of_range.to_string(),
+                tally.nodata.to_string(),
+            ];
+            rows.push(site.into_iter().chain(counts).chain(run.clone()).collect());
+        };
+        for s in &self.sites {
+            let site = [
+                s.id.clone(),
+                s.x.to_string(),
+                s.y.to_string(),
+                s.height_amsl_m.to_string(),
+                optional(s.height_agl_m),
+                s.placement.to_string(),
+            ];
+            push(site, &s.tally);
+        }
+        if self.sites.len() > 1 {
+            let mut site: [String; 6] = std::array::from_fn(|_| String::new());
+            site[0] = "union".into();
+            push(site, &self.union);
+        }
+        rows
+    }
+
+    /// The sites as GeoJSON points with their results, in the scene's CRS.
+    pub fn geojson(&self) -> Value {
+        let features: Vec<Value> = self
+            .sites
+            .iter()
+            .map(|s| {
+                json!({
+                    "type": "Feature",
+                    "properties": site_json(s),
+                    "geometry": {"type": "Point", "coordinates": [s.x, s.y]},
+                })
+            })
+            .collect();
+        let mut collection = Map::new();
+        collection.insert("type".into(), "FeatureCollection".into());
+        if let Some(epsg) = self.facts.grid.crs().and_then(crate::raster::Crs::epsg) {
+            let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
+            collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
+        }
+        collection.insert("skyshed".into(), self.facts.provenance("skyshed/map/1", Some(&self.digest)));
+        collection.insert("features".into(), features.into());
+        Value::Object(collection)
+    }
+}
+
+fn site_json(site: &SiteFacts) -> Value {
+    let mut object = Map::new();
+    object.insert("id".into(), site.id.clone().into());
+    object.insert("x".into(), site.x.into());
+    object.insert("y".into(), site.y.into());
+    object.insert("height_amsl_m".into(), site.height_amsl_m.into());
+    object.insert("height_agl_m".into(), site.height_agl_m.into());
+    object.insert("placement".into(), site.placement.into());
+    object.extend(tally_json(&site.tally));
+    object.insert("zones".into(), Value::Null);
+    let bands: Vec<Value> = site
+        .tally
+        .elevation_bands()
+        .iter()
+        .map(|b| json!({"from_deg": b.from_deg, "to_deg": b.to_deg, "receivers": b.receivers, "los": b.los}))
+        .collect();
+    object.insert("elevation_bands".into(), bands.into());
+    Value::Object(object)
+}
+
+/// What stands in the way of a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObstructionReport {
+    /// `building`, `terrain`, or `cell` of a surface model.
+    pub kind: &'static str,
+    /// Id of the building.
+    pub id: Option<String>,
+    /// Row and column of the cell.
+    pub cell: Option<(usize, usize)>,
+    /// Obstructing point [CRS units].
+    pub x: f64,
+    /// Obstructing point [CRS units].
+    pub y: f64,
+    /// Height of the ray there [m above the datum].
+    pub ray_height_m: f64,
+    /// Height of the obstacle there [m above the datum].
+    pub roof_height_m: f64,
+}
+
+/// One link as reported.
+#[derive(Debug, Clone)]
+pub struct LinkReport {
+    /// The run.
+    pub facts: RunFacts,
+    /// UAV: x, y [CRS units], height above the datum [m].
+    pub uav: [f64; 3],
+    /// Receiver: x, y [CRS units], height above the datum [m].
+    pub receiver: [f64; 3],
+    /// Whether the link is in line of sight.
+    pub los: bool,
+    /// Receiver height less ceiling [m]; `None` if no receiver height is enough.
+    pub margin_m: Option<f64>,
+    /// Horizontal distance [m].
+    pub distance_m: f64,
+    /// Elevation angle of the UAV from the receiver [deg].
+    pub elevation_deg: f64,
+    /// What stands in the way; `None` if nothing does.
+    pub obstruction: Option<ObstructionReport>,
+}
+
+impl LinkReport {
+    /// The document `skyshed/link/1`.
+    pub fn document(&self) -> Value {
+        let mut document = self.facts.head("skyshed/link/1");
+        let end = |e: &[f64; 3]| json!({"x": e[0], "y": e[1], "height_amsl_m": e[2]});
+        document.insert("uav".into(), end(&self.uav));
+        document.insert("receiver".into(), end(&self.receiver));
+        document.insert("los".into(), self.los.into());
+        document.insert("margin_m".into(), self.margin_m.into());
+        document.insert("distance_m".into(), self.distance_m.into());
+        document.insert("elevation_deg".into(), self.elevation_deg.into());
+        let obstruction = self.obstruction.as_ref().map_or(Value::Null, |o| {
+            let mut object = Map::new();
+            object.insert("kind".into(), o.kind.into());
+            object.extend(o.id.as_ref().map(|id| ("id".to_string(), Value::from(id.clone()))));
+            if let Some((row, col)) = o.cell {
+                object.insert("row".into(), row.into());
+                object.insert("col".into(), col.into());
+            }
+            object.insert("x".into(), o.x.into());
+            object.insert("y".into(), o.y.into());
+            object.insert("ray_height_m".into(), o.ray_height_m.into());
+            object.insert("roof_height_m".into(), o.roof_height_m.into());
+            Value::Object(object)
+        });
+        document.insert("obstruction".into(), obstruction);
+        document.insert("warnings".into(), self.facts.warnings());
+        Value::Object(document)
+    }
+}

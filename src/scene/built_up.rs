@@ -1,0 +1,255 @@
+//! Generated cities: the Manhattan grid of the built-up parameters α, β, γ of ITU-R P.1410.
+//!
+//! Square buildings of width w stand on a square lattice, separated by streets of width s (Saboor et al. 2023,
+//! eqs. 2–3), and their heights are independent Rayleigh variates of scale γ (eq. 1). The height of building (i, j) of a
+//! city is a function of (seed, i, j) alone: each building owns one stream of a counter-based generator (ChaCha8), from
+//! which one exponential variate E is drawn, and the height is γ·√(2E), rounded to the lattice. So a city is the same on
+//! every machine, on any number of threads, and whether it is built as a whole or met building by building.
+
+use std::fmt;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Exp1};
+
+use super::footprints::{Footprint, FootprintFaults};
+use super::{Ground, Scene, Solids};
+use crate::error::{Error, Result};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps};
+use crate::raster::GeoRef;
+
+/// The built-up parameters of a city.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuiltUp {
+    /// α: share of the land covered by buildings, 0 < α < 1.
+    pub built_up_ratio: f64,
+    /// β: buildings per square kilometer, > 0.
+    pub buildings_per_km2: f64,
+    /// γ: scale (mode) of the Rayleigh distribution of building heights [m], > 0.
+    pub height_scale: f64,
+}
+
+impl BuiltUp {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// Usage error if a parameter is not finite or out of range, or the streets would be narrower than the lattice.
+    pub fn new(built_up_ratio: f64, buildings_per_km2: f64, height_scale: f64) -> Result<Self> {
+        let city = BuiltUp { built_up_ratio, buildings_per_km2, height_scale };
+        let refuse = |name: &str, value: f64, wanted: &str| {
+            Err(Error::usage(110, format!("cannot generate a city: {name} is `{value}`, wanted {wanted}")))
+        };
+        if !(built_up_ratio > 0.0 && built_up_ratio < 1.0) {
+            return refuse("α (built-up ratio)", built_up_ratio, "0 < α < 1");
+        }
+        if !(buildings_per_km2 > 0.0 && buildings_per_km2.is_finite()) {
+            return refuse("β (buildings per km²)", buildings_per_km2, "β > 0");
+        }
+        if !(height_scale > 0.0 && height_scale <= MAX_HEIGHT_M / 16.0) {
+            return refuse("γ (height scale)", height_scale, "0 < γ ≤ 2048 m");
+        }
+        let finest = 4.0 / f64::from(STEPS_PER_UNIT);
+        if city.street_width() < finest || city.building_width() < finest {
+            return refuse("α, β", built_up_ratio, "streets and buildings at least 4 mm wide");
+        }
+        Ok(city)
+    }
+
+    /// The environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`), `high-rise` (or `highrise`).
+    ///
+    /// # References
+    /// The four tuples: Saboor et al. 2023, Table I; Holis & Pechac 2008, Table I.
+    pub fn named(name: &str) -> Option<Self> {
+        let (built_up_ratio, buildings_per_km2, height_scale) = match name {
+            "suburban" => (0.1, 750.0, 8.0),
+            "urban" => (0.3, 500.0, 15.0),
+            "dense-urban" | "dense" => (0.5, 300.0, 20.0),
+            "high-rise" | "highrise" => (0.5, 300.0, 50.0),
+            _ => return None,
+        };
+        Some(BuiltUp { built_up_ratio, buildings_per_km2, height_scale })
+    }
+
+    /// Width w of a building [m]: 1000·√(α/β) (Saboor et al. 2023, eq. 2).
+    pub fn building_width(&self) -> f64 {
+        1000.0 * (self.built_up_ratio / self.buildings_per_km2).sqrt()
+    }
+
+    /// Width s of a street [m]: 1000/√β − w (Saboor et al. 2023, eq. 3).
+    pub fn street_width(&self) -> f64 {
+        1000.0 / self.buildings_per_km2.sqrt() - self.building_width()
+    }
+
+    /// Distance T = s + w from one building to the next [m].
+    pub fn period(&self) -> f64 {
+        1000.0 / self.buildings_per_km2.sqrt()
+    }
+
+    /// Height of building (i, j) of the city with this seed [m above its ground], not yet rounded to the lattice.
+    pub fn building_height(&self, seed: u64, i: i32, j: i32) -> f64 {
+        let mut stream = ChaCha8Rng::seed_from_u64(seed);
+        stream.set_stream((u64::from(i.cast_unsigned()) << 32) | u64::from(j.cast_unsigned()));
+        let exponential: f64 = Exp1.sample(&mut stream);
+        // The largest variate of 2^64 draws is below 45, so the bound never acts; it keeps the lattice range proven.
+        (self.height_scale * (2.0 * exponential).sqrt()).min(MAX_HEIGHT_M / 2.0)
+    }
+}
+
+impl fmt::Display for BuiltUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "α = {}, β = {}/km², γ = {} m", self.built_up_ratio, self.buildings_per_km2, self.height_scale)
+    }
+}
+
+/// A generated city: its parameters, extent, seed and grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BuiltUpCity {
+    /// Built-up parameters.
+    pub built_up: BuiltUp,
+    /// Edge length of the square city [m].
+    pub size_m: f64,
+    /// Edge length of a cell of the receivers' grid [m].
+    pub cell_m: f64,
+    /// Seed of the building heights.
+    pub seed: u64,
+    /// Height of the ground above the datum [m].
+    pub ground_m: f64,
+}
+
+impl BuiltUpCity {
+    /// Parameters from a scene word such as `itu:urban` or `itu:0.3,500,15`; `None` if it does not begin with `itu:`.
+    ///
+    /// # Errors
+    /// Usage error if what follows is neither a known environment nor three valid numbers.
+    pub fn parse_built_up(word: &str) -> Option<Result<BuiltUp>> {
+        let rest = word.strip_prefix("itu:")?;
+        if let Some(known) = BuiltUp::named(&rest.to_lowercase()) {
+            return Some(Ok(known));
+        }
+        let numbers: Vec<std::result::Result<f64, _>> = rest.split(',').map(|n| n.trim().parse::<f64>()).collect();
+        Some(match numbers[..] {
+            [Ok(alpha), Ok(beta), Ok(gamma)] => BuiltUp::new(alpha, beta, gamma),
+            _ => Err(Error::usage(
+                111,
+                format!("cannot read scene `{word}`: found `{rest}`, wanted a named environment or `α,β,γ`"),
+            )
+            .with_hint("itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, or for example itu:0.3,500,15")),
+        })
+    }
+
+    /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge.
+    ///
+    /// # Errors
+    /// Usage error for a bad size or cell; limit error above 65 536 m.
+    pub fn scene(&self) -> Result<Scene> {
+        let positive = |flag: &str, v: f64| {
+            if v > 0.0 && v.is_finite() {
+                Ok(())
+            } else {
+                Err(Error::usage(112, format!("cannot generate a city: `{flag}` is `{v}`, wanted above 0 m")))
+            }
+        };
+        positive("--size", self.size_m)?;
+        positive("--cell", self.cell_m)?;
+        if self.size_m > MAX_EXTENT_UNITS {
+            return Err(Error::limit(
+                502,
+                format!("cannot generate a city: `--size` is {} m, wanted at most {MAX_EXTENT_UNITS} m", self.size_m),
+            ));
+        }
+        let n_cells = (self.size_m / self.cell_m - 1e-9).ceil().max(1.0);
+        if n_cells > MAX_EXTENT_UNITS {
+            return Err(Error::limit(
+                502,
+                format!("cannot generate a city: {n_cells} cells a side, wanted at most {MAX_EXTENT_UNITS}"),
+            )
+            .with_hint("choose a larger `--cell`"));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
+        let n = n_cells as usize;
+        let extent = self.cell_m * n_cells;
+        let grid = GeoRef::new((0.0, extent), (self.cell_m, self.cell_m), (n, n), None)
+            .ok_or_else(|| Error::internal(901, "a checked city has a valid grid"))?;
+        let ground = height_steps(self.ground_m).ok_or_else(|| {
+            Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
+        })?;
+        Ok(Scene {
+            name: format!("generated city, {}, seed {}", self.built_up, self.seed),
+            grid,
+            solids: Solids::Vector {
+                footprints: self.footprints(ground),
+                frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
+                ground: Ground::Flat(ground),
+                faults: FootprintFaults::default(),
+            },
+            built_up: Some(self.built_up),
+            sources: Vec::new(),
+        })
+    }
+
+    /// The buildings row by row from the south-west, cut at the city's edge.
+    fn footprints(&self, ground: i32) -> Vec<Footprint> {
+        let (street, period) = (self.built_up.street_width(), self.built_up.period());
+        #[expect(clippy::cast_possible_truncation, reason = "at most 65536 m in steps of 1/1024 m")]
+        let steps = |v: f64| (v.min(self.size_m) * f64::from(STEPS_PER_UNIT)).round() as i32;
+        let spans: Vec<(i32, [i32; 2])> = (0_i32..)
+            .map(|k| (k, f64::from(k) * period))
+            .take_while(|(_, start)| start + street < self.size_m)
+            .map(|(k, start)| (k, [steps(start + street), steps(start + period)]))
+            .filter(|(_, [a, b])| a < b)
+            .collect();
+        let mut footprints = Vec::with_capacity(spans.len() * spans.len());
+        for &(j, [y0, y1]) in &spans {
+            for &(i, [x0, x1]) in &spans {
+                let height = height_steps(self.built_up.building_height(self.seed, i, j)).unwrap_or(0);
+                footprints.push(Footprint {
+                    id: format!("{i},{j}"),
+                    polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
+                    top: ground + height,
+                    base: ground,
+                });
+            }
+        }
+        footprints
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_of_the_named_environments_are_those_of_the_literature() {
+        // reference: w, s [m] = (11.547005, 24.967832), (24.494897, 20.226462), (40.824829, 16.910198).
+        for (name, w, s) in
+            [("suburban", 11.547_005, 24.967_832), ("urban", 24.494_897, 20.226_462), ("dense", 40.824_829, 16.910_198)]
+        {
+            let city = BuiltUp::named(name).expect("a known name");
+            assert!((city.building_width() - w).abs() < 1e-6 && (city.street_width() - s).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn bad_parameters_are_refused_with_the_range() {
+        for (a, b, g) in [(1.0, 500.0, 15.0), (0.3, 0.0, 15.0), (0.3, 500.0, -1.0), (f64::NAN, 500.0, 15.0)] {
+            assert!(BuiltUp::new(a, b, g).is_err());
+        }
+        assert!(BuiltUpCity::parse_built_up("itu:0.3,500").is_some_and(|r| r.is_err()));
+        assert!(BuiltUpCity::parse_built_up("city.tif").is_none());
+    }
+
+    #[test]
+    fn heights_have_the_mean_and_the_tail_of_a_rayleigh_distribution() {
+        let city = BuiltUp::named("urban").expect("a known name");
+        let heights: Vec<f64> = (0..200).flat_map(|i| (0..200).map(move |j| city.building_height(7, i, j))).collect();
+        let n = heights.len() as f64;
+        let mean = heights.iter().sum::<f64>() / n;
+        // Mean γ·√(π/2), standard deviation γ·√(2 − π/2); four standard errors.
+        let (expected, deviation) = (15.0 * (std::f64::consts::PI / 2.0).sqrt(), 15.0 * 0.655_136_377_562_033_4);
+        assert!((mean - expected).abs() < 4.0 * deviation / n.sqrt(), "mean {mean}, wanted {expected}");
+        // P(H > 2γ) = e^-2.
+        let share = heights.iter().filter(|h| **h > 30.0).count() as f64 / n;
+        let p = (-2.0_f64).exp();
+        assert!((share - p).abs() < 4.0 * (p * (1.0 - p) / n).sqrt());
+    }
+}

@@ -1,0 +1,587 @@
+//! Scenes from building footprints with heights, on flat ground or terrain.
+//!
+//! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
+//! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
+//! left-out thing is counted in [`FootprintFaults`] and reported.
+
+use std::path::{Path, PathBuf};
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::Overlay;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+use rayon::prelude::*;
+
+use super::geojson_file::{FoundHeight, RawFootprint, RawFootprints, read_raw_footprints};
+use super::surface::{SurfaceOptions, ground_steps, read_heights};
+use super::{Ground, NodataAs, Scene, Solids, Source, refuse_degrees};
+use crate::error::{Error, Result, Warning};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::raster::{Crs, GeoRef, InputKind, Raster};
+
+/// A building: polygons on the lattice and a flat top; solid from below the ground.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Footprint {
+    /// The feature's id, or its number in the file.
+    pub id: String,
+    /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
+    pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    /// Top [1/1024 m above the datum].
+    pub top: i32,
+    /// The ground that the height was measured from [1/1024 m above the datum].
+    pub base: i32,
+}
+
+/// What to do with footprints whose height is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MissingHeight {
+    /// Refuse the file.
+    Fail,
+    /// Leave the footprint out, and say so.
+    #[default]
+    Drop,
+    /// Three meters for each of `building:levels`; left out where that is missing too.
+    Levels,
+    /// The median of the known heights.
+    Median,
+}
+
+/// How footprints are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FootprintOptions {
+    /// Property that holds the height above ground [m].
+    pub height_field: String,
+    /// Property that holds the absolute height of the top [m above the datum], instead.
+    pub top_field: Option<String>,
+    /// Policy for missing heights.
+    pub missing: MissingHeight,
+    /// Terrain model, in the same CRS.
+    pub terrain: Option<PathBuf>,
+    /// Height of flat ground [m above the datum], 0 by default.
+    pub ground_m: Option<f64>,
+    /// Extent of the receivers' grid: west, south, east, north [CRS units].
+    pub extent: Option<[f64; 4]>,
+    /// Cell size of the receivers' grid [m]; by default the terrain's, else 1.
+    pub cell_m: Option<f64>,
+    /// The CRS to assume.
+    pub crs: Option<Crs>,
+    /// What nodata cells of the terrain do.
+    pub nodata_as: NodataAs,
+    /// Whether to hash inputs of any size.
+    pub always_hash: bool,
+}
+
+/// What was mended or left out while reading footprints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FootprintFaults {
+    /// Features that are not areas (points, lines, no geometry): left out.
+    pub not_areas: usize,
+    /// Polygons whose rings crossed or touched themselves: repaired by the even-odd rule.
+    pub repaired: usize,
+    /// Rings whose last point was not the first: closed.
+    pub unclosed: usize,
+    /// Polygons without area: left out.
+    pub degenerate: usize,
+    /// Footprints without a usable height: treated by the [`MissingHeight`] policy.
+    pub missing_height: usize,
+    /// Footprints with a negative height: left out.
+    pub negative_height: usize,
+    /// Heights written with a decimal comma: read as such.
+    pub decimal_comma: usize,
+    /// Footprints over terrain cells that are all nodata: left out.
+    pub no_ground: usize,
+    /// Footprints farther than 65 536 m from the grid's corner: left out.
+    pub too_far: usize,
+}
+
+impl FootprintFaults {
+    fn warn(&self, path: &Path, missing: MissingHeight, missing_area_share: f64, warnings: &mut Vec<Warning>) {
+        let treated = match missing {
+            MissingHeight::Fail => "refused".to_string(),
+            MissingHeight::Drop => {
+                format!("left out, {:.1} % of the footprint area (`--missing levels|median|fail`)", missing_area_share * 100.0)
+            }
+            MissingHeight::Levels => "3 m for each of `building:levels`, left out without that".to_string(),
+            MissingHeight::Median => "given the median height".to_string(),
+        };
+        let found = [
+            (350, self.not_areas, "features that are no polygons: left out".to_string()),
+            (351, self.repaired, "polygons with crossing or touching rings: repaired by the even-odd rule".to_string()),
+            (352, self.unclosed, "rings that do not end where they begin: closed".to_string()),
+            (353, self.degenerate, "polygons without area: left out".to_string()),
+            (354, self.missing_height, format!("footprints without a usable height: {treated}")),
+            (355, self.negative_height, "footprints with a negative height: left out".to_string()),
+            (356, self.decimal_comma, "heights with a decimal comma: read as decimals".to_string()),
+            (357, self.no_ground, "footprints over nodata terrain: left out".to_string()),
+            (358, self.too_far, "footprints farther than 65536 m from the grid: left out".to_string()),
+        ];
+        for (code, count, text) in found {
+            if count > 0 {
+                warnings.push(Warning::new(code, format!("{}: {count} {text}", path.display())));
+            }
+        }
+    }
+}
+
+/// Reads footprints from GeoJSON.
+///
+/// # Errors
+/// File errors for malformed GeoJSON (with line or feature), degrees, or a CRS that differs from the terrain's; usage
+/// errors for bad numbers; limit errors for huge grids.
+pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let raw = read_raw_footprints(path, &options.height_field, options.top_field.as_deref())?;
+    let mut sources = vec![Source::of(path, options.always_hash)?];
+    let bounds = raw.bounds();
+    let file_crs = options.crs.clone().or_else(|| raw.crs.clone());
+    check_degrees(path, &raw, file_crs.as_ref(), bounds)?;
+
+    let terrain = match &options.terrain {
+        None => None,
+        Some(terrain_path) => {
+            let surface_options = SurfaceOptions {
+                terrain: None,
+                ground_m: None,
+                building_threshold_m: 0.0,
+                nodata_as: options.nodata_as,
+                crs: options.crs.clone(),
+                always_hash: options.always_hash,
+            };
+            let terrain = read_heights(terrain_path, &surface_options, warnings)?;
+            if let (Some(a), Some(b)) = (&file_crs, terrain.georef().crs()) {
+                if a.epsg() != b.epsg() {
+                    return Err(Error::file(
+                        311,
+                        format!(
+                            "cannot combine {} in {} with {} in {}: wanted one CRS",
+                            path.display(),
+                            a.label(),
+                            terrain_path.display(),
+                            b.label()
+                        ),
+                    )
+                    .with_hint(format!("ogr2ogr -t_srs {} reprojected.geojson {}", b.label(), path.display())));
+                }
+            }
+            sources.push(Source::of(terrain_path, options.always_hash)?);
+            Some(terrain)
+        }
+    };
+    let crs = file_crs.or_else(|| terrain.as_ref().and_then(|t| t.georef().crs().cloned()));
+    if crs.is_none() {
+        warnings.push(Warning::new(
+            325,
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+        ));
+    }
+    let grid = receivers_grid(path, options, terrain.as_ref(), bounds)?.with_crs(crs);
+    let frame =
+        Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
+    let ground = match terrain {
+        Some(terrain) => Ground::Terrain(terrain),
+        None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
+    };
+    let (footprints, faults) = build(path, raw, options, &ground, frame, warnings)?;
+    warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
+    Ok(Scene {
+        name: path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned()),
+        grid,
+        solids: Solids::Vector { footprints, frame, ground, faults },
+        built_up: None,
+        sources,
+    })
+}
+
+/// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
+fn check_degrees(path: &Path, raw: &RawFootprints, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+    let Some(bounds) = bounds else { return Ok(()) };
+    if let Some(crs) = crs {
+        return refuse_degrees(path, crs, bounds, InputKind::Vector);
+    }
+    // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
+    let [west, south, east, north] = bounds;
+    let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
+    if on_earth && east - west < 1.0 && north - south < 1.0 && !raw.footprints.is_empty() {
+        return refuse_degrees(path, &Crs::from_epsg(4326)?, bounds, InputKind::Vector);
+    }
+    Ok(())
+}
+
+fn receivers_grid(
+    path: &Path,
+    options: &FootprintOptions,
+    terrain: Option<&Raster<i32>>,
+    bounds: Option<[f64; 4]>,
+) -> Result<GeoRef> {
+    if let Some(cell) = options.cell_m {
+        if !(cell > 0.0 && cell.is_finite()) {
+            return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
+        }
+    }
+    let cell = options.cell_m.unwrap_or(1.0);
+    let [west, south, east, north] = match (options.extent, terrain, bounds) {
+        (Some(extent), _, _) => {
+            let [west, south, east, north] = extent;
+            if !(extent.iter().all(|v| v.is_finite()) && west < east && south < north) {
+                return Err(Error::usage(
+                    114,
+                    format!("`--extent` is `{west},{south},{east},{north}`, wanted west < east and south < north"),
+                ));
+            }
+            extent
+        }
+        (None, Some(terrain), _) if options.cell_m.is_none() => return Ok(terrain.georef().clone()),
+        (None, Some(terrain), _) => {
+            let g = terrain.georef();
+            [g.x_min(), g.y_min(), g.x_max(), g.y_max()]
+        }
+        (None, None, Some([west, south, east, north])) => [
+            (west / cell).floor() * cell,
+            (south / cell).floor() * cell,
+            (east / cell).ceil() * cell,
+            (north / cell).ceil() * cell,
+        ],
+        (None, None, None) => {
+            return Err(Error::file(
+                308,
+                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", path.display()),
+            )
+            .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
+        }
+    };
+    let cells = |length: f64| (length / cell - 1e-9).ceil().max(1.0);
+    let (n_cols, n_rows) = (cells(east - west), cells(north - south));
+    if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
+        return Err(Error::limit(
+            502,
+            format!(
+                "cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side",
+                path.display()
+            ),
+        )
+        .with_hint("give `--extent W,S,E,N`, or a larger `--cell`"));
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
+    let (n_cols, n_rows) = (n_cols as usize, n_rows as usize);
+    GeoRef::new((west, south + cell * n_rows as f64), (cell, cell), (n_rows, n_cols), None)
+        .ok_or_else(|| Error::usage(114, format!("no grid fits extent {west},{south},{east},{north}")))
+}
+
+/// Positions to the lattice, repair, heights.
+fn build(
+    path: &Path,
+    raw: RawFootprints,
+    options: &FootprintOptions,
+    ground: &Ground,
+    frame: Frame,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Vec<Footprint>, FootprintFaults)> {
+    let mut faults = FootprintFaults { not_areas: raw.not_areas, ..FootprintFaults::default() };
+    let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, ground, frame)).collect();
+
+    let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
+    let known: Vec<f64> = shaped
+        .iter()
+        .filter_map(|s| match s.raw.height {
+            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 => Some(m),
+            _ => None,
+        })
+        .collect();
+    let median = median(known);
+    let (mut missing_area, mut total_area) = (0.0, 0.0);
+    let mut footprints = Vec::with_capacity(shaped.len());
+    for shaped in shaped {
+        faults.repaired += shaped.repaired;
+        faults.unclosed += shaped.raw.unclosed;
+        faults.degenerate += shaped.degenerate;
+        total_area += area(&shaped);
+        if shaped.too_far {
+            faults.too_far += 1;
+            continue;
+        }
+        if shaped.polygons.is_empty() {
+            continue;
+        }
+        faults.decimal_comma += usize::from(matches!(shaped.raw.height, FoundHeight::DecimalComma(_)));
+        let height = match shaped.raw.height {
+            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
+            FoundHeight::Missing => {
+                faults.missing_height += 1;
+                missing_area += area(&shaped);
+                match options.missing {
+                    MissingHeight::Fail => {
+                        return Err(Error::file(
+                            309,
+                            format!(
+                                "cannot use {}: feature `{}` has no usable `{}`",
+                                path.display(),
+                                shaped.raw.id,
+                                options.top_field.as_ref().unwrap_or(&options.height_field)
+                            ),
+                        )
+                        .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
+                    }
+                    MissingHeight::Drop => None,
+                    MissingHeight::Levels => shaped.raw.levels.map(|levels| levels * METERS_PER_LEVEL),
+                    MissingHeight::Median => median,
+                }
+            }
+        };
+        let Some(height) = height else { continue };
+        if options.top_field.is_none() && height < 0.0 {
+            faults.negative_height += 1;
+            continue;
+        }
+        let Some(base) = shaped.base else {
+            faults.no_ground += 1;
+            continue;
+        };
+        let steps = height_steps(height).ok_or_else(|| {
+            Error::site(
+                205,
+                format!(
+                    "cannot use {}: feature `{}` has height `{height}` m, wanted within ±32768 m",
+                    path.display(),
+                    shaped.raw.id
+                ),
+            )
+        })?;
+        let top = if options.top_field.is_some() { steps } else { base.saturating_add(steps) };
+        footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
+    }
+    let share = if total_area > 0.0 { missing_area / total_area } else { 0.0 };
+    faults.warn(path, options.missing, share, warnings);
+    Ok((footprints, faults))
+}
+
+/// Meters that stand for one storey where only `building:levels` is known (the default of OpenStreetMap renderers).
+const METERS_PER_LEVEL: f64 = 3.0;
+
+/// A footprint after rounding and repair.
+struct Shaped {
+    raw: RawFootprint,
+    polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    repaired: usize,
+    degenerate: usize,
+    too_far: bool,
+    /// The lowest ground under the footprint, `None` over nodata.
+    base: Option<i32>,
+}
+
+fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped {
+    let mut shaped =
+        Shaped { polygons: Vec::new(), repaired: 0, degenerate: 0, too_far: false, base: None, raw };
+    let limit = 1_i64 << 26;
+    for polygon in &shaped.raw.polygons {
+        let mut rings: Vec<Vec<[i32; 2]>> = Vec::new();
+        for ring in polygon {
+            let mut points: Vec<[i32; 2]> = Vec::with_capacity(ring.len());
+            for &[x, y] in ring {
+                let (x, y) = frame.lattice_from_world(x, y);
+                if x.abs() > limit || y.abs() > limit {
+                    shaped.too_far = true;
+                    return shaped;
+                }
+                #[expect(clippy::cast_possible_truncation, reason = "within ±2^26 by the check above")]
+                let point = [x as i32, y as i32];
+                if points.last() != Some(&point) {
+                    points.push(point);
+                }
+            }
+            while points.len() > 1 && points.first() == points.last() {
+                points.pop();
+            }
+            if points.len() >= 3 {
+                rings.push(points);
+            }
+        }
+        let (mended, repaired) = even_odd(&rings);
+        if mended.is_empty() {
+            shaped.degenerate += 1;
+        } else {
+            shaped.repaired += usize::from(repaired);
+        }
+        shaped.polygons.extend(mended);
+    }
+    shaped.base = match ground {
+        Ground::Surface => None,
+        Ground::Flat(z) => Some(*z),
+        Ground::Terrain(terrain) => lowest_under(&shaped.raw.polygons, terrain),
+    };
+    shaped
+}
+
+/// The region that rings enclose by the even-odd rule, as polygons whose edges do not cross, and whether that changed
+/// the polygon.
+fn even_odd(rings: &[Vec<[i32; 2]>]) -> (Vec<Vec<Vec<[i32; 2]>>>, bool) {
+    let contours: Vec<Vec<IntPoint<i32>>> =
+        rings.iter().map(|r| r.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect();
+    let shapes = Overlay::<i32>::from_subj(&contours).overlay(OverlayRule::Subject, FillRule::EvenOdd);
+    let polygons: Vec<Vec<Vec<[i32; 2]>>> = shapes
+        .into_iter()
+        .map(|shape| shape.into_iter().map(|c| c.into_iter().map(|p| [p.x, p.y]).collect()).collect())
+        .collect();
+    // A valid polygon comes back with the area of its shell less that of its holes and with as many rings.
+    let area = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs();
+    let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i64>();
+    let after: i64 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i64>()).sum();
+    let n_rings: usize = polygons.iter().map(Vec::len).sum();
+    let repaired = before != after || n_rings != rings.len();
+    (polygons, repaired)
+}
+
+/// Twice the signed area of a ring of lattice points within ±2^26: below 2^55 for any ring that does not wind many
+/// times, and only compared.
+fn doubled_area(ring: &[[i32; 2]]) -> i64 {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter()
+        .zip(next)
+        .map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(b[0]) * i64::from(a[1]))
+        .fold(0, i64::wrapping_add)
+}
+
+#[expect(clippy::cast_precision_loss, reason = "reported as a share of area")]
+fn polygon_area(polygon: &[Vec<[i32; 2]>]) -> f64 {
+    let area = |r: &Vec<[i32; 2]>| doubled_area(r).abs() as f64;
+    polygon.first().map_or(0.0, area) - polygon.iter().skip(1).map(area).sum::<f64>()
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*m)
+}
+
+/// The lowest terrain under a footprint: over the cells of its vertices and the cell centers inside.
+///
+/// OpenStreetMap measures `height` from the lowest point where the building meets the ground.
+fn lowest_under(polygons: &[Vec<Vec<[f64; 2]>>], terrain: &Raster<i32>) -> Option<i32> {
+    let georef = terrain.georef();
+    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
+    let mut lowest: Option<i32> = None;
+    let mut meet = |height: i32| {
+        if height != VOID {
+            lowest = Some(lowest.map_or(height, |l| l.min(height)));
+        }
+    };
+    for polygon in polygons {
+        let in_cells: Vec<Vec<(f64, f64)>> =
+            polygon.iter().map(|r| r.iter().map(|&[x, y]| georef.cells_from_world(x, y)).collect()).collect();
+        let points = || in_cells.iter().flatten();
+        for &(x, y) in points() {
+            if x >= 0.0 && y >= 0.0 && x < n_cols as f64 && y < n_rows as f64 {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
+                let (col, from_south) = (x as usize, y as usize);
+                meet(terrain.row(n_rows - 1 - from_south)[col]);
+            }
+        }
+        let south = points().map(|p| p.1).fold(f64::INFINITY, f64::min).max(0.0);
+        let north = points().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max).min(n_rows as f64);
+        if south >= north {
+            continue;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+        let rows = south as usize..(north.ceil() as usize).min(n_rows);
+        for from_south in rows {
+            let y = from_south as f64 + 0.5;
+            let mut crossings: Vec<f64> = Vec::new();
+            for ring in &in_cells {
+                for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+                    if (a.1 <= y) != (b.1 <= y) {
+                        crossings.push(a.0 + (y - a.1) / (b.1 - a.1) * (b.0 - a.0));
+                    }
+                }
+            }
+            crossings.sort_unstable_by(f64::total_cmp);
+            for pair in crossings.chunks_exact(2) {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+                let (from, to) = (
+                    (pair[0] + 0.5).floor().clamp(0.0, n_cols as f64) as usize,
+                    (pair[1] + 0.5).floor().clamp(0.0, n_cols as f64) as usize,
+                );
+                terrain.row(n_rows - 1 - from_south)[from..to.max(from)].iter().for_each(|&h| meet(h));
+            }
+        }
+    }
+    lowest
+}
+
+fn warn_if_nothing_meets_the_grid(
+    path: &Path,
+    footprints: &[Footprint],
+    grid: &GeoRef,
+    frame: Frame,
+    warnings: &mut Vec<Warning>,
+) {
+    if footprints.is_empty() {
+        warnings.push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
+        return;
+    }
+    let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
+    let (x1, y1) = frame.lattice_from_world(grid.x_max(), grid.y_max());
+    let inside = |p: &[i32; 2]| (x0..=x1).contains(&i64::from(p[0])) && (y0..=y1).contains(&i64::from(p[1]));
+    let encloses = |f: &Footprint| {
+        let points = || f.polygons.iter().flatten().flatten();
+        let west = points().any(|p| i64::from(p[0]) <= x0) && points().any(|p| i64::from(p[0]) >= x1);
+        let south = points().any(|p| i64::from(p[1]) <= y0) && points().any(|p| i64::from(p[1]) >= y1);
+        west || south
+    };
+    let meets = |f: &Footprint| f.polygons.iter().flatten().flatten().any(inside) || encloses(f);
+    if !footprints.iter().any(meets) {
+        warnings.push(
+            Warning::new(
+                360,
+                format!(
+                    "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
+                    path.display(),
+                    footprints.len(),
+                    grid.x_min(),
+                    grid.x_max(),
+                    grid.y_min(),
+                    grid.y_max()
+                ),
+            ),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bow_tie_becomes_two_triangles_and_counts_as_repaired() {
+        let (polygons, repaired) = even_odd(&[vec![[0, 0], [200, 200], [200, 0], [0, 200]]]);
+        assert!(repaired);
+        let area: i64 = polygons.iter().flatten().map(|r| doubled_area(r).abs()).sum();
+        assert_eq!((polygons.len(), area), (2, 40_000));
+    }
+
+    #[test]
+    fn a_valid_polygon_with_a_hole_is_left_alone() {
+        let rings = [vec![[0, 0], [90, 7], [100, 100], [3, 80]], vec![[40, 40], [40, 60], [60, 60]]];
+        let (polygons, repaired) = even_odd(&rings);
+        assert!(!repaired);
+        assert_eq!(polygons.len(), 1);
+        assert_eq!(polygons[0].len(), 2);
+    }
+
+    #[test]
+    fn a_hole_equal_to_its_shell_leaves_nothing() {
+        let square = vec![[0, 0], [10, 0], [10, 10], [0, 10]];
+        assert!(even_odd(&[square.clone(), square]).0.is_empty());
+        assert!(even_odd(&[]).0.is_empty());
+    }
+
+    #[test]
+    fn the_base_of_a_building_is_the_lowest_ground_under_it() {
+        let grid = GeoRef::new((0.0, 4.0), (1.0, 1.0), (4, 4), None).expect("a valid grid");
+        let terrain = Raster::new(grid, (0..16).collect());
+        // Columns 1–2, rows 1–2 from the north: values 5, 6, 9, 10; the vertex (3, 1) lies in cell (row 2, col 3).
+        let ring = vec![[1.2, 1.2], [2.8, 1.2], [2.8, 2.8], [1.2, 2.8]];
+        assert_eq!(lowest_under(&[vec![ring]], &terrain), Some(5));
+        assert_eq!(lowest_under(&[vec![vec![[9.0, 9.0], [9.5, 9.0], [9.0, 9.5]]]], &terrain), None);
+    }
+}

@@ -1,0 +1,134 @@
+//! Scenes: what the user gave, read and checked once: a surface model, footprints with heights, or a generated city.
+//!
+//! A [`Scene`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
+//! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
+
+mod built_up;
+mod footprints;
+mod geojson_file;
+mod sites;
+mod surface;
+
+pub use built_up::{BuiltUp, BuiltUpCity};
+pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
+pub use sites::{Site, read_sites};
+pub use surface::{SurfaceOptions, read_surface};
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::quantity::Frame;
+use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, degrees_refusal};
+
+/// A city and the grid of receivers over it.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// What the scene is called in captions: the file name or the generator's parameters.
+    pub name: String,
+    /// The grid of receivers.
+    pub grid: GeoRef,
+    /// What stands in the way.
+    pub solids: Solids,
+    /// The built-up parameters of a generated city.
+    pub built_up: Option<BuiltUp>,
+    /// The files that the scene was read from.
+    pub sources: Vec<Source>,
+}
+
+/// The solids of a scene.
+#[derive(Debug, Clone)]
+pub enum Solids {
+    /// Columns over the cells of the grid.
+    Raster {
+        /// Surface heights [1/1024 m above the datum], [`crate::quantity::VOID`] where there is none.
+        surface: Raster<i32>,
+        /// What receivers stand on.
+        ground: Ground,
+        /// A cell whose surface is more than this above the ground is a building [1/1024 m].
+        building_threshold: i32,
+    },
+    /// Prisms over footprints.
+    Vector {
+        /// The footprints, on the lattice of `frame`.
+        footprints: Vec<Footprint>,
+        /// The lattice of the footprints: unit 1 m, origin at the grid's south-west corner floored to a whole meter.
+        frame: Frame,
+        /// What receivers and buildings stand on.
+        ground: Ground,
+        /// What was mended or left out.
+        faults: FootprintFaults,
+    },
+}
+
+/// What stands below the buildings.
+#[derive(Debug, Clone)]
+pub enum Ground {
+    /// Nothing but the surface model is known: receivers stand on the surface.
+    Surface,
+    /// A horizontal plane [1/1024 m above the datum].
+    Flat(i32),
+    /// A terrain model [1/1024 m above the datum]. In a raster scene it lies on the scene's own grid.
+    Terrain(Raster<i32>),
+}
+
+/// What to do with nodata cells of rasters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NodataAs {
+    /// They block nothing.
+    #[default]
+    Clear,
+    /// They block everything.
+    Block,
+}
+
+/// An input file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// As the user gave it.
+    pub path: String,
+    /// SHA-256 of its bytes in hexadecimal, if it was computed.
+    pub sha256: Option<String>,
+}
+
+/// Files larger than this are hashed only on request.
+const HASH_LIMIT_BYTES: u64 = 64 << 20;
+
+impl Source {
+    /// A source with its hash, which is left out above 64 MiB unless `always_hash`.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn of(path: &Path, always_hash: bool) -> Result<Source> {
+        use std::io::Read;
+
+        use sha2::Digest;
+        let unreadable = |e: std::io::Error| Error::file(301, format!("cannot read {}: {e}", path.display()));
+        let mut file = std::fs::File::open(path).map_err(unreadable)?;
+        let length = file.metadata().map_err(unreadable)?.len();
+        let sha256 = if always_hash || length <= HASH_LIMIT_BYTES {
+            let mut hasher = sha2::Sha256::new();
+            let mut block = vec![0; 1 << 16];
+            loop {
+                match file.read(&mut block).map_err(unreadable)? {
+                    0 => break,
+                    n => hasher.update(&block[..n]),
+                }
+            }
+            Some(hasher.finalize().iter().map(|b| format!("{b:02x}")).collect())
+        } else {
+            None
+        };
+        Ok(Source { path: path.display().to_string(), sha256 })
+    }
+}
+
+/// Refuses a CRS in degrees, with the command that fixes it; `bounds` is `[west, south, east, north]`.
+pub(crate) fn refuse_degrees(what: &Path, crs: &Crs, bounds: [f64; 4], kind: InputKind) -> Result<()> {
+    match crs.kind() {
+        CrsKind::Geographic => {
+            let center = ((bounds[0] + bounds[2]) / 2.0, (bounds[1] + bounds[3]) / 2.0);
+            Err(degrees_refusal(&what.display().to_string(), crs, kind, center))
+        }
+        CrsKind::Projected { .. } | CrsKind::Other => Ok(()),
+    }
+}

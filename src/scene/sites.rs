@@ -1,0 +1,156 @@
+//! UAV sites: where the UAVs hover, from flags, CSV or GeoJSON.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use serde_json::Value;
+
+use super::geojson_file::{features, named_crs, read_document};
+use crate::error::{Error, Result};
+use crate::quantity::{Height, parse_number};
+use crate::raster::{Crs, CrsKind, transform};
+
+/// The record of a UAV: a name, a position in the scene's CRS and a height.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Site {
+    /// Name, unique in a run.
+    pub id: String,
+    /// East [CRS units].
+    pub x: f64,
+    /// North [CRS units].
+    pub y: f64,
+    /// Height and what it is above.
+    pub height: Height,
+}
+
+/// Reads sites from a CSV table or GeoJSON points.
+///
+/// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
+/// `30roof`; optional `h_above` (`ground`, `roof`, `amsl`) and `id` (or `site`). GeoJSON points are longitude and
+/// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names.
+///
+/// # Errors
+/// File errors naming the line or feature; site errors if a position cannot be brought into the scene's CRS.
+pub fn read_sites(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let sites = match extension.as_str() {
+        "geojson" | "json" => read_geojson(path, scene_crs)?,
+        _ => read_csv(path, scene_crs)?,
+    };
+    if sites.is_empty() {
+        return Err(Error::file(308, format!("cannot use {}: it holds no site", path.display())));
+    }
+    Ok(sites)
+}
+
+fn read_csv(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+    let refuse = |place: &str, found: String| {
+        Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
+            .with_hint("a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(path)
+        .map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
+    let headers = reader.headers().map_err(|e| refuse("", e.to_string()))?.clone();
+    let column = |names: &[&str]| headers.iter().position(|h| names.contains(&h.to_lowercase().as_str()));
+    let (projected, degrees) = (
+        column(&["x", "x_m", "easting"]).zip(column(&["y", "y_m", "northing"])),
+        column(&["lon", "longitude", "lng"]).zip(column(&["lat", "latitude"])),
+    );
+    let found = || headers.iter().collect::<Vec<_>>().join(",");
+    let Some((x_column, y_column)) = projected.or(degrees) else {
+        return Err(refuse("line 1: ", format!("found columns `{}`, wanted a position", found())));
+    };
+    let Some(h_column) = column(&["h", "h_m", "height", "height_m"]) else {
+        return Err(refuse("line 1: ", format!("found columns `{}`, wanted a height", found())));
+    };
+    let (above_column, id_column) = (column(&["h_above"]), column(&["id", "site", "name"]));
+    let wgs84 = if projected.is_none() { Some(Crs::from_epsg(4326)?) } else { None };
+
+    let mut sites = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| refuse("", e.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let place = format!("line {line}: ");
+        let field = |k: usize| record.get(k).unwrap_or_default();
+        let number = |k: usize| parse_number(field(k)).map_err(|e| refuse(&place, format!("`{}`: {e}", &headers[k])));
+        let height = height(field(h_column), above_column.map(field)).map_err(|e| refuse(&place, e))?;
+        let id = id_column.map(field).filter(|s| !s.is_empty());
+        let xy = (number(x_column)?, number(y_column)?);
+        let (x, y) = in_scene(path, &place, xy, wgs84.as_ref(), scene_crs)?;
+        sites.push(Site { id: id.map_or_else(|| (sites.len() + 1).to_string(), str::to_string), x, y, height });
+    }
+    Ok(sites)
+}
+
+fn read_geojson(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+    let document = read_document(path)?;
+    let crs = match named_crs(path, &document)? {
+        Some(crs) => crs,
+        None => Crs::from_epsg(4326)?,
+    };
+    let mut sites = Vec::new();
+    for (number, feature) in features(path, document)?.into_iter().enumerate() {
+        let place = format!("feature {}: ", number + 1);
+        let refuse = |found: String| {
+            Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
+                .with_hint("a site is a Point with the property `h`, and optionally `id`, `h_above`")
+        };
+        let coordinate = |k: usize| feature.pointer(&format!("/geometry/coordinates/{k}")).and_then(Value::as_f64);
+        let is_point = feature.pointer("/geometry/type").and_then(Value::as_str) == Some("Point");
+        let (true, Some(x), Some(y)) = (is_point, coordinate(0), coordinate(1)) else {
+            return Err(refuse("found no Point with two numbers".into()));
+        };
+        let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_string);
+        let property = |names: &[&str]| {
+            names.iter().find_map(|n| feature.get("properties")?.get(n)).filter(|v| !v.is_null()).map(text)
+        };
+        let h = property(&["h", "h_m", "height", "height_m"]).ok_or_else(|| refuse("found no height `h`".into()))?;
+        let height = height(&h, property(&["h_above"]).as_deref()).map_err(refuse)?;
+        let id = property(&["id", "site", "name"]).or_else(|| feature.get("id").map(text));
+        // Positions far outside the range of degrees cannot be meant as such.
+        let named_projected = !matches!(crs.kind(), CrsKind::Geographic);
+        let plausible = x.abs() <= 360.0 && y.abs() <= 90.0;
+        let from = (named_projected || plausible).then_some(&crs);
+        let (x, y) = in_scene(path, &place, (x, y), from, scene_crs)?;
+        sites.push(Site { id: id.unwrap_or_else(|| (number + 1).to_string()), x, y, height });
+    }
+    Ok(sites)
+}
+
+fn height(text: &str, above: Option<&str>) -> std::result::Result<Height, String> {
+    let Some(above) = above.filter(|a| !a.is_empty()) else { return Height::from_str(text) };
+    let value = parse_number(text).map_err(|found| format!("height: {found}"))?;
+    match above {
+        "ground" | "agl" => Ok(Height::AboveGround(value)),
+        "roof" => Ok(Height::AboveRoof(value)),
+        "amsl" | "datum" => Ok(Height::AboveDatum(value)),
+        other => Err(format!("`h_above` is `{other}`, wanted `ground`, `roof` or `amsl`")),
+    }
+}
+
+/// A position in the scene's CRS; `from` is `None` where it already is.
+fn in_scene(
+    path: &Path,
+    place: &str,
+    xy: (f64, f64),
+    from: Option<&Crs>,
+    scene_crs: Option<&Crs>,
+) -> Result<(f64, f64)> {
+    let Some(from) = from else { return Ok(xy) };
+    let Some(to) = scene_crs else {
+        return Err(Error::site(
+            206,
+            format!("cannot place {}: {place}position in {}, but the scene names no CRS", path.display(), from.label()),
+        )
+        .with_hint("give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates"));
+    };
+    if from.epsg().is_some() && from.epsg() == to.epsg() {
+        return Ok(xy);
+    }
+    transform(from, to, xy).map_err(|e| {
+        Error::site(206, format!("cannot place {}: {place}{e} ({} to {})", path.display(), from.label(), to.label()))
+    })
+}

@@ -1,0 +1,246 @@
+//! Scenes from rasters: a surface model, with a terrain model, flat ground, or nothing below it.
+
+use std::path::{Path, PathBuf};
+
+use super::{Ground, NodataAs, Scene, Solids, Source, refuse_degrees};
+use crate::error::{Error, Result, Warning};
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
+
+/// How a raster scene is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceOptions {
+    /// A terrain model on the same grid.
+    pub terrain: Option<PathBuf>,
+    /// Height of flat ground [m above the datum]; not together with `terrain`.
+    pub ground_m: Option<f64>,
+    /// A cell whose surface is more than this above the ground is a building [m].
+    pub building_threshold_m: f64,
+    /// What nodata cells do.
+    pub nodata_as: NodataAs,
+    /// The CRS to assume where the file names none (or to override what it names).
+    pub crs: Option<Crs>,
+    /// Whether to hash inputs of any size.
+    pub always_hash: bool,
+}
+
+/// A top that blocks every link of the proven range.
+const BLOCKS_ALL: i32 = 1 << 26;
+
+/// Reads a surface model (GeoTIFF or Esri ASCII grid) and what lies below it.
+///
+/// # Errors
+/// File errors for rasters that cannot be read, are in degrees, or differ in grid; limit errors for huge ones; usage
+/// errors for bad numbers.
+pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let (mut surface, mut sources) = (read_heights(path, options, warnings)?, vec![]);
+    sources.push(Source::of(path, options.always_hash)?);
+    let n_void = surface.cells().iter().filter(|h| **h == VOID).count();
+    if n_void > 0 {
+        let effect = match options.nodata_as {
+            NodataAs::Clear => "they block nothing",
+            NodataAs::Block => "they block everything",
+        };
+        warnings.push(Warning::new(
+            340,
+            format!("{}: {n_void} nodata cells; {effect} and are no receivers (`--nodata-as`)", path.display()),
+        ));
+    }
+
+    let ground = match (&options.terrain, options.ground_m) {
+        (Some(terrain_path), _) => {
+            let terrain = read_heights(terrain_path, options, warnings)?;
+            check_same_grid(path, surface.georef(), terrain_path, terrain.georef())?;
+            sources.push(Source::of(terrain_path, options.always_hash)?);
+            let above = surface.cells().iter().zip(terrain.cells()).filter(|(s, t)| **s != VOID && t > s).count();
+            if above > 0 {
+                warnings.push(Warning::new(
+                    341,
+                    format!(
+                        "{}: the terrain is above the surface in {above} of {} cells; the higher one is used there",
+                        terrain_path.display(),
+                        surface.cells().len()
+                    ),
+                ));
+            }
+            Ground::Terrain(terrain)
+        }
+        (None, Some(ground_m)) => Ground::Flat(ground_steps(ground_m)?),
+        (None, None) => {
+            warnings.push(Warning::new(
+                342,
+                format!(
+                    "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` \
+                     or `--ground Z` to put them on the ground",
+                    path.display()
+                ),
+            ));
+            Ground::Surface
+        }
+    };
+    let georef = surface.georef().clone();
+    let blocking_void = if options.nodata_as == NodataAs::Block { BLOCKS_ALL } else { VOID };
+    let mut cells = surface.into_cells();
+    if let Ground::Terrain(terrain) = &ground {
+        for (s, t) in cells.iter_mut().zip(terrain.cells()) {
+            if *s != VOID {
+                *s = (*s).max(*t);
+            }
+        }
+    }
+    if let Ground::Flat(z) = &ground {
+        for s in cells.iter_mut().filter(|s| **s != VOID) {
+            *s = (*s).max(*z);
+        }
+    }
+    if blocking_void != VOID {
+        // Marked by their height: no real top reaches it.
+        cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = blocking_void);
+    }
+    surface = Raster::new(georef.clone(), cells);
+    let building_threshold = height_steps(options.building_threshold_m)
+        .filter(|t| *t >= 0)
+        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))?;
+    Ok(Scene {
+        name: path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned()),
+        grid: georef,
+        solids: Solids::Raster { surface, ground, building_threshold },
+        built_up: None,
+        sources,
+    })
+}
+
+impl Solids {
+    /// Whether a surface top marks a nodata cell that blocks everything.
+    pub(crate) fn is_blocking_void(top: i32) -> bool {
+        top == BLOCKS_ALL
+    }
+}
+
+pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
+    Error::usage(113, format!("`{flag}` is `{value}`, wanted {wanted}"))
+}
+
+/// Ground height on the lattice.
+pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
+    height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
+}
+
+/// Reads heights onto the lattice; nodata becomes [`VOID`].
+pub(super) fn read_heights(
+    path: &Path,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Raster<i32>> {
+    let before = warnings.len();
+    let file = RasterFile::open(path, warnings)?;
+    if options.crs.is_some() {
+        // What the file says of its CRS, or does not, is overridden.
+        let said: Vec<Warning> = warnings.drain(before..).collect();
+        warnings.extend(said.into_iter().filter(|w| !["W325", "W326", "W331"].contains(&w.code().as_str())));
+    }
+    let georef = file.georef().clone();
+    let georef = match &options.crs {
+        Some(crs) => georef.with_crs(Some(crs.clone())),
+        None => georef,
+    };
+    check_crs(path, &georef, warnings)?;
+    let mut out_of_range: Option<f64> = None;
+    let raster = file.read(file.georef().window(), warnings, |v| {
+        if v.is_nan() {
+            return VOID;
+        }
+        height_steps(v).unwrap_or_else(|| {
+            out_of_range.get_or_insert(v);
+            VOID
+        })
+    })?;
+    if let Some(v) = out_of_range {
+        return Err(Error::site(
+            205,
+            format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display()),
+        )
+        .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
+    }
+    if raster.cells().iter().all(|h| *h == VOID) {
+        return Err(Error::file(
+            305,
+            format!("cannot use {}: all {} cells are nodata, wanted heights", path.display(), georef.n_cells()),
+        ));
+    }
+    Ok(Raster::new(georef, raster.into_cells()))
+}
+
+fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
+    let Some(crs) = georef.crs() else { return Ok(()) };
+    refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
+    if let CrsKind::Projected { meters_per_unit } = crs.kind() {
+        if (meters_per_unit - 1.0).abs() > 1e-9 {
+            warnings.push(Warning::new(
+                343,
+                format!(
+                    "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
+                    path.display()
+                ),
+            ));
+        }
+    }
+    if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
+        warnings.push(Warning::new(
+            344,
+            format!("{}: more than 65536 cells a side; give `--radius` so that one map fits", path.display()),
+        ));
+    }
+    Ok(())
+}
+
+fn check_same_grid(a_path: &Path, a: &GeoRef, b_path: &Path, b: &GeoRef) -> Result<()> {
+    if let (Some(x), Some(y)) = (a.crs(), b.crs()) {
+        if x.epsg() != y.epsg() {
+            return Err(Error::file(
+                311,
+                format!(
+                    "cannot combine {} in {} with {} in {}: wanted one CRS",
+                    a_path.display(),
+                    x.label(),
+                    b_path.display(),
+                    y.label()
+                ),
+            ));
+        }
+    }
+    if a.same_grid(b) {
+        return Ok(());
+    }
+    let describe = |g: &GeoRef| {
+        format!(
+            "{}×{} cells of {}×{} from ({}, {})",
+            g.n_cols(),
+            g.n_rows(),
+            g.cell_width(),
+            g.cell_height(),
+            g.x_min(),
+            g.y_max()
+        )
+    };
+    Err(Error::file(
+        312,
+        format!(
+            "cannot combine {} ({}) with {} ({}): wanted the same grid",
+            a_path.display(),
+            describe(a),
+            b_path.display(),
+            describe(b)
+        ),
+    )
+    .with_hint(format!(
+        "gdalwarp -te {} {} {} {} -ts {} {} -r bilinear {} terrain_on_grid.tif",
+        a.x_min(),
+        a.y_min(),
+        a.x_max(),
+        a.y_max(),
+        a.n_cols(),
+        a.n_rows(),
+        b_path.display()
+    )))
+}
