@@ -11,19 +11,12 @@ use crate::export::{Batch, Format, check_outputs, city_geojson, city_surface, wi
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters};
 use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
-use crate::render::{self, grouped, CityHeights, CityModel, CityPicture, CityPrism};
+use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
 use crate::report::RunFacts;
 use crate::scene::{Footprint, Scene, Solids};
 
-const FORMATS: [Format; 7] = [
-    Format::Png,
-    Format::Svg,
-    Format::GeoTiff,
-    Format::AsciiGrid,
-    Format::GeoJson,
-    Format::Json,
-    Format::Stdout,
-];
+const FORMATS: [Format; 7] =
+    [Format::Png, Format::Svg, Format::GeoTiff, Format::AsciiGrid, Format::GeoJson, Format::Json, Format::Stdout];
 
 /// Nodata of height rasters.
 const NODATA: f32 = -9999.0;

@@ -64,7 +64,9 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     }
 
     let range = |r: Option<(i32, i32)>| {
-        r.map_or("unknown".to_string(), |(a, b)| format!("{} to {} m above the datum", tidy(meters(a)), tidy(meters(b))))
+        r.map_or("unknown".to_string(), |(a, b)| {
+            format!("{} to {} m above the datum", tidy(meters(a)), tidy(meters(b)))
+        })
     };
     let crs = grid.crs().map_or("none: local meters".to_string(), |c| format!("{}, {}", c.label(), c.name()));
     let mut text = format!("{} ({kind})\n", scene.name);

@@ -74,7 +74,11 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
     if z < inside {
         return Err(Error::site(
             201,
-            format!("{what}: {} m above the datum is inside a building with its roof at {} m", meters(z), meters(inside)),
+            format!(
+                "{what}: {} m above the datum is inside a building with its roof at {} m",
+                meters(z),
+                meters(inside)
+            ),
         )
         .with_hint(format!("on the roof it is `{}roof`", height.value().max(0.0))));
     }

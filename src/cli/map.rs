@@ -53,8 +53,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let mut scene = ready(&args.scene)?;
     let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let uavs: Vec<Uav> =
-        sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     if scene.field.is_surface_only() && args.receivers == ReceiversArg::Roof {
         return Err(Error::usage(117, "`--receivers roof` with a surface model alone: no roof is known")
             .with_hint("give `--terrain FILE` or `--ground Z`"));
@@ -211,15 +210,14 @@ impl Writer<'_> {
             Format::Csv => {
                 let mut writer = csv::Writer::from_writer(Vec::new());
                 for row in self.report.table() {
-                    writer.write_record(&row).map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
+                    writer
+                        .write_record(&row)
+                        .map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
                 }
                 let bytes =
                     writer.into_inner().map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
                 let sidecar = crate::export::with_suffix(path, ".json");
-                Ok(vec![
-                    (path.to_path_buf(), bytes),
-                    (sidecar, pretty(&self.report.document(None)).into_bytes()),
-                ])
+                Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
             }
             Format::Stdout => Ok(Vec::new()),
         }
@@ -251,10 +249,7 @@ impl Writer<'_> {
             if let Some(wkt) = grid.crs().and_then(Crs::wkt) {
                 files.push((path.with_extension("prj"), wkt.into_bytes()));
             }
-            files.push((
-                crate::export::with_suffix(&path, ".json"),
-                pretty(&self.report.document(None)).into_bytes(),
-            ));
+            files.push((crate::export::with_suffix(&path, ".json"), pretty(&self.report.document(None)).into_bytes()));
             files.push((path, png));
         }
         Ok(files)

@@ -41,7 +41,8 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         return city.scene();
     }
     let path = Path::new(&args.scene);
-    let crs = args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
+    let crs =
+        args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
     let nodata_as = match args.nodata_as {
         Nodata::Block => NodataAs::Block,
         Nodata::Clear => NodataAs::Clear,

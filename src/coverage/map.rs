@@ -246,7 +246,11 @@ impl<'a> CellJob<'a> {
 
 /// A surface as the least height over it; nothing known bounds nothing but the lattice.
 fn floor_of(surface: i32) -> f64 {
-    if surface == VOID { -MAX_HEIGHT_M * f64::from(STEPS_PER_UNIT) } else { meters(surface) * f64::from(STEPS_PER_UNIT) }
+    if surface == VOID {
+        -MAX_HEIGHT_M * f64::from(STEPS_PER_UNIT)
+    } else {
+        meters(surface) * f64::from(STEPS_PER_UNIT)
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32, 4 mm at 32 km")]

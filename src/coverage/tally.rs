@@ -109,8 +109,12 @@ impl Tally {
             .filter_map(|k| {
                 let from_deg = i32::try_from(k).ok()? * BAND_DEGREES - 90;
                 let (receivers, los) = self.bands[k];
-                (receivers > 0 || from_deg >= 0)
-                    .then_some(ElevationBand { from_deg, to_deg: from_deg + BAND_DEGREES, receivers, los })
+                (receivers > 0 || from_deg >= 0).then_some(ElevationBand {
+                    from_deg,
+                    to_deg: from_deg + BAND_DEGREES,
+                    receivers,
+                    los,
+                })
             })
             .collect()
     }

@@ -73,9 +73,8 @@ impl Uav {
                 }
             },
         };
-        let z = height_steps(absolute).ok_or_else(|| {
-            Error::site(205, format!("{what}: {absolute} m above the datum, wanted within ±32768 m"))
-        })?;
+        let z = height_steps(absolute)
+            .ok_or_else(|| Error::site(205, format!("{what}: {absolute} m above the datum, wanted within ±32768 m")))?;
         // The very number asked for above a base on the lattice may round differently from its sum.
         let z = match (site.height, roof) {
             (Height::AboveGround(h), _) => height_steps(h).map_or(z, |h| ground + h),

@@ -56,7 +56,9 @@ impl Format {
                     104,
                     format!("cannot write {}: unknown extension `.{extension}`", path.display()),
                 )
-                .with_hint("known are .png .svg .tif .exr .asc .npz .csv .json .geojson, and `-` for standard output"));
+                .with_hint(
+                    "known are .png .svg .tif .exr .asc .npz .csv .json .geojson, and `-` for standard output",
+                ));
             }
         })
     }

@@ -124,13 +124,8 @@ pub fn encode_map(result: &MapResult<'_>, path: &Path, format: Format) -> Result
 fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let bands = result.bands();
     let metadata = vec![("SKYSHED".to_string(), result.provenance.to_string())];
-    let image = |bands, nodata, palette| GeoTiffImage {
-        georef: result.georef,
-        bands,
-        nodata,
-        palette,
-        metadata: &metadata,
-    };
+    let image =
+        |bands, nodata, palette| GeoTiffImage { georef: result.georef, bands, nodata, palette, metadata: &metadata };
     if bands.iter().all(|(_, b)| matches!(b, Band::Class(_))) {
         let masks = bands.iter().filter_map(|(name, b)| match b {
             Band::Class(mask) => Some((name.clone(), *mask)),
@@ -204,7 +199,10 @@ fn palette() -> Vec<ClassColor> {
         class::OUT_OF_RANGE => [0xE8, 0xE8, 0xE8, 0xFF],
         _ => [0xFF, 0xFF, 0xFF, 0x00],
     };
-    class::NAMES.iter().map(|(value, name)| ClassColor { value: *value, name: (*name).to_string(), rgba: color(*value) }).collect()
+    class::NAMES
+        .iter()
+        .map(|(value, name)| ClassColor { value: *value, name: (*name).to_string(), rgba: color(*value) })
+        .collect()
 }
 
 fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
@@ -248,7 +246,11 @@ fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u
     let [(_, band)] = bands.as_slice() else {
         return Err(Error::usage(
             107,
-            format!("cannot write {}: an ASCII grid holds one layer of one site, found {}", path.display(), bands.len()),
+            format!(
+                "cannot write {}: an ASCII grid holds one layer of one site, found {}",
+                path.display(),
+                bands.len()
+            ),
         )
         .with_hint("choose one site and one layer, or write .tif"));
     };

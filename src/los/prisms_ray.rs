@@ -92,13 +92,18 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
     }
     let ray = Ray::new(uav, receiver);
     let mut crossed = Vec::new();
-    let _ = visit_buckets(prisms, &ray, |_, _, _| true, |index, piece| {
-        if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
-            let obstruction = interval.obstruction(index, piece.top, uav);
-            crossed.push((index, obstruction.near, obstruction.far));
-        }
-        ControlFlow::Continue(())
-    });
+    let _ = visit_buckets(
+        prisms,
+        &ray,
+        |_, _, _| true,
+        |index, piece| {
+            if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
+                let obstruction = interval.obstruction(index, piece.top, uav);
+                crossed.push((index, obstruction.near, obstruction.far));
+            }
+            ControlFlow::Continue(())
+        },
+    );
     crossed.sort_unstable_by(|a, b| a.0.cmp(&b.0));
     crossed.dedup_by_key(|c| c.0);
     crossed

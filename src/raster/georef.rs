@@ -45,8 +45,15 @@ impl GeoRef {
         let finite = [x_min, y_max, cell_width, cell_height].iter().all(|v| v.is_finite());
         let positive = cell_width > 0.0 && cell_height > 0.0;
         let countable = n_rows.checked_mul(n_cols).is_some_and(|n| n > 0);
-        (finite && positive && countable)
-            .then_some(GeoRef { x_min, y_max, cell_width, cell_height, n_cols, n_rows, crs })
+        (finite && positive && countable).then_some(GeoRef {
+            x_min,
+            y_max,
+            cell_width,
+            cell_height,
+            n_cols,
+            n_rows,
+            crs,
+        })
     }
 
     /// West edge [CRS units].

@@ -43,25 +43,14 @@ impl Atmosphere {
         let longer = solids.size.x.max(solids.size.y).max(1e-9);
         let gloom_size =
             [solids.size.x, solids.size.y].map(|side| colors::index((side / longer * GLOOM_SIDE).ceil(), 4000).max(1));
-        let gloom_step = DVec2::new(
-            solids.size.x / gloom_size[0] as f64,
-            solids.size.y / gloom_size[1] as f64,
-        );
+        let gloom_step = DVec2::new(solids.size.x / gloom_size[0] as f64, solids.size.y / gloom_size[1] as f64);
         let above = DVec3::new(0.0, 0.0, solids.size.z + 1.0);
         let mut plan = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
         let corners = [DVec3::ZERO, DVec3::new(solids.size.x, solids.size.y, 0.0)];
-        plan.fit(
-            corners.into_iter(),
-            DVec2::new(gloom_size[0] as f64, gloom_size[1] as f64),
-            0.0,
-        );
+        plan.fit(corners.into_iter(), DVec2::new(gloom_size[0] as f64, gloom_size[1] as f64), 0.0);
         let roofs = solids.buffer(&plan, gloom_size);
         let top = super::paint::narrow(above.z);
-        let mut gloom: Vec<f32> = roofs
-            .depth
-            .iter()
-            .map(|d| if d.is_finite() { top + d } else { 0.0 })
-            .collect();
+        let mut gloom: Vec<f32> = roofs.depth.iter().map(|d| if d.is_finite() { top + d } else { 0.0 }).collect();
         for _ in 0..2 {
             blur_rows(&mut gloom, gloom_size[0], 4);
             gloom = transposed(&gloom, gloom_size[0]);
@@ -69,26 +58,13 @@ impl Atmosphere {
             gloom = transposed(&gloom, gloom_size[1]);
         }
         let gloom_reach = 9.0 * gloom_step.max_element();
-        Self {
-            sun,
-            shadow,
-            shadow_view,
-            lift: reach / SHADOW_SIDE,
-            gloom,
-            gloom_size,
-            gloom_step,
-            gloom_reach,
-        }
+        Self { sun, shadow, shadow_view, lift: reach / SHADOW_SIDE, gloom, gloom_size, gloom_step, gloom_reach }
     }
 
     /// Returns the light on a point: 1 on an open roof in the sun.
     pub(crate) fn light(&self, point: DVec3, normal: DVec3) -> f64 {
         let facing = normal.dot(self.sun).max(0.0) / self.sun.z;
-        let lit = if facing > 0.0 {
-            facing * self.sunlit(point + normal * 1.5 * self.lift)
-        } else {
-            0.0
-        };
+        let lit = if facing > 0.0 { facing * self.sunlit(point + normal * 1.5 * self.lift) } else { 0.0 };
         // A wall is darkened by what stands before it, not by its own building.
         let place = point.truncate() + normal.truncate() * 0.8 * self.gloom_reach;
         let rise = (self.roofs_around(place) - point.z).max(0.0);
@@ -103,10 +79,7 @@ impl Atmosphere {
         if x < 0.0 || y < 0.0 {
             return 1.0;
         }
-        let (col, row) = (
-            colors::index(x, self.shadow.width),
-            colors::index(y, self.shadow.height),
-        );
+        let (col, row) = (colors::index(x, self.shadow.width), colors::index(y, self.shadow.height));
         let (fx, fy) = (x - col as f64, y - row as f64);
         let mut lit = 0.0;
         for (row, wy) in [(row, 1.0 - fy), (row + 1, fy)] {
@@ -147,9 +120,7 @@ fn blur_rows(values: &mut [f32], n_cols: usize, reach: usize) {
 
 fn transposed(values: &[f32], n_cols: usize) -> Vec<f32> {
     let n_rows = values.len() / n_cols;
-    (0..values.len())
-        .map(|k| values[k % n_rows * n_cols + k / n_rows])
-        .collect()
+    (0..values.len()).map(|k| values[k % n_rows * n_cols + k / n_rows]).collect()
 }
 
 #[cfg(test)]

@@ -118,12 +118,7 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let plan_left = MARGIN + AXIS;
 
     let along: Vec<Rgb> = (0..64).map(|k| Ramp::Height.at(f64::from(k) / 63.0)).collect();
-    let scale = Scale {
-        low: 0.0,
-        high: tallest_m,
-        open_low: false,
-        open_high,
-    };
+    let scale = Scale { low: 0.0, high: tallest_m, open_low: false, open_high };
     let color_bar = furniture::color_bar("Building height above ground [m]", scale, &along, 470.0);
     let scale_bar = furniture::scale_bar(px_per_m, (0.25 * plan_w).clamp(160.0, 260.0));
     let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
@@ -131,12 +126,7 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let mut drawing = Drawing::default();
     drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
     drawing.text(plan_left, heading + 22.0, NAME, "Plan");
-    drawing.text(
-        view_left,
-        heading + 22.0,
-        NAME,
-        "View from the south-south-west, heights to scale",
-    );
+    drawing.text(view_left, heading + 22.0, NAME, "View from the south-south-west, heights to scale");
     drawing.place(&plan_axes(picture.extent_m, [plan_w, plan_h]), plan_left, top);
     drawing.place(&plan_marks(picture, &plan, [plan_w, plan_h]), plan_left, top);
 
@@ -155,10 +145,7 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
         view_left + VIEW[0] as f64 - orientation.width,
         top + body_h - orientation.height - 6.0,
     );
-    let of_plan = Type {
-        anchor: Anchor::End,
-        ..DETAIL
-    };
+    let of_plan = Type { anchor: Anchor::End, ..DETAIL };
     drawing.text(
         view_left + VIEW[0] as f64 - orientation.width - 22.0,
         top + body_h - orientation.height / 2.0 + 2.0,
@@ -176,10 +163,7 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     Ok(Sheet {
         width: body_w + 2.0 * MARGIN,
         height: bottom + MARGIN - 8.0,
-        images: vec![
-            (whole(plan_left), whole(top), plan.image),
-            (whole(view_x), whole(view_top), view.image),
-        ],
+        images: vec![(whole(plan_left), whole(top), plan.image), (whole(view_x), whole(view_top), view.image)],
         furniture: drawing,
     })
 }
@@ -188,10 +172,7 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
     let [west, south, east, north] = picture.extent_m;
     let sides = [east - west, north - south];
     if !picture.extent_m.iter().all(|c| c.is_finite()) || sides.iter().any(|&side| side <= 0.0) {
-        return Err(format!(
-            "cannot draw a city of {} × {} m: both sides must be above 0 m",
-            sides[0], sides[1]
-        ));
+        return Err(format!("cannot draw a city of {} × {} m: both sides must be above 0 m", sides[0], sides[1]));
     }
     if sides[0] > 50.0 * sides[1] || sides[1] > 50.0 * sides[0] {
         return Err(format!(
@@ -209,9 +190,7 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
                 !(p.base_m.is_finite() && p.top_m.is_finite() && corners.flatten().all(|c| c.is_finite()))
             };
             if let Some(i) = prisms.iter().position(bad) {
-                return Err(format!(
-                    "cannot draw building {i}: a coordinate or height is not finite"
-                ));
+                return Err(format!("cannot draw building {i}: a coordinate or height is not finite"));
             }
         }
         CityModel::Heights(heights) => {
@@ -232,10 +211,7 @@ fn plan_axes([west, south, east, north]: [f64; 4], [w, h]: [f64; 2]) -> Drawing 
     let mut drawing = Drawing::default();
     drawing.rect([-0.8, -0.8, w + 1.6, h + 1.6], &furniture::frame());
     let tick = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
-    let number = Type {
-        anchor: Anchor::Middle,
-        ..DETAIL
-    };
+    let number = Type { anchor: Anchor::Middle, ..DETAIL };
     let wanted = |px: f64| (px / 170.0).clamp(2.0, 6.0);
     for (value, text) in furniture::ticks(west, east, wanted(w)) {
         let x = w * (value - west) / (east - west);
@@ -245,15 +221,7 @@ fn plan_axes([west, south, east, north]: [f64; 4], [w, h]: [f64; 2]) -> Drawing 
     for (value, text) in furniture::ticks(south, north, wanted(h)) {
         let y = h * (north - value) / (north - south);
         drawing.line([-8.0, y], [0.0, y], &tick);
-        drawing.text(
-            -14.0,
-            y + 8.0,
-            Type {
-                anchor: Anchor::End,
-                ..DETAIL
-            },
-            &text,
-        );
+        drawing.text(-14.0, y + 8.0, Type { anchor: Anchor::End, ..DETAIL }, &text);
     }
     drawing.text(w / 2.0, h + 66.0, Type { color: INK, ..number }, "x, east [m]");
     drawing.text_upward(-82.0, h / 2.0, Type { color: INK, ..number }, "y, north [m]");
@@ -270,12 +238,7 @@ fn plan_marks(picture: &CityPicture<'_>, plan: &CityImage, size: [f64; 2]) -> Dr
         .iter()
         .map(|uav| {
             let [col, row] = plan.place(uav.at_m);
-            super::marks::Mark {
-                label: uav.label,
-                height: uav.height,
-                col,
-                row,
-            }
+            super::marks::Mark { label: uav.label, height: uav.height, col, row }
         })
         .collect();
     let m_per_px = (picture.extent_m[2] - picture.extent_m[0]) / size[0];
@@ -296,48 +259,31 @@ fn view_marks(picture: &CityPicture<'_>, plan: &CityImage, view: &CityImage) -> 
         for k in 0..STEPS {
             let (from, to) = (view.place(point(k)), view.place(point(k + 1)));
             if view.is_visible(point(k + 1)) {
-                drawing.line(
-                    from,
-                    to,
-                    "stroke=\"#FFFFFF\" stroke-opacity=\"0.85\" stroke-width=\"6\"",
-                );
+                drawing.line(from, to, "stroke=\"#FFFFFF\" stroke-opacity=\"0.85\" stroke-width=\"6\"");
             }
         }
         for k in 0..STEPS {
             let (from, to) = (view.place(point(k)), view.place(point(k + 1)));
             let opacity = if view.is_visible(point(k + 1)) { "1" } else { "0.3" };
-            drawing.line(
-                from,
-                to,
-                &format!("stroke=\"#101418\" stroke-opacity=\"{opacity}\" stroke-width=\"2.6\""),
-            );
+            drawing.line(from, to, &format!("stroke=\"#101418\" stroke-opacity=\"{opacity}\" stroke-width=\"2.6\""));
         }
         if view.is_visible([x, y, foot + 0.5]) {
             let [fx, fy] = view.place([x, y, foot]);
             let ring = "fill=\"none\" stroke=\"#101418\" stroke-width=\"2.4\"";
             let _ = std::fmt::Write::write_fmt(
                 &mut drawing.svg,
-                format_args!(
-                    "<ellipse cx=\"{}\" cy=\"{}\" rx=\"9\" ry=\"5\" {ring}/>\n",
-                    sheet::px(fx),
-                    sheet::px(fy)
-                ),
+                format_args!("<ellipse cx=\"{}\" cy=\"{}\" rx=\"9\" ry=\"5\" {ring}/>\n", sheet::px(fx), sheet::px(fy)),
             );
         }
         let [ux, uy] = view.place(uav.at_m);
         furniture::uav_symbol(&mut drawing, [ux, uy], 22.0);
         let label = label_of(uav, 24.0);
-        let spots = [
-            [ux + 30.0, uy - label.height / 2.0],
-            [ux - 30.0 - label.width, uy - label.height / 2.0],
-        ];
+        let spots = [[ux + 30.0, uy - label.height / 2.0], [ux - 30.0 - label.width, uy - label.height / 2.0]];
         let free = |[x, y]: [f64; 2]| {
             let bounds = [x, y, x + label.width, y + label.height];
             x >= 0.0
                 && bounds[2] <= f64::from(view.image.width())
-                && !taken
-                    .iter()
-                    .any(|t| bounds[0] < t[2] && t[0] < bounds[2] && bounds[1] < t[3] && t[1] < bounds[3])
+                && !taken.iter().any(|t| bounds[0] < t[2] && t[0] < bounds[2] && bounds[1] < t[3] && t[1] < bounds[3])
         };
         let spot = spots.into_iter().find(|&spot| free(spot));
         taken.push([ux - 24.0, uy - 24.0, ux + 24.0, uy + 24.0]);
@@ -355,23 +301,11 @@ fn view_north(view: &CityImage) -> Drawing {
     let east = DVec2::from(view.direction([1.0, 0.0]));
     let at = |x: f64, y: f64| (east * x * 46.0 + north * y * 46.0).to_array();
     let mut drawing = Drawing::default();
-    drawing.polygon(
-        &[at(0.0, 1.0), at(0.34, -0.7), at(0.0, -0.4)],
-        &format!("fill=\"{INK}\""),
-    );
+    drawing.polygon(&[at(0.0, 1.0), at(0.34, -0.7), at(0.0, -0.4)], &format!("fill=\"{INK}\""));
     let light = format!("fill=\"#FFFFFF\" stroke=\"{INK}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"");
     drawing.polygon(&[at(0.0, 1.0), at(-0.34, -0.7), at(0.0, -0.4)], &light);
     let tip = at(0.0, 1.0);
-    drawing.text(
-        tip[0],
-        tip[1] - 9.0,
-        Type {
-            anchor: Anchor::Middle,
-            size: 22.0,
-            ..NAME
-        },
-        "N",
-    );
+    drawing.text(tip[0], tip[1] - 9.0, Type { anchor: Anchor::Middle, size: 22.0, ..NAME }, "N");
     drawing
 }
 
@@ -385,12 +319,7 @@ mod tests {
                 let (x, y) = (10.0 + 40.0 * f64::from(k % n), 10.0 + 40.0 * f64::from(k / n));
                 let ring = vec![[x, y], [x + 25.0, y], [x + 25.0, y + 25.0], [x, y + 25.0]];
                 let roof_triangles = vec![[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]];
-                CityPrism {
-                    rings: vec![ring],
-                    roof_triangles,
-                    base_m: 0.0,
-                    top_m: 10.0 + f64::from(k % 7),
-                }
+                CityPrism { rings: vec![ring], roof_triangles, base_m: 0.0, top_m: 10.0 + f64::from(k % 7) }
             })
             .collect()
     }
@@ -398,11 +327,7 @@ mod tests {
     #[test]
     fn a_city_picture_has_two_panels_and_says_what_they_are() {
         let prisms = grid_city(4);
-        let uavs = [CityUav {
-            label: "UAV 1",
-            height: "60 m",
-            at_m: [80.0, 80.0, 60.0],
-        }];
+        let uavs = [CityUav { label: "UAV 1", height: "60 m", at_m: [80.0, 80.0, 60.0] }];
         let picture = CityPicture {
             title: "A small city",
             caption: &["Sixteen blocks".to_string()],
@@ -413,14 +338,9 @@ mod tests {
         let sheet = compose(&picture).expect("the city is valid");
         assert_eq!(sheet.images.len(), 2);
         assert_eq!(sheet.images[0].2.dimensions(), (1000, 1000));
-        for words in [
-            "Building height above ground [m]",
-            "x, east [m]",
-            "y, north [m]",
-            "UAV 1",
-            "heights to scale",
-            "50 m",
-        ] {
+        for words in
+            ["Building height above ground [m]", "x, east [m]", "y, north [m]", "UAV 1", "heights to scale", "50 m"]
+        {
             assert!(sheet.furniture.svg.contains(words), "{words}");
         }
         let file = draw_city(&picture, &[]).expect("the city is valid");
@@ -438,24 +358,12 @@ mod tests {
             uavs: &[],
         };
         assert!(draw_city(&picture, &[]).is_err());
-        let raster = CityHeights {
-            n_cols: 2,
-            n_rows: 2,
-            surface_m: &[0.0; 3],
-            ground_m: None,
-        };
-        let picture = CityPicture {
-            extent_m: [0.0, 0.0, 2.0, 2.0],
-            model: CityModel::Heights(raster),
-            ..picture
-        };
+        let raster = CityHeights { n_cols: 2, n_rows: 2, surface_m: &[0.0; 3], ground_m: None };
+        let picture = CityPicture { extent_m: [0.0, 0.0, 2.0, 2.0], model: CityModel::Heights(raster), ..picture };
         assert!(draw_city(&picture, &[]).is_err());
         let mut bent = grid_city(1);
         bent[0].top_m = f64::NAN;
-        let picture = CityPicture {
-            model: CityModel::Prisms(&bent),
-            ..picture
-        };
+        let picture = CityPicture { model: CityModel::Prisms(&bent), ..picture };
         assert!(draw_city(&picture, &[]).is_err_and(|e| e.contains("building 0")));
     }
 }

@@ -59,11 +59,7 @@ impl<'a> Solids<'a> {
             }
             CityModel::Heights(heights) => thin(&heights),
         };
-        let (low, high) = if low.is_finite() && high.is_finite() {
-            (low, high)
-        } else {
-            (0.0, 0.0)
-        };
+        let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 0.0) };
         Self {
             model,
             origin: DVec3::new(west, south, low),
@@ -74,10 +70,7 @@ impl<'a> Solids<'a> {
     /// Returns the heights of all buildings above their ground [m].
     pub(crate) fn building_heights(&self) -> Vec<f32> {
         match &self.model {
-            Columns::Prisms(prisms) => prisms
-                .iter()
-                .map(|p| super::paint::narrow(p.top_m - p.base_m))
-                .collect(),
+            Columns::Prisms(prisms) => prisms.iter().map(|p| super::paint::narrow(p.top_m - p.base_m)).collect(),
             Columns::Raster { tops, .. } => {
                 let heights = tops.iter().map(|[_, height]| *height);
                 heights.filter(|&h| f64::from(h) > BUILDING_THRESHOLD_M).collect()
@@ -90,11 +83,7 @@ impl<'a> Solids<'a> {
         let heights = self.building_heights();
         let (_, most) = quantiles(heights.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
         let (_, usual) = quantiles(heights, 0.0, 0.985).unwrap_or((0.0, 1.0));
-        if most <= 1.35 * usual {
-            (most.max(1.0), false)
-        } else {
-            (usual.max(1.0), true)
-        }
+        if most <= 1.35 * usual { (most.max(1.0), false) } else { (usual.max(1.0), true) }
     }
 
     pub(crate) fn is_raster(&self) -> bool {
@@ -106,10 +95,9 @@ impl<'a> Solids<'a> {
         let owner = (owner as usize).checked_sub(1)?;
         match &self.model {
             Columns::Prisms(prisms) => prisms.get(owner).map(|p| p.top_m - p.base_m),
-            Columns::Raster { tops, .. } => tops
-                .get(owner)
-                .map(|top| f64::from(top[1]))
-                .filter(|&h| h > BUILDING_THRESHOLD_M),
+            Columns::Raster { tops, .. } => {
+                tops.get(owner).map(|top| f64::from(top[1])).filter(|&h| h > BUILDING_THRESHOLD_M)
+            }
         }
     }
 
@@ -126,17 +114,11 @@ impl<'a> Solids<'a> {
         for k in 0..4 {
             let (from, to) = (corners[k], corners[(k + 1) % 4]);
             let wall = [from.extend(0.0), to.extend(0.0), to.extend(floor), from.extend(floor)];
-            draw(Face {
-                corners: &wall,
-                tag: wall_tag(outward[k], PLATE),
-            });
+            draw(Face { corners: &wall, tag: wall_tag(outward[k], PLATE) });
         }
         match &self.model {
             Columns::Prisms(prisms) => {
-                draw(Face {
-                    corners: &corners.map(|c| c.extend(0.0)),
-                    tag: GROUND,
-                });
+                draw(Face { corners: &corners.map(|c| c.extend(0.0)), tag: GROUND });
                 for (i, prism) in prisms.iter().enumerate() {
                     let owner = u32::try_from(i + 1).unwrap_or(OWNER).min(PLATE - 1);
                     self.prism_faces(prism, owner, &mut draw);
@@ -150,10 +132,7 @@ impl<'a> Solids<'a> {
         let (base, top) = (prism.base_m - self.origin.z, prism.top_m - self.origin.z);
         let local = |p: [f64; 2]| DVec2::from(p) - self.origin.truncate();
         for triangle in &prism.roof_triangles {
-            draw(Face {
-                corners: &triangle.map(|p| local(p).extend(top)),
-                tag: owner,
-            });
+            draw(Face { corners: &triangle.map(|p| local(p).extend(top)), tag: owner });
         }
         for ring in &prism.rings {
             for (i, &from) in ring.iter().enumerate() {
@@ -163,10 +142,7 @@ impl<'a> Solids<'a> {
                     continue;
                 }
                 let wall = [from.extend(top), to.extend(top), to.extend(base), from.extend(base)];
-                draw(Face {
-                    corners: &wall,
-                    tag: wall_tag(outward, owner),
-                });
+                draw(Face { corners: &wall, tag: wall_tag(outward, owner) });
             }
         }
     }
@@ -203,10 +179,7 @@ impl<'a> Solids<'a> {
                     || (0..2)
                         .any(|k| tops[row * n_cols + col + 1][k].to_bits() != tops[row * n_cols + col][k].to_bits());
                 if is_last {
-                    draw(Face {
-                        corners: &box_of(row, run, col + 1).map(|c| c.extend(top)),
-                        tag: owner,
-                    });
+                    draw(Face { corners: &box_of(row, run, col + 1).map(|c| c.extend(top)), tag: owner });
                 }
                 let corners = box_of(row, col, col + 1);
                 let low = corners[0];
@@ -221,10 +194,7 @@ impl<'a> Solids<'a> {
                     if foot < top && view.sees(low.extend(top), outward.extend(0.0)) {
                         let (from, to) = (corners[k], corners[(k + 1) % 4]);
                         let wall = [from.extend(top), to.extend(top), to.extend(foot), from.extend(foot)];
-                        draw(Face {
-                            corners: &wall,
-                            tag: wall_tag(outward, owner),
-                        });
+                        draw(Face { corners: &wall, tag: wall_tag(outward, owner) });
                     }
                 }
             }
@@ -256,11 +226,7 @@ impl<'a> Solids<'a> {
         match &self.model {
             Columns::Prisms(prisms) => {
                 for prism in *prisms {
-                    let corners = prism
-                        .rings
-                        .iter()
-                        .flatten()
-                        .map(|&c| DVec2::from(c) - self.origin.truncate());
+                    let corners = prism.rings.iter().flatten().map(|&c| DVec2::from(c) - self.origin.truncate());
                     points.extend(corners.map(|c| c.extend(prism.top_m - self.origin.z)));
                 }
             }
@@ -330,12 +296,7 @@ pub(crate) fn block(west: f64, south: f64, side: f64, top_m: f64) -> CityPrism {
     let (e, n) = (west + side, south + side);
     let ring = vec![[west, south], [e, south], [e, n], [west, n]];
     let roof_triangles = vec![[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]];
-    CityPrism {
-        rings: vec![ring],
-        roof_triangles,
-        base_m: 0.0,
-        top_m,
-    }
+    CityPrism { rings: vec![ring], roof_triangles, base_m: 0.0, top_m }
 }
 
 #[cfg(test)]
@@ -344,20 +305,9 @@ mod tests {
 
     #[test]
     fn wall_normals_survive_their_tag() {
-        for (x, y) in [
-            (1.0, 0.0),
-            (0.0, 1.0),
-            (-1.0, 0.0),
-            (0.0, -1.0),
-            (0.6, -0.8),
-            (-0.6, 0.8),
-            (-0.1, -3.0),
-        ] {
+        for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.6, -0.8), (-0.6, 0.8), (-0.1, -3.0)] {
             let normal = normal_of(wall_tag(DVec2::new(x, y), 5));
-            assert!(
-                normal.truncate().dot(DVec2::new(x, y).normalize()) > 0.999,
-                "{x}, {y}: {normal}"
-            );
+            assert!(normal.truncate().dot(DVec2::new(x, y).normalize()) > 0.999, "{x}, {y}: {normal}");
         }
         assert_eq!(normal_of(5), DVec3::Z);
     }

@@ -30,10 +30,7 @@ pub(crate) struct CityImage {
 impl CityImage {
     /// Returns the place [px] of a point [m].
     pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 2] {
-        self.view
-            .project(DVec3::from(point) - self.origin)
-            .truncate()
-            .to_array()
+        self.view.project(DVec3::from(point) - self.origin).truncate().to_array()
     }
 
     /// Returns the screen direction of a direction on the ground, shortened as the view shortens it.
@@ -43,17 +40,11 @@ impl CityImage {
 
     /// Returns whether nothing stands between a point and the viewer.
     pub(crate) fn is_visible(&self, point: [f64; 3]) -> bool {
-        let at = self
-            .view
-            .magnified(SAMPLES as f64)
-            .project(DVec3::from(point) - self.origin);
+        let at = self.view.magnified(SAMPLES as f64).project(DVec3::from(point) - self.origin);
         if at.x < 0.0 || at.y < 0.0 {
             return true;
         }
-        let (x, y) = (
-            colors::index(at.x, self.depth.width),
-            colors::index(at.y, self.depth.height),
-        );
+        let (x, y) = (colors::index(at.x, self.depth.width), colors::index(at.y, self.depth.height));
         if x >= self.depth.width || y >= self.depth.height {
             return true;
         }
@@ -62,10 +53,7 @@ impl CityImage {
 
     /// Returns the height of what stands at a place on the plan [m], or nothing outside it.
     pub(crate) fn surface_below(&self, point: [f64; 2]) -> Option<f64> {
-        let at = self
-            .view
-            .magnified(SAMPLES as f64)
-            .project(DVec2::from(point).extend(0.0) - self.origin);
+        let at = self.view.magnified(SAMPLES as f64).project(DVec2::from(point).extend(0.0) - self.origin);
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.depth.width as f64 && at.y < self.depth.height as f64;
         if !inside {
             return None;
@@ -73,9 +61,7 @@ impl CityImage {
         let sample =
             colors::index(at.y, self.depth.height - 1) * self.depth.width + colors::index(at.x, self.depth.width - 1);
         let depth = f64::from(self.depth.depth[sample]);
-        depth
-            .is_finite()
-            .then(|| self.view.unproject(DVec3::new(at.x, at.y, depth)).z + self.origin.z)
+        depth.is_finite().then(|| self.view.unproject(DVec3::new(at.x, at.y, depth)).z + self.origin.z)
     }
 }
 
@@ -88,19 +74,10 @@ pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
     let buffer = solids.buffer(&view.magnified(SAMPLES as f64), size.map(|n| n * SAMPLES));
     let outlined = !solids.is_raster();
     let image = resolve(&buffer, size, |tag, x, y| {
-        let factor = if outlined && is_outline(&buffer, tag, x, y) {
-            0.55
-        } else {
-            1.0
-        };
+        let factor = if outlined && is_outline(&buffer, tag, x, y) { 0.55 } else { 1.0 };
         colors::shade(albedo(solids, tag, tallest_m), factor)
     });
-    CityImage {
-        image,
-        view,
-        depth: buffer,
-        origin: solids.origin,
-    }
+    CityImage { image, view, depth: buffer, origin: solids.origin }
 }
 
 /// Draws the city from the south-south-west within `size` [px]; the picture is as high as it needs to be.
@@ -124,33 +101,18 @@ pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
             normal = -normal;
         }
         let color = albedo(solids, tag, tallest_m);
-        let color = if tag >> OWNER_BITS == 0 {
-            color
-        } else {
-            colors::mix(color, [0x8C, 0x90, 0x96], 0.18)
-        };
-        let line = if outlined && is_outline(&buffer, tag, x, y) {
-            0.66
-        } else {
-            1.0
-        };
+        let color = if tag >> OWNER_BITS == 0 { color } else { colors::mix(color, [0x8C, 0x90, 0x96], 0.18) };
+        let line = if outlined && is_outline(&buffer, tag, x, y) { 0.66 } else { 1.0 };
         colors::shade(color, line * atmosphere.light(point, normal))
     });
-    CityImage {
-        image,
-        view,
-        depth: buffer,
-        origin: solids.origin,
-    }
+    CityImage { image, view, depth: buffer, origin: solids.origin }
 }
 
 fn albedo(solids: &Solids<'_>, tag: u32, tallest_m: f64) -> Rgb {
     match tag & OWNER {
         GROUND => colors::OPEN_GROUND,
         PLATE => [0xD8, 0xD5, 0xCC],
-        owner => solids
-            .height_of(owner)
-            .map_or(colors::OPEN_GROUND, |height| Ramp::Height.at(height / tallest_m)),
+        owner => solids.height_of(owner).map_or(colors::OPEN_GROUND, |height| Ramp::Height.at(height / tallest_m)),
     }
 }
 
@@ -171,26 +133,23 @@ fn is_outline(buffer: &ZBuffer, tag: u32, x: usize, y: usize) -> bool {
 fn resolve(buffer: &ZBuffer, size: [usize; 2], color: impl Fn(u32, usize, usize) -> Rgb + Sync) -> RgbaImage {
     let light = Light::tables();
     let mut pixels = vec![255_u8; size[0] * size[1] * 4];
-    pixels
-        .par_chunks_exact_mut(size[0] * 4)
-        .enumerate()
-        .for_each(|(row, pixels)| {
-            for (col, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-                let mut sum = [0_u32; 3];
-                let mut n = 0;
-                for y in row * SAMPLES..(row + 1) * SAMPLES {
-                    for x in col * SAMPLES..(col + 1) * SAMPLES {
-                        let tag = buffer.tag[y * buffer.width + x];
-                        let color = if tag == 0 { colors::WHITE } else { color(tag, x, y) };
-                        light.linear(color).iter().zip(&mut sum).for_each(|(c, sum)| *sum += c);
-                        n += 1;
-                    }
-                }
-                for k in 0..3 {
-                    pixel[k] = light.srgb((sum[k] + n / 2) / n);
+    pixels.par_chunks_exact_mut(size[0] * 4).enumerate().for_each(|(row, pixels)| {
+        for (col, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+            let mut sum = [0_u32; 3];
+            let mut n = 0;
+            for y in row * SAMPLES..(row + 1) * SAMPLES {
+                for x in col * SAMPLES..(col + 1) * SAMPLES {
+                    let tag = buffer.tag[y * buffer.width + x];
+                    let color = if tag == 0 { colors::WHITE } else { color(tag, x, y) };
+                    light.linear(color).iter().zip(&mut sum).for_each(|(c, sum)| *sum += c);
+                    n += 1;
                 }
             }
-        });
+            for k in 0..3 {
+                pixel[k] = light.srgb((sum[k] + n / 2) / n);
+            }
+        }
+    });
     let [width, height] = size.map(|n| u32::try_from(n).expect("a view has at most 4000 pixels a side"));
     RgbaImage::from_raw(width, height, pixels).expect("the buffer has this size")
 }
@@ -214,10 +173,7 @@ mod tests {
         assert_eq!(at(125.0, 225.0), Ramp::Height.at(0.25));
         assert_eq!(at(175.0, 275.0), Ramp::Height.at(1.0));
         assert_eq!(at(125.0, 275.0), colors::OPEN_GROUND);
-        assert!(
-            plan.surface_below([175.0, 275.0])
-                .is_some_and(|z| (z - 40.0).abs() < 1e-3)
-        );
+        assert!(plan.surface_below([175.0, 275.0]).is_some_and(|z| (z - 40.0).abs() < 1e-3));
     }
 
     #[test]
@@ -237,12 +193,7 @@ mod tests {
         for row in 40..60 {
             surface[row * 100 + 40..row * 100 + 60].fill(30.0);
         }
-        let heights = CityHeights {
-            n_cols: 100,
-            n_rows: 100,
-            surface_m: &surface,
-            ground_m: None,
-        };
+        let heights = CityHeights { n_cols: 100, n_rows: 100, surface_m: &surface, ground_m: None };
         let solids = Solids::new(&CityModel::Heights(heights), [0.0, 0.0, 100.0, 100.0]);
         assert_eq!(solids.building_heights().len(), 400);
         let plan = draw_plan(&solids, [100, 100], 30.0);

@@ -117,11 +117,7 @@ pub(crate) fn mix(a: Rgb, b: Rgb, t: f64) -> Rgb {
 
 /// Multiplies a color by `factor`; above 1 the excess moves it towards white.
 pub(crate) fn shade(color: Rgb, factor: f64) -> Rgb {
-    if factor <= 1.0 {
-        mix([0, 0, 0], color, factor.max(0.0))
-    } else {
-        mix(color, WHITE, (factor - 1.0).min(1.0))
-    }
+    if factor <= 1.0 { mix([0, 0, 0], color, factor.max(0.0)) } else { mix(color, WHITE, (factor - 1.0).min(1.0)) }
 }
 
 /// Writes a color as SVG wants it, `#RRGGBB`.
@@ -130,21 +126,13 @@ pub(crate) fn hex(color: Rgb) -> String {
 }
 
 /// Rounds a channel value to a byte.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the range of a byte first"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of a byte first")]
 pub(crate) fn byte(value: f64) -> u8 {
     (value + 0.5).clamp(0.0, 255.0) as u8
 }
 
 /// Truncates a non-negative position to an index of at most `last`.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the range of indices first"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of indices first")]
 pub(crate) fn index(position: f64, last: usize) -> usize {
     position.clamp(0.0, last as f64) as usize
 }
@@ -212,9 +200,7 @@ mod tests {
     use super::*;
 
     fn lightness(color: Rgb) -> f64 {
-        let [r, g, b] = Light::tables()
-            .linear(color)
-            .map(|c| f64::from(c) / f64::from(FULL_LIGHT));
+        let [r, g, b] = Light::tables().linear(color).map(|c| f64::from(c) / f64::from(FULL_LIGHT));
         0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 
@@ -234,12 +220,9 @@ mod tests {
 
     #[test]
     fn ramps_for_unsigned_quantities_are_monotonic_in_lightness() {
-        for (ramp, sign) in [
-            (Ramp::Sequential, 1.0),
-            (Ramp::Seen, -1.0),
-            (Ramp::Height, -1.0),
-            (Ramp::BuildingTone, -1.0),
-        ] {
+        for (ramp, sign) in
+            [(Ramp::Sequential, 1.0), (Ramp::Seen, -1.0), (Ramp::Height, -1.0), (Ramp::BuildingTone, -1.0)]
+        {
             for k in 0..64 {
                 let [a, b] = [k, k + 1].map(|k| lightness(ramp.at(f64::from(k) / 64.0)));
                 assert!((b - a) * sign > 0.0, "{ramp:?} at step {k}: {a} to {b}");

@@ -11,26 +11,11 @@ use super::sheet::{Anchor, Drawing, Type};
 pub(crate) const ENTRY_HEIGHT: f64 = 58.0;
 
 /// Large words: the title.
-pub(crate) const TITLE: Type = Type {
-    size: 42.0,
-    weight: Weight::SemiBold,
-    color: INK,
-    anchor: Anchor::Start,
-};
+pub(crate) const TITLE: Type = Type { size: 42.0, weight: Weight::SemiBold, color: INK, anchor: Anchor::Start };
 /// Names in a legend.
-pub(crate) const NAME: Type = Type {
-    size: 25.0,
-    weight: Weight::SemiBold,
-    color: INK,
-    anchor: Anchor::Start,
-};
+pub(crate) const NAME: Type = Type { size: 25.0, weight: Weight::SemiBold, color: INK, anchor: Anchor::Start };
 /// What is said about them, numbers at ticks, captions.
-pub(crate) const DETAIL: Type = Type {
-    size: 23.0,
-    weight: Weight::Regular,
-    color: MUTED,
-    anchor: Anchor::Start,
-};
+pub(crate) const DETAIL: Type = Type { size: 23.0, weight: Weight::Regular, color: MUTED, anchor: Anchor::Start };
 
 /// A drawing of known size [px], its origin at the top left.
 #[derive(Clone, Debug, Default)]
@@ -87,11 +72,7 @@ pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
     }
     let words =
         lettering::width(name, NAME.size, NAME.weight).max(lettering::width(detail, DETAIL.size, DETAIL.weight));
-    Block {
-        width: left + words,
-        height: ENTRY_HEIGHT,
-        drawing,
-    }
+    Block { width: left + words, height: ENTRY_HEIGHT, drawing }
 }
 
 /// Draws a quadcopter from above with a white halo, `radius` [px] around `center`.
@@ -117,27 +98,14 @@ pub(crate) fn uav_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
 pub(crate) fn north_arrow() -> Block {
     let mut drawing = Drawing::default();
     let (x, tip, foot) = (19.0, 26.0, 74.0);
-    drawing.text(
-        x,
-        19.0,
-        Type {
-            anchor: Anchor::Middle,
-            size: 23.0,
-            ..NAME
-        },
-        "N",
-    );
+    drawing.text(x, 19.0, Type { anchor: Anchor::Middle, size: 23.0, ..NAME }, "N");
     let notch = foot - 11.0;
     drawing.polygon(&[[x, tip], [x + 14.0, foot], [x, notch]], &format!("fill=\"{INK}\""));
     drawing.polygon(
         &[[x, tip], [x - 14.0, foot], [x, notch]],
         &format!("fill=\"#FFFFFF\" stroke=\"{INK}\" stroke-width=\"1.6\" stroke-linejoin=\"round\""),
     );
-    Block {
-        width: 38.0,
-        height: 76.0,
-        drawing,
-    }
+    Block { width: 38.0, height: 76.0, drawing }
 }
 
 /// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten.
@@ -151,10 +119,7 @@ pub(crate) fn round_length(wanted: f64) -> f64 {
     }
     let nearness = |length: &f64| (length / wanted).max(wanted / length);
     let choices = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    choices
-        .into_iter()
-        .min_by(|a, b| nearness(a).total_cmp(&nearness(b)))
-        .unwrap_or(wanted)
+    choices.into_iter().min_by(|a, b| nearness(a).total_cmp(&nearness(b))).unwrap_or(wanted)
 }
 
 /// Makes a scale bar of a round length of about `wanted_px`, with the half marked.
@@ -165,20 +130,13 @@ pub(crate) fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
     let (unit, per_unit) = if meters >= 1000.0 { ("km", 1000.0) } else { ("m", 1.0) };
     let label = |m: f64| lettering::number(m / per_unit, 9);
     let last = format!("{} {unit}", label(meters));
-    let style = Type {
-        anchor: Anchor::Middle,
-        color: INK,
-        ..DETAIL
-    };
+    let style = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };
     let pad = (lettering::width(&last, style.size, style.weight) / 2.0).ceil();
     let mut drawing = Drawing::default();
     let top = 32.0;
     let frame = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
     drawing.rect([pad, top, width / 2.0, BAR], &format!("fill=\"{INK}\" {frame}"));
-    drawing.rect(
-        [pad + width / 2.0, top, width / 2.0, BAR],
-        &format!("fill=\"#FFFFFF\" {frame}"),
-    );
+    drawing.rect([pad + width / 2.0, top, width / 2.0, BAR], &format!("fill=\"#FFFFFF\" {frame}"));
     drawing.text(pad, 22.0, style, "0");
     let half = label(meters / 2.0);
     let room = width / 2.0 - lettering::width(&half, style.size, style.weight) / 2.0;
@@ -186,11 +144,7 @@ pub(crate) fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
         drawing.text(pad + width / 2.0, 22.0, style, &half);
     }
     drawing.text(pad + width, 22.0, style, &last);
-    Block {
-        width: width + 2.0 * pad,
-        height: top + BAR + 2.0,
-        drawing,
-    }
+    Block { width: width + 2.0 * pad, height: top + BAR + 2.0, drawing }
 }
 
 /// Places blocks beside each other, centered on a line, with `gap` between them.
@@ -203,33 +157,19 @@ pub(crate) fn beside(blocks: &[Block], gap: f64) -> Block {
         drawing.place(&block.drawing, x, (height - block.height) / 2.0);
         x += block.width;
     }
-    Block {
-        width: x,
-        height,
-        drawing,
-    }
+    Block { width: x, height, drawing }
 }
 
 /// Places blocks in as few rows no wider than `max_width` as possible, aligned in columns.
 pub(crate) fn flow(blocks: &[Block], max_width: f64, gap: [f64; 2]) -> Block {
     let widths = |per_row: usize| -> Vec<f64> {
-        let column = |col: usize| {
-            blocks
-                .iter()
-                .skip(col)
-                .step_by(per_row)
-                .map(|b| b.width)
-                .fold(0.0, f64::max)
-        };
+        let column = |col: usize| blocks.iter().skip(col).step_by(per_row).map(|b| b.width).fold(0.0, f64::max);
         (0..per_row).map(column).collect()
     };
     let total = |widths: &[f64]| widths.iter().map(|w| w + gap[0]).sum::<f64>() - gap[0];
     // Rows of even length look calmer than full rows and a rest.
     let even = (1..=blocks.len()).map(|n_rows| blocks.len().div_ceil(n_rows));
-    let per_row = even
-        .into_iter()
-        .find(|&per_row| total(&widths(per_row)) <= max_width)
-        .unwrap_or(1);
+    let per_row = even.into_iter().find(|&per_row| total(&widths(per_row)) <= max_width).unwrap_or(1);
     let widths = widths(per_row);
     let rows: Vec<Block> = blocks
         .chunks(per_row)
@@ -240,11 +180,7 @@ pub(crate) fn flow(blocks: &[Block], max_width: f64, gap: [f64; 2]) -> Block {
                 drawing.place(&block.drawing, x, 0.0);
                 x += width + gap[0];
             }
-            Block {
-                width: x - gap[0],
-                height: row.iter().map(|b| b.height).fold(0.0, f64::max),
-                drawing,
-            }
+            Block { width: x - gap[0], height: row.iter().map(|b| b.height).fold(0.0, f64::max), drawing }
         })
         .collect();
     stack(&rows, gap[1])
@@ -260,11 +196,7 @@ pub(crate) fn stack(blocks: &[Block], gap: f64) -> Block {
         y += block.height;
         width = width.max(block.width);
     }
-    Block {
-        width,
-        height: y,
-        drawing,
-    }
+    Block { width, height: y, drawing }
 }
 
 /// Sets wrapped lines of text as a block.
@@ -277,11 +209,7 @@ pub(crate) fn paragraph(text: &str, style: Type, max_width: f64) -> Block {
         drawing.text(0.0, (style.size * 0.95).round() + leading * i as f64, style, line);
         width = width.max(lettering::width(line, style.size, style.weight));
     }
-    Block {
-        width,
-        height: leading * lines.len() as f64,
-        drawing,
-    }
+    Block { width, height: leading * lines.len() as f64, drawing }
 }
 
 /// Sets caption lines below each other, the first in ink, the others muted.
@@ -289,16 +217,7 @@ pub(crate) fn caption(lines: &[String], max_width: f64) -> Block {
     let lines: Vec<Block> = lines
         .iter()
         .enumerate()
-        .map(|(i, line)| {
-            paragraph(
-                line,
-                Type {
-                    color: if i == 0 { INK } else { MUTED },
-                    ..DETAIL
-                },
-                max_width,
-            )
-        })
+        .map(|(i, line)| paragraph(line, Type { color: if i == 0 { INK } else { MUTED }, ..DETAIL }, max_width))
         .collect();
     stack(&lines, 5.0)
 }
@@ -320,14 +239,9 @@ pub(crate) struct Scale {
 pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f64) -> Block {
     const BAR: f64 = 26.0;
     const POINT: f64 = 20.0;
-    let tick_style = Type {
-        anchor: Anchor::Middle,
-        ..DETAIL
-    };
+    let tick_style = Type { anchor: Anchor::Middle, ..DETAIL };
     let ticks = ticks(scale.low, scale.high, 5.0);
-    let pad = ticks
-        .iter()
-        .map(|(_, text)| lettering::width(text, tick_style.size, tick_style.weight) / 2.0);
+    let pad = ticks.iter().map(|(_, text)| lettering::width(text, tick_style.size, tick_style.weight) / 2.0);
     let left = pad.fold(POINT + 2.0, f64::max).ceil().min(60.0);
     let (top, right) = (38.0, left + width);
     let mut drawing = Drawing::default();
@@ -338,40 +252,26 @@ pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f
     let middle = top + BAR / 2.0;
     if scale.open_high {
         let tip = [right + POINT, middle];
-        drawing.polygon(
-            &[[right - 0.5, top], tip, [right - 0.5, top + BAR]],
-            &format!("fill=\"{}\"", colors::hex(last)),
-        );
+        drawing
+            .polygon(&[[right - 0.5, top], tip, [right - 0.5, top + BAR]], &format!("fill=\"{}\"", colors::hex(last)));
         outline.push(tip);
     }
     outline.extend([[right, top + BAR], [left, top + BAR]]);
     if scale.open_low {
         let tip = [left - POINT, middle];
-        drawing.polygon(
-            &[[left + 0.5, top], tip, [left + 0.5, top + BAR]],
-            &format!("fill=\"{}\"", colors::hex(first)),
-        );
+        drawing
+            .polygon(&[[left + 0.5, top], tip, [left + 0.5, top + BAR]], &format!("fill=\"{}\"", colors::hex(first)));
         outline.push(tip);
     }
-    drawing.polygon(
-        &outline,
-        &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.4\" stroke-linejoin=\"round\""),
-    );
+    drawing
+        .polygon(&outline, &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.4\" stroke-linejoin=\"round\""));
     for (value, text) in ticks {
         let x = left + width * (value - scale.low) / (scale.high - scale.low);
-        drawing.line(
-            [x, top + BAR],
-            [x, top + BAR + 7.0],
-            &format!("stroke=\"{INK}\" stroke-width=\"1.6\""),
-        );
+        drawing.line([x, top + BAR], [x, top + BAR + 7.0], &format!("stroke=\"{INK}\" stroke-width=\"1.6\""));
         drawing.text(x, top + BAR + 30.0, tick_style, &text);
     }
     let name_width = left + lettering::width(name, NAME.size, NAME.weight);
-    Block {
-        width: (right + left).max(name_width),
-        height: top + BAR + 36.0,
-        drawing,
-    }
+    Block { width: (right + left).max(name_width), height: top + BAR + 36.0, drawing }
 }
 
 /// Returns about `wanted` round values between `low` and `high` (`low` < `high`) with their texts.
@@ -408,19 +308,10 @@ mod tests {
 
     #[test]
     fn scale_bars_have_round_lengths_and_the_right_unit() {
-        for (wanted, length) in [
-            (290.0, 200.0),
-            (400.0, 500.0),
-            (0.7, 0.5),
-            (3.0, 2.0),
-            (7200.0, 10_000.0),
-            (10.0, 10.0),
-        ] {
-            assert!(
-                (round_length(wanted) - length).abs() < 1e-9,
-                "{wanted}: {}",
-                round_length(wanted)
-            );
+        for (wanted, length) in
+            [(290.0, 200.0), (400.0, 500.0), (0.7, 0.5), (3.0, 2.0), (7200.0, 10_000.0), (10.0, 10.0)]
+        {
+            assert!((round_length(wanted) - length).abs() < 1e-9, "{wanted}: {}", round_length(wanted));
         }
         assert!(scale_bar(1.0, 295.0).drawing.svg.contains(">200 m<"));
         assert!(scale_bar(0.1, 205.0).drawing.svg.contains(">2 km<"));
@@ -430,12 +321,7 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let texts = |low, high| {
-            ticks(low, high, 5.0)
-                .into_iter()
-                .map(|(_, text)| text)
-                .collect::<Vec<_>>()
-        };
+        let texts = |low, high| ticks(low, high, 5.0).into_iter().map(|(_, text)| text).collect::<Vec<_>>();
         assert_eq!(texts(0.0, 100.0), ["0", "20", "40", "60", "80", "100"]);
         assert_eq!(texts(-30.0, 30.0), ["−30", "−20", "−10", "0", "10", "20", "30"]);
         assert_eq!(texts(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
@@ -443,9 +329,8 @@ mod tests {
 
     #[test]
     fn blocks_in_a_flow_do_not_overlap_and_fit() {
-        let entries: Vec<Block> = (0..5)
-            .map(|k| legend_entry(Swatch::Flat(colors::LOS), &format!("class {k}"), "12.3 %"))
-            .collect();
+        let entries: Vec<Block> =
+            (0..5).map(|k| legend_entry(Swatch::Flat(colors::LOS), &format!("class {k}"), "12.3 %")).collect();
         let flowed = flow(&entries, 420.0, [40.0, 14.0]);
         assert!(flowed.width <= 420.0);
         assert!(flowed.height >= 2.0 * ENTRY_HEIGHT + 14.0);
@@ -455,12 +340,7 @@ mod tests {
 
     #[test]
     fn an_open_scale_ends_in_a_point() {
-        let scale = Scale {
-            low: 0.0,
-            high: 40.0,
-            open_low: false,
-            open_high: true,
-        };
+        let scale = Scale { low: 0.0, high: 40.0, open_low: false, open_high: true };
         let bar = color_bar("Height [m]", scale, &[colors::LOS, colors::NLOS], 300.0);
         assert!(bar.drawing.svg.contains("Height [m]") && bar.drawing.svg.contains(">40<"));
         assert_eq!(bar.drawing.svg.matches("<polygon").count(), 2);

@@ -48,24 +48,14 @@ mod tests {
     use super::*;
 
     fn surface(heights: &[f32]) -> Surface<'_> {
-        Surface {
-            heights,
-            n_cols: 3,
-            n_rows: 3,
-            step_m: (1.0, 1.0),
-        }
+        Surface { heights, n_cols: 3, n_rows: 3, step_m: (1.0, 1.0) }
     }
 
     #[test]
     fn level_ground_is_neutral_and_so_are_voids() {
         assert!((surface(&[7.0; 9]).light(1, 1) - 1.0).abs() < 1e-12);
         assert!((surface(&[f32::NAN; 9]).light(1, 1) - 1.0).abs() < 1e-12);
-        let one = Surface {
-            heights: &[3.0],
-            n_cols: 1,
-            n_rows: 1,
-            step_m: (1.0, 1.0),
-        };
+        let one = Surface { heights: &[3.0], n_cols: 1, n_rows: 1, step_m: (1.0, 1.0) };
         assert!((one.light(0, 0) - 1.0).abs() < 1e-12);
     }
 

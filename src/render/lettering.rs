@@ -50,11 +50,7 @@ pub(crate) fn wrap(text: &str, size: f64, weight: Weight, max_width: f64) -> Vec
     let mut lines = Vec::new();
     let mut line = String::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let joined = if line.is_empty() {
-            word.to_string()
-        } else {
-            format!("{line} {word}")
-        };
+        let joined = if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
         if width(&joined, size, weight) <= max_width {
             line = joined;
             continue;
@@ -129,11 +125,7 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     if out.contains('.') {
         out.truncate(out.trim_end_matches('0').trim_end_matches('.').len());
     }
-    if out == "-0" {
-        "0".to_string()
-    } else {
-        out.replace('-', "−")
-    }
+    if out == "-0" { "0".to_string() } else { out.replace('-', "−") }
 }
 
 /// Writes a length with its unit: meters, or kilometers from 1 km on.
@@ -158,9 +150,7 @@ impl Advances {
         let u16_at = |at: usize| u16::from_be_bytes([font[at], font[at + 1]]);
         let u32_at = |at: usize| u32::from_be_bytes([font[at], font[at + 1], font[at + 2], font[at + 3]]) as usize;
         let table = |tag: &[u8; 4]| {
-            let record = (0..usize::from(u16_at(4)))
-                .map(|i| 12 + 16 * i)
-                .find(|&at| &font[at..at + 4] == tag);
+            let record = (0..usize::from(u16_at(4))).map(|i| 12 + 16 * i).find(|&at| &font[at..at + 4] == tag);
             u32_at(record.expect("the embedded font has this table") + 8)
         };
         let (cmap, hhea, hmtx) = (table(b"cmap"), table(b"hhea"), table(b"hmtx"));
@@ -189,11 +179,7 @@ impl Advances {
                 by_char.insert(c, advance(glyph));
             }
         }
-        Self {
-            units_per_em: f64::from(u16_at(table(b"head") + 18)),
-            missing: advance(0),
-            by_char,
-        }
+        Self { units_per_em: f64::from(u16_at(table(b"head") + 18)), missing: advance(0), by_char }
     }
 
     fn of(&self, c: char) -> f64 {
@@ -215,17 +201,11 @@ mod tests {
                 "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"2000\" height=\"100\"><text x=\"0\" y=\"50\" \
                  font-family=\"Skyshed Sans\" font-size=\"40\" font-weight=\"{number}\">{text}</text></svg>"
             );
-            let options = usvg::Options {
-                fontdb: fonts(),
-                ..usvg::Options::default()
-            };
+            let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
             let tree = usvg::Tree::from_str(&svg, &options).expect("the test text is valid SVG");
             let drawn = f64::from(tree.root().abs_bounding_box().width());
             let measured = width(text, 40.0, weight);
-            assert!(
-                drawn > 300.0 && (measured - drawn).abs() < 0.02 * drawn,
-                "{weight:?}: {measured} and {drawn}"
-            );
+            assert!(drawn > 300.0 && (measured - drawn).abs() < 0.02 * drawn, "{weight:?}: {measured} and {drawn}");
         }
     }
 
@@ -238,10 +218,7 @@ mod tests {
                 weight: fontdb::Weight(weight),
                 ..fontdb::Query::default()
             };
-            let face = fonts
-                .query(&query)
-                .and_then(|id| fonts.face(id))
-                .expect("the font is embedded");
+            let face = fonts.query(&query).and_then(|id| fonts.face(id)).expect("the font is embedded");
             assert_eq!(face.weight.0, weight);
         }
     }

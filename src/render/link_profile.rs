@@ -100,10 +100,7 @@ impl Window {
         let span = (high - low).max(1.0);
         let side = 0.07 * profile.distance_m;
         // The band at the bottom has room for the receiver's label.
-        Self {
-            distance: [-side, profile.distance_m + side],
-            height: [low - 0.16 * span, high + 0.22 * span],
-        }
+        Self { distance: [-side, profile.distance_m + side], height: [low - 0.16 * span, high + 0.22 * span] }
     }
 
     fn at(&self, distance_m: f64, height_m: f64) -> [f64; 2] {
@@ -135,15 +132,7 @@ fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     let legend = legend(profile);
     drawing.place(&legend.drawing, left, bottom);
     let stretch = stretch(window.exaggeration());
-    drawing.text(
-        left + WIDTH,
-        bottom + 24.0,
-        Type {
-            anchor: Anchor::End,
-            ..DETAIL
-        },
-        &stretch,
-    );
+    drawing.text(left + WIDTH, bottom + 24.0, Type { anchor: Anchor::End, ..DETAIL }, &stretch);
     bottom += legend.height + 24.0;
     let caption = furniture::caption(profile.caption, body_w);
     if caption.height > 0.0 {
@@ -152,12 +141,7 @@ fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
         bottom += 14.0 + caption.height;
     }
     let height = bottom + MARGIN - 8.0;
-    Ok(Sheet {
-        width: body_w + 2.0 * MARGIN,
-        height,
-        images: Vec::new(),
-        furniture: drawing,
-    })
+    Ok(Sheet { width: body_w + 2.0 * MARGIN, height, images: Vec::new(), furniture: drawing })
 }
 
 /// Says how the scales of the two axes differ.
@@ -173,19 +157,10 @@ fn stretch(exaggeration: f64) -> String {
 
 fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
     if !(profile.distance_m.is_finite() && profile.distance_m > 0.0) {
-        return Err(format!(
-            "cannot draw a link of {} m: it must be above 0 m",
-            profile.distance_m
-        ));
+        return Err(format!("cannot draw a link of {} m: it must be above 0 m", profile.distance_m));
     }
-    let obstruction = profile
-        .obstruction
-        .map_or([0.0; 3], |o| [o.distance_m, o.ray_height_m, o.roof_height_m]);
-    if ![profile.uav.1, profile.receiver.1]
-        .iter()
-        .chain(&obstruction)
-        .all(|h| h.is_finite())
-    {
+    let obstruction = profile.obstruction.map_or([0.0; 3], |o| [o.distance_m, o.ray_height_m, o.roof_height_m]);
+    if ![profile.uav.1, profile.receiver.1].iter().chain(&obstruction).all(|h| h.is_finite()) {
         return Err("cannot draw a link: a height or distance is not finite".to_string());
     }
     let bad = |s: &ProfileStep| {
@@ -193,9 +168,7 @@ fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
         !finite || s.to_m < s.from_m
     };
     match profile.steps.iter().position(bad) {
-        Some(i) => Err(format!(
-            "cannot draw step {i} of a link: not finite, or it ends before it starts"
-        )),
+        Some(i) => Err(format!("cannot draw step {i} of a link: not finite, or it ends before it starts")),
         None => Ok(()),
     }
 }
@@ -204,35 +177,19 @@ fn axes(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let tick = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
     let grid = "stroke=\"#E3E7EB\" stroke-width=\"1.4\"";
-    let middle = Type {
-        anchor: Anchor::Middle,
-        ..DETAIL
-    };
+    let middle = Type { anchor: Anchor::Middle, ..DETAIL };
     for (value, text) in furniture::ticks(window.height[0], window.height[1], 6.0) {
         let [_, y] = window.at(0.0, value);
         drawing.line([0.0, y], [WIDTH, y], grid);
         drawing.line([-8.0, y], [0.0, y], &tick);
-        drawing.text(
-            -14.0,
-            y + 8.0,
-            Type {
-                anchor: Anchor::End,
-                ..DETAIL
-            },
-            &text,
-        );
+        drawing.text(-14.0, y + 8.0, Type { anchor: Anchor::End, ..DETAIL }, &text);
     }
     for (value, text) in furniture::ticks(0.0, profile.distance_m, 8.0) {
         let [x, _] = window.at(value, 0.0);
         drawing.line([x, HEIGHT], [x, HEIGHT + 8.0], &tick);
         drawing.text(x, HEIGHT + 32.0, middle, &text);
     }
-    drawing.text(
-        WIDTH / 2.0,
-        HEIGHT + 68.0,
-        Type { color: INK, ..middle },
-        "Distance from the UAV [m]",
-    );
+    drawing.text(WIDTH / 2.0, HEIGHT + 68.0, Type { color: INK, ..middle }, "Distance from the UAV [m]");
     let name = format!("{} [m]", profile.height_name);
     drawing.text_upward(-82.0, HEIGHT / 2.0, Type { color: INK, ..middle }, &name);
     drawing
@@ -245,11 +202,7 @@ const BUILDING_FILL: &str = "#B4B8BD";
 fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     for kind in [StepKind::Terrain, StepKind::Building] {
-        let fill = if kind == StepKind::Terrain {
-            TERRAIN_FILL
-        } else {
-            BUILDING_FILL
-        };
+        let fill = if kind == StepKind::Terrain { TERRAIN_FILL } else { BUILDING_FILL };
         for step in profile.steps.iter().filter(|step| step.kind == kind) {
             let [x0, y] = window.at(step.from_m, step.height_m);
             let [x1, _] = window.at(step.to_m, step.height_m);
@@ -257,10 +210,7 @@ fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
                 drawing.rect([x0, y, x1 - x0, HEIGHT - y], &format!("fill=\"{fill}\""));
                 if kind == StepKind::Building {
                     let roof = [[x0, HEIGHT], [x0, y], [x1, y], [x1, HEIGHT]];
-                    drawing.polyline(
-                        &roof,
-                        "stroke=\"#6B7178\" stroke-width=\"1.6\" stroke-linejoin=\"round\"",
-                    );
+                    drawing.polyline(&roof, "stroke=\"#6B7178\" stroke-width=\"1.6\" stroke-linejoin=\"round\"");
                 } else {
                     drawing.line([x0, y], [x1, y], "stroke=\"#8F897B\" stroke-width=\"2\"");
                 }
@@ -274,25 +224,15 @@ fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let uav = window.at(0.0, profile.uav.1);
     let receiver = window.at(profile.distance_m, profile.receiver.1);
-    drawing.line(
-        uav,
-        receiver,
-        "stroke=\"#FFFFFF\" stroke-width=\"9\" stroke-opacity=\"0.9\"",
-    );
-    let color = colors::hex(if profile.obstruction.is_none() {
-        colors::LOS
-    } else {
-        colors::NLOS
-    });
+    drawing.line(uav, receiver, "stroke=\"#FFFFFF\" stroke-width=\"9\" stroke-opacity=\"0.9\"");
+    let color = colors::hex(if profile.obstruction.is_none() { colors::LOS } else { colors::NLOS });
     drawing.line(uav, receiver, &format!("stroke=\"{color}\" stroke-width=\"4.5\""));
 
     let [x, y] = receiver;
     let ink = "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"3\"";
     drawing.circle([x, y], 10.0, ink);
-    let mut taken = vec![
-        [x - 16.0, y - 16.0, x + 16.0, y + 16.0],
-        [uav[0] - 30.0, uav[1] - 30.0, uav[0] + 30.0, uav[1] + 30.0],
-    ];
+    let mut taken =
+        vec![[x - 16.0, y - 16.0, x + 16.0, y + 16.0], [uav[0] - 30.0, uav[1] - 30.0, uav[0] + 30.0, uav[1] + 30.0]];
     let meters = |height: f64| format!("{} m", number(height, 1));
     let mut labels = vec![
         (uav, [profile.uav.0.to_string(), meters(profile.uav.1)]),
@@ -302,11 +242,7 @@ fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
         let on_ray = window.at(obstruction.distance_m, obstruction.ray_height_m);
         let on_roof = window.at(obstruction.distance_m, obstruction.roof_height_m);
         drawing.line(on_ray, on_roof, "stroke=\"#FFFFFF\" stroke-width=\"7\"");
-        drawing.line(
-            on_ray,
-            on_roof,
-            "stroke=\"#101418\" stroke-width=\"3\" stroke-dasharray=\"7 5\"",
-        );
+        drawing.line(on_ray, on_roof, "stroke=\"#101418\" stroke-width=\"3\" stroke-dasharray=\"7 5\"");
         drawing.circle(on_ray, 8.0, "fill=\"#FFFFFF\" stroke=\"#101418\" stroke-width=\"3.4\"");
         drawing.polygon(
             &[[0.0, -11.0], [11.0, 0.0], [0.0, 11.0], [-11.0, 0.0]].map(|[dx, dy]| [on_roof[0] + dx, on_roof[1] + dy]),
@@ -342,34 +278,21 @@ fn place_label(
     let ray_at = |x: f64| from[1] + (to[1] - from[1]) * ((x - from[0]) / (to[0] - from[0])).clamp(0.0, 1.0);
     let low_on_the_page = y > 0.6 * HEIGHT;
     let under = low_on_the_page.then_some([x - w / 2.0, y + 22.0]);
-    let spots = under
-        .into_iter()
-        .chain([32.0, 60.0, 100.0, 150.0, 210.0, 280.0].into_iter().flat_map(|gap| {
-            let (above, below) = (y - gap - h, y + gap);
-            [
-                [x - w / 2.0, above],
-                [x + 6.0, above],
-                [x - w - 6.0, above],
-                [x - w / 2.0, below],
-                [x + gap, y - h / 2.0],
-            ]
-        }));
-    let spots: Vec<[f64; 2]> = spots
-        .map(|[x, y]| [x.clamp(8.0, (WIDTH - w - 8.0).max(8.0)), y.clamp(8.0, HEIGHT - h - 8.0)])
-        .collect();
+    let spots = under.into_iter().chain([32.0, 60.0, 100.0, 150.0, 210.0, 280.0].into_iter().flat_map(|gap| {
+        let (above, below) = (y - gap - h, y + gap);
+        [[x - w / 2.0, above], [x + 6.0, above], [x - w - 6.0, above], [x - w / 2.0, below], [x + gap, y - h / 2.0]]
+    }));
+    let spots: Vec<[f64; 2]> =
+        spots.map(|[x, y]| [x.clamp(8.0, (WIDTH - w - 8.0).max(8.0)), y.clamp(8.0, HEIGHT - h - 8.0)]).collect();
     let covers = |[x, y]: [f64; 2], boxes: &[[f64; 4]]| {
-        boxes
-            .iter()
-            .any(|t| x < t[2] && t[0] < x + w && y < t[3] && t[1] < y + h)
+        boxes.iter().any(|t| x < t[2] && t[0] < x + w && y < t[3] && t[1] < y + h)
     };
     let crosses = |[x, y]: [f64; 2]| {
         let (a, b) = (ray_at(x), ray_at(x + w));
         a.max(b) > y - 6.0 && a.min(b) < y + h + 6.0
     };
     let free = spots.iter().find(|&&s| !covers(s, taken) && !crosses(s));
-    let best = free
-        .or_else(|| spots.iter().find(|&&s| !covers(s, taken)))
-        .or(spots.last());
+    let best = free.or_else(|| spots.iter().find(|&&s| !covers(s, taken))).or(spots.last());
     if let Some(&[x, y]) = best {
         taken.push([x, y, x + w, y + h]);
         label.draw(drawing, x, y);
@@ -394,16 +317,9 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
         .into_iter()
         .map(|(color, name, thickness)| {
             let mut drawing = Drawing::default();
-            drawing.rect(
-                [0.0, 16.0 - thickness / 2.0, 44.0, thickness],
-                &format!("fill=\"{color}\""),
-            );
+            drawing.rect([0.0, 16.0 - thickness / 2.0, 44.0, thickness], &format!("fill=\"{color}\""));
             drawing.text(58.0, 25.0, Type { color: INK, ..DETAIL }, name);
-            Block {
-                width: 58.0 + lettering::width(name, DETAIL.size, Weight::Regular),
-                height: 34.0,
-                drawing,
-            }
+            Block { width: 58.0 + lettering::width(name, DETAIL.size, Weight::Regular), height: 34.0, drawing }
         })
         .collect();
     furniture::beside(&blocks, 44.0)
@@ -414,18 +330,8 @@ mod tests {
     use super::*;
 
     const STEPS: [ProfileStep; 2] = [
-        ProfileStep {
-            from_m: 0.0,
-            to_m: 200.0,
-            height_m: 0.0,
-            kind: StepKind::Terrain,
-        },
-        ProfileStep {
-            from_m: 120.0,
-            to_m: 150.0,
-            height_m: 25.0,
-            kind: StepKind::Building,
-        },
+        ProfileStep { from_m: 0.0, to_m: 200.0, height_m: 0.0, kind: StepKind::Terrain },
+        ProfileStep { from_m: 120.0, to_m: 150.0, height_m: 25.0, kind: StepKind::Building },
     ];
 
     fn profile(obstruction: Option<Obstruction>) -> LinkProfile<'static> {
@@ -443,11 +349,7 @@ mod tests {
 
     #[test]
     fn a_blocked_link_is_orange_and_names_its_obstructing_point() {
-        let obstruction = Obstruction {
-            distance_m: 150.0,
-            ray_height_m: 16.1,
-            roof_height_m: 25.0,
-        };
+        let obstruction = Obstruction { distance_m: 150.0, ray_height_m: 16.1, roof_height_m: 25.0 };
         let svg = draw_link_profile_svg(&profile(Some(obstruction)), &[]).expect("the link is valid");
         for words in [
             "#E69F00",
@@ -478,40 +380,9 @@ mod tests {
 
     #[test]
     fn impossible_links_are_refused() {
-        assert!(
-            draw_link_profile(
-                &LinkProfile {
-                    distance_m: 0.0,
-                    ..profile(None)
-                },
-                &[]
-            )
-            .is_err()
-        );
-        assert!(
-            draw_link_profile(
-                &LinkProfile {
-                    uav: ("", f64::NAN),
-                    ..profile(None)
-                },
-                &[]
-            )
-            .is_err()
-        );
-        let steps = [ProfileStep {
-            from_m: 5.0,
-            to_m: 4.0,
-            ..STEPS[0]
-        }];
-        assert!(
-            draw_link_profile(
-                &LinkProfile {
-                    steps: &steps,
-                    ..profile(None)
-                },
-                &[]
-            )
-            .is_err()
-        );
+        assert!(draw_link_profile(&LinkProfile { distance_m: 0.0, ..profile(None) }, &[]).is_err());
+        assert!(draw_link_profile(&LinkProfile { uav: ("", f64::NAN), ..profile(None) }, &[]).is_err());
+        let steps = [ProfileStep { from_m: 5.0, to_m: 4.0, ..STEPS[0] }];
+        assert!(draw_link_profile(&LinkProfile { steps: &steps, ..profile(None) }, &[]).is_err());
     }
 }

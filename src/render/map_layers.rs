@@ -31,10 +31,7 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             let index_of = |cell: usize| special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
             let painted = paint_with(picture, axes, &[colors::NLOS, colors::LOS], index_of);
             let (nlos, los) = (painted.histogram[0], painted.histogram[1]);
-            for (n, color, name) in [
-                (los, colors::LOS, "Line of sight"),
-                (nlos, colors::NLOS, "No line of sight"),
-            ] {
+            for (n, color, name) in [(los, colors::LOS, "Line of sight"), (nlos, colors::NLOS, "No line of sight")] {
                 if n > 0 {
                     let receivers = match picture.receivers_name.strip_suffix('s') {
                         Some(singular) if n == 1 => singular,
@@ -54,23 +51,14 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             legend.extend(count_legend(n_sites, &palette, &painted.histogram));
             painted
         }
-        Layer::Field {
-            values,
-            name,
-            unit,
-            mask,
-        } => {
+        Layer::Field { values, name, unit, mask } => {
             let field = Field::new(values, mask);
             let palette: Vec<Rgb> = (0..256).map(|k| field.ramp.at(f64::from(k) / 255.0)).collect();
             let index_of =
                 |cell: usize| special(mask[cell], 256).unwrap_or_else(|| field.index(values[cell]).unwrap_or(256 + 2));
             let painted = paint_with(picture, axes, &palette, index_of);
             let n: u64 = painted.histogram[..256].iter().sum();
-            let title = if unit.is_empty() {
-                name.to_string()
-            } else {
-                format!("{name} [{unit}]")
-            };
+            let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
             if n > 0 {
                 let along: Vec<Rgb> = palette.iter().step_by(2).copied().collect();
                 legend.push(furniture::color_bar(&title, field.scale, &along, 460.0));
@@ -80,11 +68,8 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
     };
     let n_colors = painted.histogram.len() - SPECIAL.len();
     let tones = [Ramp::BuildingTone.at(0.0), Ramp::BuildingTone.at(1.0)];
-    let building = if picture.surface_m.is_some() {
-        Swatch::Range(tones[0], tones[1])
-    } else {
-        Swatch::Flat(colors::BUILDING)
-    };
+    let building =
+        if picture.surface_m.is_some() { Swatch::Range(tones[0], tones[1]) } else { Swatch::Flat(colors::BUILDING) };
     let special = [
         (building, picture.others_name),
         (Swatch::Flat(colors::OUT_OF_RANGE), "Out of range"),
@@ -102,21 +87,13 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             let detail = marks::detail(uav, [picture.n_cols as f64, picture.n_rows as f64], picture.cell_m);
             legend.push(furniture::legend_entry(Swatch::Uav, &uav_name(uav.label), &detail));
         }
-        uavs => legend.push(furniture::legend_entry(
-            Swatch::Uav,
-            &format!("{} UAVs", uavs.len()),
-            "id and height",
-        )),
+        uavs => legend.push(furniture::legend_entry(Swatch::Uav, &format!("{} UAVs", uavs.len()), "id and height")),
     }
     (painted, legend)
 }
 
 fn uav_name(label: &str) -> String {
-    if label.to_lowercase().contains("uav") {
-        label.to_string()
-    } else {
-        format!("UAV {label}").trim_end().to_string()
-    }
+    if label.to_lowercase().contains("uav") { label.to_string() } else { format!("UAV {label}").trim_end().to_string() }
 }
 
 fn paint_with(
@@ -126,13 +103,7 @@ fn paint_with(
     index_of: impl Fn(usize) -> usize + Sync,
 ) -> Painted {
     let palette: Vec<Paint> = colors.iter().map(|&color| Paint::Flat(color)).chain(SPECIAL).collect();
-    paint::paint(&Cells {
-        axes,
-        cell_m: picture.cell_m,
-        index_of,
-        palette: &palette,
-        surface_m: picture.surface_m,
-    })
+    paint::paint(&Cells { axes, cell_m: picture.cell_m, index_of, palette: &palette, surface_m: picture.surface_m })
 }
 
 fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
@@ -151,22 +122,12 @@ fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> 
             k if k == n_sites => format!("By all {k} UAVs"),
             k => format!("By {k} UAVs"),
         };
-        return none
-            .into_iter()
-            .chain((1..=n_sites).filter_map(|k| entry(k, &name(k))))
-            .collect();
+        return none.into_iter().chain((1..=n_sites).filter_map(|k| entry(k, &name(k)))).collect();
     }
-    let scale = Scale {
-        low: 1.0,
-        high: f64::from(n_sites),
-        open_low: false,
-        open_high: false,
-    };
+    let scale = Scale { low: 1.0, high: f64::from(n_sites), open_low: false, open_high: false };
     let along: Vec<Rgb> = (0..64).map(|k| Ramp::Seen.at(f64::from(k) / 63.0)).collect();
     let title = format!("UAVs that see a cell (of {})", number(f64::from(n_sites), 0));
-    std::iter::once(furniture::color_bar(&title, scale, &along, 420.0))
-        .chain(none)
-        .collect()
+    std::iter::once(furniture::color_bar(&title, scale, &along, 420.0)).chain(none).collect()
 }
 
 /// How values become colors.
@@ -180,11 +141,8 @@ impl Field {
     /// Spans the middle 98 % of the receivers' values, from a sample of at most about a million.
     fn new(values: &[f32], mask: &[u8]) -> Self {
         let step = (values.len() / 1_000_000).max(1) | 1;
-        let sample: Vec<f32> = (0..values.len())
-            .step_by(step)
-            .filter(|&cell| mask[cell] <= 1)
-            .map(|cell| values[cell])
-            .collect();
+        let sample: Vec<f32> =
+            (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect();
         let infinite = [f32::NEG_INFINITY, f32::INFINITY].map(|end| sample.iter().any(|v| v.total_cmp(&end).is_eq()));
         let (least, most) = paint::quantiles(sample.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
         let (mut low, mut high) = paint::quantiles(sample, 0.01, 0.99).unwrap_or((0.0, 1.0));
@@ -203,10 +161,7 @@ impl Field {
             open_low: infinite[0] || least < low - slack,
             open_high: infinite[1] || most > high + slack,
         };
-        Self {
-            ramp: if signed { Ramp::Diverging } else { Ramp::Sequential },
-            scale,
-        }
+        Self { ramp: if signed { Ramp::Diverging } else { Ramp::Sequential }, scale }
     }
 
     fn index(&self, value: f32) -> Option<usize> {

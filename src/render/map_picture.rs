@@ -99,9 +99,7 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
 
     let narrow = map_w < 620.0 || map_w < 0.55 * map_h;
     let column = furniture::stack(&[furniture::stack(&legend, 16.0), orientation.clone()], 34.0);
-    let body_w = if narrow { map_w + 40.0 + column.width } else { map_w }
-        .max(SMALLEST_BODY)
-        .round();
+    let body_w = if narrow { map_w + 40.0 + column.width } else { map_w }.max(SMALLEST_BODY).round();
     let title = furniture::paragraph(picture.title, TITLE, body_w);
     let title_h = if title.height > 0.0 { title.height + 16.0 } else { 0.0 };
     let caption = furniture::caption(picture.caption, body_w);
@@ -140,9 +138,7 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
     let shape = |name: &str, length: usize| super::check_shape(name, length, picture.n_cols, picture.n_rows);
     let (cell_x, cell_y) = picture.cell_m;
     if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
-        return Err(format!(
-            "cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"
-        ));
+        return Err(format!("cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"));
     }
     match picture.layer {
         Layer::Los(mask) => shape("mask", mask.len())?,
@@ -155,9 +151,7 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
             shape("mask", mask.len())?;
         }
     }
-    picture
-        .surface_m
-        .map_or(Ok(()), |surface| shape("surface", surface.len()))
+    picture.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
 }
 
 /// Thin lines between cells where these are large enough to be counted.
@@ -223,13 +217,7 @@ mod tests {
     #[test]
     fn the_legend_names_classes_that_occur_and_no_others() {
         let svg = words(&picture(Layer::Los(&[0, 1, 1, 1, 2, 2]), 3, 2));
-        for text in [
-            "Line of sight",
-            "75.0\u{202F}% · 3 street cells",
-            "No line of sight",
-            "Buildings",
-            "2 cells",
-        ] {
+        for text in ["Line of sight", "75.0\u{202F}% · 3 street cells", "No line of sight", "Buildings", "2 cells"] {
             assert!(svg.contains(text), "{text} in {svg}");
         }
         assert!(!svg.contains("Out of range") && !svg.contains("No data"));
@@ -240,27 +228,11 @@ mod tests {
     #[test]
     fn counts_list_each_number_or_become_a_bar() {
         let mask = [0, 1, 1, 1];
-        let svg = words(&picture(
-            Layer::Count {
-                count: &[0, 1, 2, 3],
-                mask: &mask,
-                n_sites: 3,
-            },
-            4,
-            1,
-        ));
+        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 3], mask: &mask, n_sites: 3 }, 4, 1));
         for text in ["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"] {
             assert!(svg.contains(text), "{text}");
         }
-        let svg = words(&picture(
-            Layer::Count {
-                count: &[0, 1, 2, 30],
-                mask: &mask,
-                n_sites: 30,
-            },
-            4,
-            1,
-        ));
+        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 30], mask: &mask, n_sites: 30 }, 4, 1));
         assert!(svg.contains("UAVs that see a cell (of 30)"));
     }
 
@@ -268,12 +240,7 @@ mod tests {
     fn a_field_has_a_bar_with_its_name_and_unit() {
         let mask = [1_u8; 4];
         let svg = words(&picture(
-            Layer::Field {
-                values: &[1.0, 2.0, 3.0, f32::INFINITY],
-                name: "Ceiling",
-                unit: "m",
-                mask: &mask,
-            },
+            Layer::Field { values: &[1.0, 2.0, 3.0, f32::INFINITY], name: "Ceiling", unit: "m", mask: &mask },
             4,
             1,
         ));
@@ -282,9 +249,7 @@ mod tests {
 
     #[test]
     fn equal_input_gives_equal_bytes() {
-        let mask: Vec<u8> = (0..5000_u16)
-            .map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3"))
-            .collect();
+        let mask: Vec<u8> = (0..5000_u16).map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3")).collect();
         let picture = picture(Layer::Los(&mask), 100, 50);
         assert_eq!(draw_map(&picture, &[]), draw_map(&picture, &[]));
     }
@@ -295,11 +260,7 @@ mod tests {
         let caption = ["x".repeat(3000)];
         for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
             let mask = vec![1; n_cols * n_rows];
-            let picture = MapPicture {
-                title: &title,
-                caption: &caption,
-                ..picture(Layer::Los(&mask), n_cols, n_rows)
-            };
+            let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
             let file = draw_map(&picture, &[]).expect("the picture is valid");
             let image = image::load_from_memory(&file).expect("it is a PNG");
             assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
@@ -310,15 +271,9 @@ mod tests {
     fn input_of_the_wrong_shape_is_refused() {
         assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &[]).is_err());
         assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &[]).is_err());
-        let flat = MapPicture {
-            cell_m: (1.0, 0.0),
-            ..picture(Layer::Los(&[0]), 1, 1)
-        };
+        let flat = MapPicture { cell_m: (1.0, 0.0), ..picture(Layer::Los(&[0]), 1, 1) };
         assert!(draw_map(&flat, &[]).is_err());
-        let surface = MapPicture {
-            surface_m: Some(&[1.0; 3]),
-            ..picture(Layer::Los(&[0]), 1, 1)
-        };
+        let surface = MapPicture { surface_m: Some(&[1.0; 3]), ..picture(Layer::Los(&[0]), 1, 1) };
         assert!(draw_map(&surface, &[]).is_err());
     }
 

@@ -86,20 +86,13 @@ pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2
 fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Placed {
     let wanted = [uav.col * px_per_cell[0], uav.row * px_per_cell[1]];
     let at = [wanted[0].clamp(0.0, size[0]), wanted[1].clamp(0.0, size[1])];
-    let beyond_m = [
-        (wanted[0] - at[0]) / px_per_cell[0] * cell_m.0,
-        (wanted[1] - at[1]) / px_per_cell[1] * cell_m.1,
-    ];
+    let beyond_m = [(wanted[0] - at[0]) / px_per_cell[0] * cell_m.0, (wanted[1] - at[1]) / px_per_cell[1] * cell_m.1];
     let distance_m = (beyond_m[0] * beyond_m[0] + beyond_m[1] * beyond_m[1]).sqrt();
     let outward = (distance_m > 0.0).then(|| beyond_m.map(|d| d / distance_m));
     let beyond = outward.map(|_| format!("{} outside", lettering::length(distance_m)));
     let height = (!uav.height.is_empty()).then(|| uav.height.to_string());
     let details: Vec<String> = height.into_iter().chain(beyond).collect();
-    Placed {
-        at,
-        outward,
-        words: [uav.label.to_string(), details.join(" · ")],
-    }
+    Placed { at, outward, words: [uav.label.to_string(), details.join(" · ")] }
 }
 
 /// Says what the label of a mark says beside the id: its height, and its distance from a map of this size in cells.
@@ -118,25 +111,10 @@ fn symbol_bounds(mark: &Placed, radius: f64) -> Bounds {
 
 /// Draws an arrow whose tip touches the border, with a white halo.
 fn arrow(drawing: &mut Drawing, [x, y]: [f64; 2], [dx, dy]: [f64; 2], radius: f64) {
-    let at = |along: f64, across: f64| {
-        [
-            x - (dx * along + dy * across) * radius,
-            y - (dy * along - dx * across) * radius,
-        ]
-    };
-    let shape = [
-        at(0.1, 0.0),
-        at(1.1, 0.85),
-        at(1.1, 0.3),
-        at(2.1, 0.3),
-        at(2.1, -0.3),
-        at(1.1, -0.3),
-        at(1.1, -0.85),
-    ];
-    drawing.polygon(
-        &shape,
-        "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"7\" stroke-linejoin=\"round\"",
-    );
+    let at =
+        |along: f64, across: f64| [x - (dx * along + dy * across) * radius, y - (dy * along - dx * across) * radius];
+    let shape = [at(0.1, 0.0), at(1.1, 0.85), at(1.1, 0.3), at(2.1, 0.3), at(2.1, -0.3), at(1.1, -0.3), at(1.1, -0.85)];
+    drawing.polygon(&shape, "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"7\" stroke-linejoin=\"round\"");
     drawing.polygon(&shape, "fill=\"#101418\"");
 }
 
@@ -180,11 +158,7 @@ impl Label {
     pub(crate) fn new(words: &[String; 2], size: f64) -> Self {
         let name_width = lettering::width(&words[0], size, Weight::SemiBold);
         let detail_width = lettering::width(&words[1], size, Weight::Regular);
-        let gap = if words.iter().any(String::is_empty) {
-            0.0
-        } else {
-            0.36 * size
-        };
+        let gap = if words.iter().any(String::is_empty) { 0.0 } else { 0.36 * size };
         let name_width = name_width + gap;
         Self {
             width: name_width + detail_width + 0.8 * size,
@@ -202,25 +176,13 @@ impl Label {
             "rx=\"5\" fill=\"#FFFFFF\" fill-opacity=\"0.93\" stroke=\"#1B1F24\" stroke-opacity=\"0.55\" stroke-width=\"1.1\"",
         );
         let baseline = y + self.height / 2.0 + 0.36 * self.size;
-        let style = Type {
-            size: self.size,
-            anchor: Anchor::Start,
-            ..NAME
-        };
+        let style = Type { size: self.size, anchor: Anchor::Start, ..NAME };
         let left = x + 0.4 * self.size;
         if !self.words[0].is_empty() {
             drawing.text(left, baseline, style, &self.words[0]);
         }
         if !self.words[1].is_empty() {
-            drawing.text(
-                left + self.name_width,
-                baseline,
-                Type {
-                    weight: Weight::Regular,
-                    ..style
-                },
-                &self.words[1],
-            );
+            drawing.text(left + self.name_width, baseline, Type { weight: Weight::Regular, ..style }, &self.words[1]);
         }
     }
 }
@@ -230,24 +192,13 @@ mod tests {
     use super::*;
 
     fn mark(label: &str, col: f64, row: f64) -> Mark<'_> {
-        Mark {
-            label,
-            height: "60 m",
-            col,
-            row,
-        }
+        Mark { label, height: "60 m", col, row }
     }
 
     fn plates(svg: &str) -> Vec<Bounds> {
         let value = |line: &str, key: &str| -> f64 {
-            let rest = line
-                .split(&format!(" {key}=\""))
-                .nth(1)
-                .expect("the attribute is there");
-            rest.split('"')
-                .next()
-                .and_then(|v| v.parse().ok())
-                .expect("it is a number")
+            let rest = line.split(&format!(" {key}=\"")).nth(1).expect("the attribute is there");
+            rest.split('"').next().and_then(|v| v.parse().ok()).expect("it is a number")
         };
         let plates = svg.lines().filter(|line| line.starts_with("<rect"));
         plates
@@ -260,9 +211,7 @@ mod tests {
 
     #[test]
     fn labels_of_crowded_marks_do_not_overlap_and_stay_on_the_map() {
-        let uavs: Vec<Mark<'_>> = (0..10)
-            .map(|k| mark("UAV", 500.0 + 12.0 * f64::from(k), 500.0))
-            .collect();
+        let uavs: Vec<Mark<'_>> = (0..10).map(|k| mark("UAV", 500.0 + 12.0 * f64::from(k), 500.0)).collect();
         let drawing = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
         let plates = plates(&drawing.svg);
         assert!(plates.len() >= 6, "{} labels", plates.len());
@@ -284,10 +233,6 @@ mod tests {
     #[test]
     fn many_marks_have_no_labels() {
         let uavs: Vec<Mark<'_>> = (0..100).map(|k| mark("1", f64::from(k), 5.0)).collect();
-        assert!(
-            !draw_marks(&uavs, [1000.0, 100.0], [10.0, 10.0], (1.0, 1.0))
-                .svg
-                .contains("<text")
-        );
+        assert!(!draw_marks(&uavs, [1000.0, 100.0], [10.0, 10.0], (1.0, 1.0)).svg.contains("<text"));
     }
 }

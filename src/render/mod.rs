@@ -39,14 +39,10 @@ pub use png::draw_bare;
 /// Refuses an empty raster and an array that does not fit it.
 fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {
     if n_cols == 0 || n_rows == 0 {
-        return Err(format!(
-            "cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"
-        ));
+        return Err(format!("cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"));
     }
     if n_cols.checked_mul(n_rows) != Some(length) {
-        return Err(format!(
-            "cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"
-        ));
+        return Err(format!("cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"));
     }
     Ok(())
 }

@@ -118,11 +118,8 @@ pub(crate) fn paint<F: Fn(usize) -> usize + Sync>(cells: &Cells<'_, F>) -> Paint
                 let work_row = down.work_of_px(y);
                 let first = y == 0 || down.work_of_px(y - 1) != work_row;
                 let sums = sum_row(cells, &colors, work_row, first.then_some(&mut histogram));
-                let row_colors: Vec<_> = sums
-                    .iter()
-                    .enumerate()
-                    .map(|(col, sum)| ground.color(sum, work_row, col))
-                    .collect();
+                let row_colors: Vec<_> =
+                    sums.iter().enumerate().map(|(col, sum)| ground.color(sum, work_row, col)).collect();
                 for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
                     let color = row_colors[across.work_of_px(x)].unwrap_or_else(|| hatch(x, y));
                     pixel.copy_from_slice(&[color[0], color[1], color[2], 255]);
@@ -178,9 +175,7 @@ impl PackedPalette {
             Paint::OutOfRange => [0, 1 << 21],
             Paint::Void => [0, 1 << 42],
         };
-        Self {
-            entries: palette.iter().map(entry).collect(),
-        }
+        Self { entries: palette.iter().map(entry).collect() }
     }
 }
 
@@ -267,15 +262,7 @@ impl<'a> Ground<'a> {
             cells.cell_m.1 * down.n_cells as f64 / n_rows as f64,
         );
         let relief = if px_per_cell >= 8.0 { 0.0 } else { 1.0 };
-        Self {
-            heights,
-            n_cols,
-            n_rows,
-            step_m,
-            tones: tones.unwrap_or((0.0, 1.0)),
-            known: tones.is_some(),
-            relief,
-        }
+        Self { heights, n_cols, n_rows, step_m, tones: tones.unwrap_or((0.0, 1.0)), known: tones.is_some(), relief }
     }
 
     /// Returns the color of a work cell, or nothing where most of it is void.
@@ -291,25 +278,14 @@ impl<'a> Ground<'a> {
             (0..3).for_each(|k| total[k] += u64::from(linear[k]) * n);
         };
         if n_building + n_out > 0 {
-            let surface = Surface {
-                heights: &self.heights,
-                n_cols: self.n_cols,
-                n_rows: self.n_rows,
-                step_m: self.step_m,
-            };
+            let surface =
+                Surface { heights: &self.heights, n_cols: self.n_cols, n_rows: self.n_rows, step_m: self.step_m };
             let relief = (surface.light(row, col) - 1.0) * self.relief;
             if n_building > 0 {
                 let height = f64::from(self.heights[row * self.n_cols + col]);
                 let tone = (height - self.tones.0) / (self.tones.1 - self.tones.0);
-                let flat = if self.known && tone.is_finite() {
-                    Ramp::BuildingTone.at(tone)
-                } else {
-                    colors::BUILDING
-                };
-                add(
-                    colors::shade(flat, (1.0 + RELIEF * relief).clamp(0.55, 1.3)),
-                    n_building,
-                );
+                let flat = if self.known && tone.is_finite() { Ramp::BuildingTone.at(tone) } else { colors::BUILDING };
+                add(colors::shade(flat, (1.0 + RELIEF * relief).clamp(0.55, 1.3)), n_building);
             }
             add(colors::shade(colors::OUT_OF_RANGE, 1.0 + FAINT_RELIEF * relief), n_out);
         }
@@ -326,24 +302,21 @@ fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
         (0..n).map(move |k| range.start + (2 * k + 1) * range.len() / (2 * n))
     };
     let mut heights = vec![0.0_f32; across.n_work() * down.n_work()];
-    heights
-        .par_chunks_exact_mut(across.n_work())
-        .enumerate()
-        .for_each(|(work_row, out)| {
-            for (work_col, out) in out.iter_mut().enumerate() {
-                let (mut sum, mut n) = (0.0_f32, 0.0_f32);
-                for row in samples(down.cells_of_work(work_row)) {
-                    for col in samples(across.cells_of_work(work_col)) {
-                        let height = height(row * across.n_cells + col);
-                        if height.is_finite() {
-                            sum += height;
-                            n += 1.0;
-                        }
+    heights.par_chunks_exact_mut(across.n_work()).enumerate().for_each(|(work_row, out)| {
+        for (work_col, out) in out.iter_mut().enumerate() {
+            let (mut sum, mut n) = (0.0_f32, 0.0_f32);
+            for row in samples(down.cells_of_work(work_row)) {
+                for col in samples(across.cells_of_work(work_col)) {
+                    let height = height(row * across.n_cells + col);
+                    if height.is_finite() {
+                        sum += height;
+                        n += 1.0;
                     }
                 }
-                *out = if n > 0.0 { sum / n } else { f32::NAN };
             }
-        });
+            *out = if n > 0.0 { sum / n } else { f32::NAN };
+        }
+    });
     heights
 }
 
@@ -351,11 +324,8 @@ fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
 fn tone_range(surface: &[f32], is_building: impl Fn(usize) -> bool) -> Option<(f64, f64)> {
     // A step without small factors does not fall into the rhythm of rows.
     let step = (surface.len() / 200_000).max(1) | 1;
-    let heights: Vec<f32> = (0..surface.len())
-        .step_by(step)
-        .filter(|&cell| is_building(cell))
-        .map(|c| surface[c])
-        .collect();
+    let heights: Vec<f32> =
+        (0..surface.len()).step_by(step).filter(|&cell| is_building(cell)).map(|c| surface[c]).collect();
     let (low, high) = quantiles(heights, 0.02, 0.98)?;
     Some((low, high.max(low + 1.0)))
 }
@@ -381,24 +351,13 @@ pub(crate) fn narrow(value: f64) -> f32 {
 mod tests {
     use super::*;
 
-    const PALETTE: [Paint; 5] = [
-        Paint::Flat(colors::NLOS),
-        Paint::Flat(colors::LOS),
-        Paint::Building,
-        Paint::OutOfRange,
-        Paint::Void,
-    ];
+    const PALETTE: [Paint; 5] =
+        [Paint::Flat(colors::NLOS), Paint::Flat(colors::LOS), Paint::Building, Paint::OutOfRange, Paint::Void];
 
     fn painted(n_cols: usize, n_rows: usize, mask: &[u8], surface_m: Option<&[f32]>) -> Painted {
         let axes = scale(n_cols, n_rows, (1.0, 1.0));
         let index_of = |cell: usize| usize::from(mask[cell].min(4));
-        paint(&Cells {
-            axes,
-            cell_m: (1.0, 1.0),
-            index_of,
-            palette: &PALETTE,
-            surface_m,
-        })
+        paint(&Cells { axes, cell_m: (1.0, 1.0), index_of, palette: &PALETTE, surface_m })
     }
 
     #[test]
@@ -420,12 +379,9 @@ mod tests {
     fn a_magnified_cell_has_its_class_color_everywhere() {
         let map = painted(2, 2, &[0, 1, 1, 0], None);
         assert_eq!(map.image.dimensions(), (640, 640));
-        for (x, y, color) in [
-            (0, 0, colors::NLOS),
-            (319, 319, colors::NLOS),
-            (320, 0, colors::LOS),
-            (0, 639, colors::LOS),
-        ] {
+        for (x, y, color) in
+            [(0, 0, colors::NLOS), (319, 319, colors::NLOS), (320, 0, colors::LOS), (0, 639, colors::LOS)]
+        {
             assert_eq!(map.image.get_pixel(x, y).0[..3], color);
         }
         assert_eq!(map.histogram, [2, 2, 0, 0, 0]);
@@ -443,10 +399,7 @@ mod tests {
         assert_eq!(map.image.get_pixel(700, 1400).0[..3], colors::LOS);
         assert_eq!(map.image.get_pixel(700, 700).0[..3], colors::NLOS);
         let half = map.image.get_pixel(700, 50).0;
-        assert!(
-            half[0] > 150 && half[0] < 180 && half[2] > 110 && half[2] < 145,
-            "{half:?}"
-        );
+        assert!(half[0] > 150 && half[0] < 180 && half[2] > 110 && half[2] < 145, "{half:?}");
         assert_eq!(map.histogram.iter().sum::<u64>(), 9_000_000);
         assert_eq!(map.histogram[0], 3000 * 1500 - 450_000);
     }
@@ -458,9 +411,7 @@ mod tests {
         let map = painted(300, 1, &mask, Some(&surface));
         let scale = map.image.width() / 300;
         assert!(map.image.get_pixel(50 * scale, 0).0[0] > map.image.get_pixel(150 * scale, 0).0[0] + 50);
-        let hatched: Vec<_> = (250 * scale..280 * scale)
-            .map(|x| map.image.get_pixel(x, 0).0[0])
-            .collect();
+        let hatched: Vec<_> = (250 * scale..280 * scale).map(|x| map.image.get_pixel(x, 0).0[0]).collect();
         assert!(hatched.contains(&255) && hatched.contains(&colors::HATCH[0]));
     }
 

@@ -54,9 +54,7 @@ pub fn draw_bare(
     super::check_shape("mask", mask.len(), n_cols, n_rows)?;
     let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
     let (Some(width), Some(height)) = (side(n_cols), side(n_rows)) else {
-        return Err(format!(
-            "cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"
-        ));
+        return Err(format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"));
     };
     let palette: [Rgb; 4] = [colors::NLOS, colors::LOS, colors::BUILDING, colors::WHITE];
     let mut file = Vec::new();
@@ -73,11 +71,7 @@ pub fn draw_bare(
     let mut packed = vec![0_u8; n_cols.div_ceil(4)];
     for row in mask.chunks_exact(n_cols) {
         for (byte, cells) in packed.iter_mut().zip(row.chunks(4)) {
-            *byte = cells
-                .iter()
-                .zip([6, 4, 2, 0])
-                .map(|(&class, shift)| class.min(3) << shift)
-                .sum();
+            *byte = cells.iter().zip([6, 4, 2, 0]).map(|(&class, shift)| class.min(3) << shift).sum();
         }
         std::io::Write::write_all(&mut stream, &packed).map_err(|e| cannot(&e))?;
     }
@@ -93,9 +87,7 @@ fn add_provenance<W: std::io::Write>(
     for (keyword, text) in provenance {
         let latin_1 = keyword.chars().all(|c| matches!(c, ' '..='~' | '\u{A1}'..='\u{FF}'));
         if !(1..=79).contains(&keyword.chars().count()) || !latin_1 || keyword.trim() != keyword {
-            return Err(format!(
-                "cannot store `{keyword}` in PNG: a keyword is 1 to 79 printable Latin-1 characters"
-            ));
+            return Err(format!("cannot store `{keyword}` in PNG: a keyword is 1 to 79 printable Latin-1 characters"));
         }
         let text = text.replace('\0', " ");
         encoder.add_itxt_chunk(keyword.clone(), text).map_err(|e| cannot(&e))?;
@@ -128,19 +120,14 @@ mod tests {
     fn provenance_is_read_back_and_bad_keywords_are_refused() {
         let provenance = [("Software".to_string(), "skyshed 1 — Ångström, θ".to_string())];
         let file = draw_bare(1, 1, &[1], &provenance).expect("the keyword is valid");
-        let reader = png::Decoder::new(std::io::Cursor::new(&file))
-            .read_info()
-            .expect("it is a PNG");
+        let reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("it is a PNG");
         let text = &reader.info().utf8_text[0];
         assert_eq!(
             (text.keyword.as_str(), text.get_text().expect("plain text")),
             ("Software", provenance[0].1.clone())
         );
         for keyword in ["", " padded", "λ", &"k".repeat(80)] {
-            assert!(
-                draw_bare(1, 1, &[1], &[(keyword.to_string(), String::new())]).is_err(),
-                "{keyword:?}"
-            );
+            assert!(draw_bare(1, 1, &[1], &[(keyword.to_string(), String::new())]).is_err(), "{keyword:?}");
         }
     }
 

@@ -32,10 +32,7 @@ impl Sheet {
         for (x, y, image) in &self.images {
             image::imageops::replace(&mut canvas, image, i64::from(*x), i64::from(*y));
         }
-        let options = usvg::Options {
-            fontdb: lettering::fonts(),
-            ..usvg::Options::default()
-        };
+        let options = usvg::Options { fontdb: lettering::fonts(), ..usvg::Options::default() };
         let tree = usvg::Tree::from_str(&self.svg_around(""), &options).map_err(|e| format!("cannot draw: {e}"))?;
         let mut pixmap = tiny_skia::PixmapMut::from_bytes(canvas.as_mut(), width, height)
             .ok_or_else(|| format!("cannot draw a picture of {width} × {height} pixels"))?;
@@ -47,10 +44,7 @@ impl Sheet {
     pub(crate) fn to_svg(&self, provenance: &[(String, String)]) -> Result<String, String> {
         let mut back = String::new();
         if !provenance.is_empty() {
-            let lines: Vec<String> = provenance
-                .iter()
-                .map(|(k, v)| lettering::escape(&format!("{k}: {v}")))
-                .collect();
+            let lines: Vec<String> = provenance.iter().map(|(k, v)| lettering::escape(&format!("{k}: {v}"))).collect();
             let _ = writeln!(back, "<metadata>{}</metadata>", lines.join("\n"));
         }
         let _ = writeln!(back, "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>");
@@ -78,11 +72,7 @@ impl Sheet {
 }
 
 /// Rounds a length up to whole pixels, at least one.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the range of u32 first"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of u32 first")]
 pub(crate) fn pixels(length: f64) -> u32 {
     length.ceil().clamp(1.0, f64::from(u32::MAX)) as u32
 }
@@ -125,11 +115,7 @@ impl Drawing {
 
     /// Sets a text that reads upward, its baseline at `x`.
     pub(crate) fn text_upward(&mut self, x: f64, y: f64, style: Type, text: &str) {
-        self.set(
-            &format!("transform=\"matrix(0 -1 1 0 {} {})\"", px(x), px(y)),
-            style,
-            text,
-        );
+        self.set(&format!("transform=\"matrix(0 -1 1 0 {} {})\"", px(x), px(y)), style, text);
     }
 
     fn set(&mut self, place: &str, style: Type, text: &str) {
@@ -175,13 +161,7 @@ impl Drawing {
 
     /// Draws a circle.
     pub(crate) fn circle(&mut self, [x, y]: [f64; 2], radius: f64, attributes: &str) {
-        let _ = writeln!(
-            self.svg,
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {attributes}/>",
-            px(x),
-            px(y),
-            px(radius)
-        );
+        let _ = writeln!(self.svg, "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {attributes}/>", px(x), px(y), px(radius));
     }
 
     /// Draws a closed polygon.
@@ -193,22 +173,12 @@ impl Drawing {
     /// Draws an open path through points.
     pub(crate) fn polyline(&mut self, points: &[[f64; 2]], attributes: &str) {
         let points: Vec<String> = points.iter().map(|p| format!("{},{}", px(p[0]), px(p[1]))).collect();
-        let _ = writeln!(
-            self.svg,
-            "<polyline points=\"{}\" fill=\"none\" {attributes}/>",
-            points.join(" ")
-        );
+        let _ = writeln!(self.svg, "<polyline points=\"{}\" fill=\"none\" {attributes}/>", points.join(" "));
     }
 
     /// Appends another drawing, moved by (`dx`, `dy`).
     pub(crate) fn place(&mut self, drawing: &Self, dx: f64, dy: f64) {
-        let _ = writeln!(
-            self.svg,
-            "<g transform=\"translate({} {})\">\n{}</g>",
-            px(dx),
-            px(dy),
-            drawing.svg
-        );
+        let _ = writeln!(self.svg, "<g transform=\"translate({} {})\">\n{}</g>", px(dx), px(dy), drawing.svg);
     }
 
     /// Fills a box with a gradient from left to right through `colors` at equal steps, as slices without seams.
@@ -217,10 +187,7 @@ impl Drawing {
         for (i, &color) in colors.iter().enumerate() {
             let left = x + step * i as f64;
             let overlap = if i + 1 < colors.len() { 1.0 } else { 0.0 };
-            self.rect(
-                [left, y, step + overlap, h],
-                &format!("fill=\"{}\"", colors::hex(color)),
-            );
+            self.rect([left, y, step + overlap, h], &format!("fill=\"{}\"", colors::hex(color)));
         }
     }
 }
@@ -251,9 +218,7 @@ fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
-        let word = (0..3).fold(0_usize, |word, k| {
-            word << 8 | usize::from(chunk.get(k).copied().unwrap_or(0))
-        });
+        let word = (0..3).fold(0_usize, |word, k| word << 8 | usize::from(chunk.get(k).copied().unwrap_or(0)));
         for k in 0..4 {
             let digit = char::from(DIGITS[word >> (18 - 6 * k) & 63]);
             out.push(if k <= chunk.len() { digit } else { '=' });
@@ -268,13 +233,7 @@ mod tests {
 
     #[test]
     fn base_64_matches_the_published_examples() {
-        for (plain, coded) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foobar", "Zm9vYmFy"),
-        ] {
+        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
             assert_eq!(base64(plain.as_bytes()), coded);
         }
     }
@@ -284,40 +243,24 @@ mod tests {
         let mut furniture = Drawing::default();
         furniture.rect([4.0, 0.0, 4.0, 8.0], "fill=\"#0072B2\"");
         let red = RgbaImage::from_pixel(8, 8, image::Rgba([200, 0, 0, 255]));
-        let sheet = Sheet {
-            width: 10.0,
-            height: 8.0,
-            images: vec![(0, 0, red)],
-            furniture,
-        };
+        let sheet = Sheet { width: 10.0, height: 8.0, images: vec![(0, 0, red)], furniture };
         let file = sheet.to_png(&[]).expect("the sheet is small");
         let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
         assert_eq!(image.dimensions(), (10, 8));
         assert_eq!(image.get_pixel(1, 3).0, [200, 0, 0]);
         assert_eq!(image.get_pixel(5, 3).0, [0x00, 0x72, 0xB2]);
         assert_eq!(image.get_pixel(9, 3).0, [255; 3]);
-        assert!(
-            sheet
-                .to_svg(&[])
-                .expect("the sheet is small")
-                .contains("data:image/png;base64,iVBOR")
-        );
+        assert!(sheet.to_svg(&[]).expect("the sheet is small").contains("data:image/png;base64,iVBOR"));
     }
 
     #[test]
     fn the_index_of_p_los_is_a_subscript() {
         let text = subscripted("a < b: P_LoS = 0.1", 20.0);
-        assert_eq!(
-            text,
-            "a &lt; b: P<tspan dy=\"4\" font-size=\"14.4\">LoS</tspan><tspan dy=\"-4\"> = 0.1</tspan>"
-        );
+        assert_eq!(text, "a &lt; b: P<tspan dy=\"4\" font-size=\"14.4\">LoS</tspan><tspan dy=\"-4\"> = 0.1</tspan>");
     }
 
     #[test]
     fn coordinates_are_short() {
-        assert_eq!(
-            (px(1.0).as_str(), px(0.126).as_str(), px(-3.5).as_str()),
-            ("1", "0.13", "-3.5")
-        );
+        assert_eq!((px(1.0).as_str(), px(0.126).as_str(), px(-3.5).as_str()), ("1", "0.13", "-3.5"));
     }
 }

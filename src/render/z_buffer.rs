@@ -34,15 +34,7 @@ impl View {
     pub(crate) fn new(projection: Projection, eye: DVec3, forward: DVec3, up: DVec3) -> Self {
         let forward = forward.normalize();
         let right = forward.cross(up).normalize();
-        Self {
-            projection,
-            eye,
-            right,
-            up: right.cross(forward),
-            forward,
-            scale: 1.0,
-            offset: DVec2::ZERO,
-        }
+        Self { projection, eye, right, up: right.cross(forward), forward, scale: 1.0, offset: DVec2::ZERO }
     }
 
     /// Scales and moves the view so that the given points fill `size` [px] up to a margin; returns the size used.
@@ -100,11 +92,7 @@ impl View {
 
     /// Returns the same view on a screen with `factor` times as many pixels a side.
     pub(crate) fn magnified(self, factor: f64) -> Self {
-        Self {
-            scale: self.scale * factor,
-            offset: self.offset * factor,
-            ..self
-        }
+        Self { scale: self.scale * factor, offset: self.offset * factor, ..self }
     }
 }
 
@@ -121,12 +109,7 @@ pub(crate) struct ZBuffer {
 
 impl ZBuffer {
     pub(crate) fn new(width: usize, height: usize) -> Self {
-        Self {
-            width,
-            height,
-            depth: vec![f32::NEG_INFINITY; width * height],
-            tag: vec![0; width * height],
-        }
+        Self { width, height, depth: vec![f32::NEG_INFINITY; width * height], tag: vec![0; width * height] }
     }
 
     /// Draws a triangle given in screen coordinates; a sample counts if its center is inside.
@@ -170,10 +153,7 @@ impl ZBuffer {
             if left > right {
                 continue;
             }
-            let (first, last) = (
-                super::colors::index(left, self.width),
-                super::colors::index(right, self.width),
-            );
+            let (first, last) = (super::colors::index(left, self.width), super::colors::index(right, self.width));
             let depth_at_first = a.z + depth_step.x * (left_center(first) - a.x) + depth_step.y * (y - a.y);
             let start = row * self.width;
             let depths = &mut self.depth[start + first..=start + last];
@@ -209,9 +189,7 @@ mod tests {
         let near = far.map(|p| p + DVec3::Z);
         for order in [[(far, 1), (near, 2)], [(near, 2), (far, 1)]] {
             let mut buffer = ZBuffer::new(8, 8);
-            order
-                .into_iter()
-                .for_each(|(triangle, tag)| buffer.triangle(triangle, tag));
+            order.into_iter().for_each(|(triangle, tag)| buffer.triangle(triangle, tag));
             assert_eq!((buffer.tag[0], buffer.tag[63]), (2, 0));
         }
     }

@@ -110,8 +110,7 @@ pub fn digest<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> Strin
 impl RunFacts {
     fn scene(&self) -> Value {
         let grid = &self.grid;
-        let sources: Vec<Value> =
-            self.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect();
+        let sources: Vec<Value> = self.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect();
         json!({
             "name": self.scene_name,
             "cols": grid.n_cols(),

@@ -165,7 +165,11 @@ impl BuiltUpCity {
             )
             .with_hint("choose a larger `--cell`"));
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "1 ≤ n ≤ 65536 by the checks above"
+        )]
         let n = n_cells as usize;
         let extent = self.cell_m * n_cells;
         let grid = GeoRef::new((0.0, extent), (self.cell_m, self.cell_m), (n, n), None)

@@ -99,7 +99,10 @@ impl FootprintFaults {
         let treated = match missing {
             MissingHeight::Fail => "refused".to_string(),
             MissingHeight::Drop => {
-                format!("left out, {:.1} % of the footprint area (`--missing levels|median|fail`)", missing_area_share * 100.0)
+                format!(
+                    "left out, {:.1} % of the footprint area (`--missing levels|median|fail`)",
+                    missing_area_share * 100.0
+                )
             }
             MissingHeight::Levels => "3 m for each of `building:levels`, left out without that".to_string(),
             MissingHeight::Median => "given the median height".to_string(),
@@ -159,7 +162,11 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
                             b.label()
                         ),
                     )
-                    .with_hint(format!("ogr2ogr -t_srs {} reprojected.geojson {}", b.label(), path.display())));
+                    .with_hint(format!(
+                        "ogr2ogr -t_srs {} reprojected.geojson {}",
+                        b.label(),
+                        path.display()
+                    )));
                 }
             }
             sources.push(Source::of(terrain_path, options.always_hash)?);
@@ -174,8 +181,7 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         ));
     }
     let grid = receivers_grid(path, options, terrain.as_ref(), bounds)?.with_crs(crs);
-    let frame =
-        Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
+    let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
@@ -368,8 +374,7 @@ struct Shaped {
 }
 
 fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped {
-    let mut shaped =
-        Shaped { polygons: Vec::new(), repaired: 0, degenerate: 0, too_far: false, base: None, raw };
+    let mut shaped = Shaped { polygons: Vec::new(), repaired: 0, degenerate: 0, too_far: false, base: None, raw };
     let limit = 1_i64 << 26;
     for polygon in &shaped.raw.polygons {
         let mut rings: Vec<Vec<[i32; 2]>> = Vec::new();
@@ -516,7 +521,8 @@ fn warn_if_nothing_meets_the_grid(
     warnings: &mut Vec<Warning>,
 ) {
     if footprints.is_empty() {
-        warnings.push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
+        warnings
+            .push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
         return;
     }
     let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
@@ -530,20 +536,18 @@ fn warn_if_nothing_meets_the_grid(
     };
     let meets = |f: &Footprint| f.polygons.iter().flatten().flatten().any(inside) || encloses(f);
     if !footprints.iter().any(meets) {
-        warnings.push(
-            Warning::new(
-                360,
-                format!(
-                    "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
-                    path.display(),
-                    footprints.len(),
-                    grid.x_min(),
-                    grid.x_max(),
-                    grid.y_min(),
-                    grid.y_max()
-                ),
+        warnings.push(Warning::new(
+            360,
+            format!(
+                "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
+                path.display(),
+                footprints.len(),
+                grid.x_min(),
+                grid.x_max(),
+                grid.y_min(),
+                grid.y_max()
             ),
-        );
+        ));
     }
 }
 

@@ -55,8 +55,7 @@ impl RawFootprints {
 /// # Errors
 /// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
 pub(super) fn read_document(path: &Path) -> Result<Value> {
-    let bytes =
-        std::fs::read(path).map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
+    let bytes = std::fs::read(path).map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let place = e.utf8_error().valid_up_to();
         Error::file(302, format!("cannot read {}: byte {place} is not UTF-8, wanted GeoJSON text", path.display()))
@@ -126,7 +125,10 @@ pub(super) fn read_raw_footprints(path: &Path, height_field: &str, top_field: Op
     for (number, value) in features(path, document)?.into_iter().enumerate() {
         let number = number + 1;
         let refuse = |found: String| {
-            Error::file(302, format!("cannot read {}: feature {number}: {found}, wanted a GeoJSON feature", path.display()))
+            Error::file(
+                302,
+                format!("cannot read {}: feature {number}: {found}, wanted a GeoJSON feature", path.display()),
+            )
         };
         let feature: Feature = serde_json::from_value(value).map_err(|e| refuse(e.to_string()))?;
         let Some(footprint) = footprint(&feature, number, height_field, top_field) else {
@@ -202,11 +204,9 @@ fn found_height(value: &Value) -> FoundHeight {
     }
     // One comma and no point: a decimal comma, not a thousands separator followed by three digits.
     match number.split_once(',') {
-        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => {
-            format!("{whole}.{decimals}").parse::<f64>().map_or(FoundHeight::Missing, |v| {
-                FoundHeight::DecimalComma(v * meters_per_unit)
-            })
-        }
+        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => format!("{whole}.{decimals}")
+            .parse::<f64>()
+            .map_or(FoundHeight::Missing, |v| FoundHeight::DecimalComma(v * meters_per_unit)),
         _ => FoundHeight::Missing,
     }
 }

@@ -127,11 +127,7 @@ pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
 }
 
 /// Reads heights onto the lattice; nodata becomes [`VOID`].
-pub(super) fn read_heights(
-    path: &Path,
-    options: &SurfaceOptions,
-    warnings: &mut Vec<Warning>,
-) -> Result<Raster<i32>> {
+pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Raster<i32>> {
     let before = warnings.len();
     let file = RasterFile::open(path, warnings)?;
     if options.crs.is_some() {

@@ -71,9 +71,7 @@ pub(crate) enum CaseKind {
 pub(crate) fn all_cases() -> Vec<Case> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
     let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("cannot list {}: {e}", folder.display()));
-    let mut paths: Vec<_> = entries
-        .map(|entry| entry.expect("the folder lists its entries").path())
-        .collect();
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("the folder lists its entries").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
     paths.sort();
     let mut cases = Vec::new();
@@ -115,10 +113,7 @@ impl Fault {
 }
 
 fn fault<T>(line: usize, message: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault {
-        line,
-        message: message.into(),
-    })
+    Err(Fault { line, message: message.into() })
 }
 
 /// A key, its value, and the indented lines below it.
@@ -148,12 +143,7 @@ fn entries(text: &str) -> Result<Vec<Entry>, Fault> {
         if !["title", "source", "grid", "prism", "uav", "receiver", "expect"].contains(&key) {
             return fault(line, format!("`{key}` is not a key"));
         }
-        entries.push(Entry {
-            line,
-            key: key.to_owned(),
-            value: value.trim().to_owned(),
-            below: Vec::new(),
-        });
+        entries.push(Entry { line, key: key.to_owned(), value: value.trim().to_owned(), below: Vec::new() });
     }
     Ok(entries)
 }
@@ -174,15 +164,10 @@ fn case(file: &str, entries: &[Entry]) -> Result<Case, Fault> {
     };
     let words = |key: &str| -> Result<String, Fault> {
         let entry = the_one(key)?;
-        let lines: Vec<&str> = std::iter::once(entry.value.as_str())
-            .chain(entry.below.iter().map(|(_, text)| text.as_str()))
-            .collect();
+        let lines: Vec<&str> =
+            std::iter::once(entry.value.as_str()).chain(entry.below.iter().map(|(_, text)| text.as_str())).collect();
         let text = lines.join(" ").trim().to_owned();
-        if text.is_empty() {
-            fault(entry.line, format!("`{key}` is empty"))
-        } else {
-            Ok(text)
-        }
+        if text.is_empty() { fault(entry.line, format!("`{key}` is empty")) } else { Ok(text) }
     };
     let end = |key: &str| -> Result<P3, Fault> {
         let entry = the_one(key)?;
@@ -191,15 +176,11 @@ fn case(file: &str, entries: &[Entry]) -> Result<Case, Fault> {
     };
     let prisms: Vec<&Entry> = entries.iter().filter(|entry| entry.key == "prism").collect();
     let kind = if prisms.is_empty() {
-        CaseKind::Columns {
-            columns: columns(the_one("grid")?)?,
-        }
+        CaseKind::Columns { columns: columns(the_one("grid")?)? }
     } else if let Some(grid) = entries.iter().find(|entry| entry.key == "grid") {
         return fault(grid.line, "a case has a grid or prisms, not both");
     } else {
-        CaseKind::Prisms {
-            prisms: prisms.into_iter().map(prism).collect::<Result<_, _>>()?,
-        }
+        CaseKind::Prisms { prisms: prisms.into_iter().map(prism).collect::<Result<_, _>>()? }
     };
     let expect = the_one("expect")?;
     let expect_los = match expect.value.as_str() {
@@ -225,19 +206,10 @@ fn columns(entry: &Entry) -> Result<Columns, Fault> {
     for (line, row) in &entry.below {
         let cells: Vec<Option<i64>> = row
             .split_whitespace()
-            .map(|cell| {
-                if cell == "." {
-                    Ok(None)
-                } else {
-                    number(*line, cell).map(Some)
-                }
-            })
+            .map(|cell| if cell == "." { Ok(None) } else { number(*line, cell).map(Some) })
             .collect::<Result<_, _>>()?;
         if n_cols != 0 && cells.len() != n_cols {
-            return fault(
-                *line,
-                format!("the row has {} cells, the first has {n_cols}", cells.len()),
-            );
+            return fault(*line, format!("the row has {} cells, the first has {n_cols}", cells.len()));
         }
         n_cols = cells.len();
         heights.extend(cells);
@@ -245,11 +217,7 @@ fn columns(entry: &Entry) -> Result<Columns, Fault> {
     if heights.is_empty() {
         return fault(entry.line, "the grid has no rows");
     }
-    Ok(Columns {
-        n_cols,
-        n_rows: entry.below.len(),
-        heights,
-    })
+    Ok(Columns { n_cols, n_rows: entry.below.len(), heights })
 }
 
 fn prism(entry: &Entry) -> Result<Prism, Fault> {
@@ -261,20 +229,12 @@ fn prism(entry: &Entry) -> Result<Prism, Fault> {
         let vertex = |text: &str| {
             <[i64; 2]>::try_from(numbers(*line, text)?).or_else(|_| fault(*line, format!("`{text}` is not `x y`")))
         };
-        rings.push(
-            ring.split(',')
-                .map(str::trim)
-                .map(vertex)
-                .collect::<Result<Vec<_>, _>>()?,
-        );
+        rings.push(ring.split(',').map(str::trim).map(vertex).collect::<Result<Vec<_>, _>>()?);
     }
     if rings.is_empty() {
         return fault(entry.line, "the prism has no rings");
     }
-    Ok(Prism {
-        rings,
-        top: number(entry.line, top.trim())?,
-    })
+    Ok(Prism { rings, top: number(entry.line, top.trim())? })
 }
 
 fn numbers(line: usize, text: &str) -> Result<Vec<i64>, Fault> {
@@ -283,10 +243,7 @@ fn numbers(line: usize, text: &str) -> Result<Vec<i64>, Fault> {
 
 /// A decimal, with `+k/1024` or `-k/1024` behind it or not, in lattice units.
 fn number(line: usize, text: &str) -> Result<i64, Fault> {
-    exact(text).map_or_else(
-        || fault(line, format!("`{text}` is not a number in steps of 1/1024")),
-        Ok,
-    )
+    exact(text).map_or_else(|| fault(line, format!("`{text}` is not a number in steps of 1/1024")), Ok)
 }
 
 fn exact(text: &str) -> Option<i64> {
@@ -330,10 +287,7 @@ mod tests {
                 CaseKind::Prisms { prisms } => prisms_los(prisms, case.uav, case.receiver),
             };
             if los != case.expect_los {
-                wrong.push(format!(
-                    "{}:{}: {} ({}): LoS is {los}",
-                    case.file, case.line, case.title, case.source
-                ));
+                wrong.push(format!("{}:{}: {} ({}): LoS is {los}", case.file, case.line, case.title, case.source));
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -359,13 +313,7 @@ mod tests {
     fn no_two_cases_have_the_same_title() {
         let mut titles = HashSet::new();
         for case in all_cases() {
-            assert!(
-                titles.insert(case.title.clone()),
-                "{}:{}: `{}` again",
-                case.file,
-                case.line,
-                case.title
-            );
+            assert!(titles.insert(case.title.clone()), "{}:{}: `{}` again", case.file, case.line, case.title);
         }
     }
 
@@ -383,20 +331,7 @@ mod tests {
         ] {
             assert_eq!(exact(text), Some(units), "{text}");
         }
-        for text in [
-            "",
-            ".",
-            "2.",
-            ".5",
-            "0.1",
-            "1e3",
-            "--1",
-            "1/1024",
-            "4+/1024",
-            "4+1/512",
-            "0.00000000001",
-            "x",
-        ] {
+        for text in ["", ".", "2.", ".5", "0.1", "1e3", "--1", "1/1024", "4+/1024", "4+1/512", "0.00000000001", "x"] {
             assert_eq!(exact(text), None, "{text}");
         }
     }
@@ -418,28 +353,12 @@ mod tests {
             ("  . 2", "  * 2", "f:5: `*` is not a number in steps of 1/1024"),
             ("grid:\n  0 1\n  . 2\n", "prism: 5\n", "f:3: `5` is not `top Z`"),
             ("grid:\n  0 1\n  . 2\n", "prism: top 5\n", "f:3: the prism has no rings"),
-            (
-                "grid:\n  0 1\n  . 2\n",
-                "prism: top 5\n  0 0, 1\n",
-                "f:4: `1` is not `x y`",
-            ),
-            (
-                "uav: 0 0 1",
-                "prism: top 1\n  0 0, 1 0, 0 1",
-                "f:3: a case has a grid or prisms, not both",
-            ),
+            ("grid:\n  0 1\n  . 2\n", "prism: top 5\n  0 0, 1\n", "f:4: `1` is not `x y`"),
+            ("uav: 0 0 1", "prism: top 1\n  0 0, 1 0, 0 1", "f:3: a case has a grid or prisms, not both"),
             ("uav: 0 0 1", "uav: 0 1", "f:6: `0 1` is not `x y z`"),
-            (
-                "uav: 0 0 1",
-                "uav: 0 0 0.1",
-                "f:6: `0.1` is not a number in steps of 1/1024",
-            ),
+            ("uav: 0 0 1", "uav: 0 0 0.1", "f:6: `0.1` is not a number in steps of 1/1024"),
             ("expect: LoS", "expect: yes", "f:8: `yes` is neither `LoS` nor `NLoS`"),
-            (
-                "expect: LoS",
-                "expect: LoS\nexpect: LoS",
-                "f:9: `expect` is given twice",
-            ),
+            ("expect: LoS", "expect: LoS\nexpect: LoS", "f:9: `expect` is given twice"),
         ] {
             let text = good.replacen(from, to, 1);
             assert_ne!(text, good, "{error}");

@@ -111,11 +111,7 @@ pub(crate) enum Ceiling {
 /// Every cell whose closed square contains the receiver's (x, y) is removed for this link, before the union is taken.
 /// The UAV's own cell blocks like any other. Nothing lies outside the raster.
 pub(crate) fn columns_los(columns: &Columns, uav: P3, receiver: P3) -> bool {
-    is_los(
-        &column_stretches(columns, plan(uav), plan(receiver)),
-        uav[2],
-        receiver[2],
-    )
+    is_los(&column_stretches(columns, plan(uav), plan(receiver)), uav[2], receiver[2])
 }
 
 /// Decides whether the link is LoS among the prisms, none of which is exempt.
@@ -170,9 +166,7 @@ fn is_los(stretches: &[Stretch], z_uav: i64, z_receiver: i64) -> bool {
         let Some(height) = stretch.height else { return true };
         // z_uav + t rise >= height, multiplied by the denominator of t.
         let room = &Int::from(height) - &z_uav;
-        [&stretch.from, &stretch.to]
-            .into_iter()
-            .all(|t| &t.num * &rise >= &room * &t.den)
+        [&stretch.from, &stretch.to].into_iter().all(|t| &t.num * &rise >= &room * &t.den)
     })
 }
 
@@ -205,29 +199,15 @@ fn least_height(stretches: &[Stretch], z: i64) -> Ceiling {
 
 /// The same stretches, with t counted from the other end.
 fn reversed(stretches: Vec<Stretch>) -> Vec<Stretch> {
-    let turn = |t: Fraction| Fraction {
-        num: &t.den - &t.num,
-        den: t.den,
-    };
-    stretches
-        .into_iter()
-        .map(|s| Stretch {
-            from: turn(s.to),
-            to: turn(s.from),
-            height: s.height,
-        })
-        .collect()
+    let turn = |t: Fraction| Fraction { num: &t.den - &t.num, den: t.den };
+    stretches.into_iter().map(|s| Stretch { from: turn(s.to), to: turn(s.from), height: s.height }).collect()
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Columns.
 
 fn column_stretches(columns: &Columns, uav: [i64; 2], receiver: [i64; 2]) -> Vec<Stretch> {
-    assert_eq!(
-        columns.heights.len(),
-        columns.n_cols * columns.n_rows,
-        "one height per cell"
-    );
+    assert_eq!(columns.heights.len(), columns.n_cols * columns.n_rows, "one height per cell");
     let (start, along) = (wide(uav), difference(uav, receiver));
     // A cell of the raster as ranges of x and y, both ends included.
     let spans = |row: usize, col: usize| {
@@ -250,20 +230,12 @@ fn column_stretches(columns: &Columns, uav: [i64; 2], receiver: [i64; 2]) -> Vec
         };
         let col = (0..columns.n_cols).find(|&col| is_within(0, spans(0, col)[0]))?;
         let row = (0..columns.n_rows).find(|&row| is_within(1, spans(row, 0)[1]))?;
-        if contains_receiver(row, col) {
-            None
-        } else {
-            columns.heights[row * columns.n_cols + col]
-        }
+        if contains_receiver(row, col) { None } else { columns.heights[row * columns.n_cols + col] }
     };
 
     if along == [0, 0] {
         // All cells around a vertical link contain the receiver's (x, y): all are exempt.
-        return vec![Stretch {
-            from: Fraction::zero(),
-            to: Fraction::one(),
-            height: None,
-        }];
+        return vec![Stretch { from: Fraction::zero(), to: Fraction::one(), height: None }];
     }
     let mut breakpoints = Vec::new();
     for (axis, n_cells) in [(0, columns.n_cols), (1, columns.n_rows)] {
@@ -286,11 +258,7 @@ fn column_stretches(columns: &Columns, uav: [i64; 2], receiver: [i64; 2]) -> Vec
 fn prism_stretches(prisms: &[Prism], uav: [i64; 2], receiver: [i64; 2]) -> Vec<Stretch> {
     let (start, along) = (wide(uav), difference(uav, receiver));
     if along == [0, 0] {
-        return vec![Stretch {
-            from: Fraction::zero(),
-            to: Fraction::one(),
-            height: height_around(prisms, uav),
-        }];
+        return vec![Stretch { from: Fraction::zero(), to: Fraction::one(), height: height_around(prisms, uav) }];
     }
     let along_int = along.map(Int::Small);
     let mut breakpoints = Vec::new();
@@ -312,11 +280,7 @@ fn prism_stretches(prisms: &[Prism], uav: [i64; 2], receiver: [i64; 2]) -> Vec<S
     stretches_between(breakpoints, |t| {
         // Edges through this point run along the link: any other would have made it a breakpoint.
         let spot = Spot::on_link(start, along, t);
-        sides(along)
-            .into_iter()
-            .map(|side| height_beside(prisms, &spot, side))
-            .min()
-            .flatten()
+        sides(along).into_iter().map(|side| height_beside(prisms, &spot, side)).min().flatten()
     })
 }
 
@@ -327,18 +291,11 @@ fn prism_stretches(prisms: &[Prism], uav: [i64; 2], receiver: [i64; 2]) -> Vec<S
 /// half a turn, and otherwise the direction a quarter turn from e, also when e = f is the only one. So try all of
 /// these, for all pairs.
 fn height_around(prisms: &[Prism], p: [i64; 2]) -> Option<i64> {
-    let spot = Spot {
-        at: wide(p).map(Int::Small),
-        w: Int::Small(1),
-    };
+    let spot = Spot { at: wide(p).map(Int::Small), w: Int::Small(1) };
     let mut outgoing: Vec<Direction> = Vec::new();
     for [a, b] in prisms.iter().flat_map(edges) {
         if spot.is_on_edge(a, b) {
-            outgoing.extend(
-                [difference(p, a), difference(p, b)]
-                    .into_iter()
-                    .filter(|&d| d != [0, 0]),
-            );
+            outgoing.extend([difference(p, a), difference(p, b)].into_iter().filter(|&d| d != [0, 0]));
         }
     }
     if outgoing.is_empty() {
@@ -354,22 +311,14 @@ fn height_around(prisms: &[Prism], p: [i64; 2]) -> Option<i64> {
         cross(&d, &e).sign().is_eq() && dot(&d, &e).sign().is_gt()
     };
     candidates.retain(|&d| d != [0, 0] && !outgoing.iter().any(|&e| runs_along(d, e)));
-    candidates
-        .into_iter()
-        .map(|d| height_beside(prisms, &spot, d))
-        .min()
-        .flatten()
+    candidates.into_iter().map(|d| height_beside(prisms, &spot, d)).min().flatten()
 }
 
 /// The highest top of the prisms that cover the region next to `spot` in direction `toward`.
 ///
 /// No edge through the spot may run along `toward`.
 fn height_beside(prisms: &[Prism], spot: &Spot, toward: Direction) -> Option<i64> {
-    prisms
-        .iter()
-        .filter(|prism| is_solid_beside(prism, spot, toward))
-        .map(|prism| prism.top)
-        .max()
+    prisms.iter().filter(|prism| is_solid_beside(prism, spot, toward)).map(|prism| prism.top).max()
 }
 
 /// Parity of the edges that a ray meets which starts just beside `spot` and goes on in direction `toward`.
@@ -391,10 +340,7 @@ fn is_solid_beside(prism: &Prism, spot: &Spot, toward: Direction) -> bool {
 
 /// All edges of all rings, each ring closed.
 fn edges(prism: &Prism) -> impl Iterator<Item = [[i64; 2]; 2]> {
-    prism
-        .rings
-        .iter()
-        .flat_map(|ring| (0..ring.len()).map(move |i| [ring[i], ring[(i + 1) % ring.len()]]))
+    prism.rings.iter().flat_map(|ring| (0..ring.len()).map(move |i| [ring[i], ring[(i + 1) % ring.len()]]))
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -416,10 +362,7 @@ impl Spot {
             let (start, along): (Int, Int) = (Int::Small(start[axis]), Int::Small(along[axis]));
             &(&start * &t.den) + &(&along * &t.num)
         };
-        Spot {
-            at: [coordinate(0), coordinate(1)],
-            w: t.den.clone(),
-        }
+        Spot { at: [coordinate(0), coordinate(1)], w: t.den.clone() }
     }
 
     /// The vector from here to `p`, times w.
@@ -477,26 +420,17 @@ impl Fraction {
     fn new(num: Int, den: Int) -> Fraction {
         match den.sign() {
             Ordering::Greater => Fraction { num, den },
-            Ordering::Less => Fraction {
-                num: &Int::Small(0) - &num,
-                den: &Int::Small(0) - &den,
-            },
+            Ordering::Less => Fraction { num: &Int::Small(0) - &num, den: &Int::Small(0) - &den },
             Ordering::Equal => panic!("a fraction with denominator 0"),
         }
     }
 
     fn zero() -> Fraction {
-        Fraction {
-            num: Int::Small(0),
-            den: Int::Small(1),
-        }
+        Fraction { num: Int::Small(0), den: Int::Small(1) }
     }
 
     fn one() -> Fraction {
-        Fraction {
-            num: Int::Small(1),
-            den: Int::Small(1),
-        }
+        Fraction { num: Int::Small(1), den: Int::Small(1) }
     }
 
     fn cmp(&self, other: &Fraction) -> Ordering {
@@ -514,19 +448,9 @@ fn stretches_between(mut breakpoints: Vec<Fraction>, height_at: impl Fn(&Fractio
     breakpoints
         .windows(2)
         .map(|ends| {
-            let within = Fraction {
-                num: &ends[0].num + &ends[1].num,
-                den: &ends[0].den + &ends[1].den,
-            };
-            let copy = |t: &Fraction| Fraction {
-                num: t.num.clone(),
-                den: t.den.clone(),
-            };
-            Stretch {
-                from: copy(&ends[0]),
-                to: copy(&ends[1]),
-                height: height_at(&within),
-            }
+            let within = Fraction { num: &ends[0].num + &ends[1].num, den: &ends[0].den + &ends[1].den };
+            let copy = |t: &Fraction| Fraction { num: t.num.clone(), den: t.den.clone() };
+            Stretch { from: copy(&ends[0]), to: copy(&ends[1]), height: height_at(&within) }
         })
         .collect()
 }

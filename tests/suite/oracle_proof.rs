@@ -22,11 +22,7 @@ const NODATA: i64 = i64::MIN;
 fn grid(rows: &[&[i64]]) -> Columns {
     let cell = |&height: &i64| if height == NODATA { None } else { Some(height * M) };
     let heights = rows.iter().flat_map(|row| row.iter().map(cell)).collect();
-    Columns {
-        n_cols: rows[0].len(),
-        n_rows: rows.len(),
-        heights,
-    }
+    Columns { n_cols: rows[0].len(), n_rows: rows.len(), heights }
 }
 
 /// A point from half meters or half cells east and north, and meters up.
@@ -50,10 +46,7 @@ fn plan([x, y, _]: P3) -> [i64; 2] {
 
 /// A prism over one ring in meters.
 fn prism(ring: &[[i64; 2]], top: i64) -> Prism {
-    Prism {
-        rings: vec![ring.iter().map(|vertex| vertex.map(|c| c * M)).collect()],
-        top: top * M,
-    }
+    Prism { rings: vec![ring.iter().map(|vertex| vertex.map(|c| c * M)).collect()], top: top * M }
 }
 
 /// A prism over a rectangle in meters.
@@ -82,11 +75,7 @@ fn a_ray_under_the_ground_is_blocked() {
     // From 2 m down to -2 m over columns of 0: below 0 from half way on, and the second cell is not exempt.
     assert!(!columns_los(&grid(&[&[0, 0, 0, 0]]), halves(1, 1, 2), halves(7, 1, -2)));
     // Over nodata there is no ground.
-    assert!(columns_los(
-        &grid(&[&[0, NODATA, NODATA, NODATA]]),
-        halves(1, 1, 2),
-        halves(7, 1, -2)
-    ));
+    assert!(columns_los(&grid(&[&[0, NODATA, NODATA, NODATA]]), halves(1, 1, 2), halves(7, 1, -2)));
 }
 
 #[test]
@@ -128,10 +117,7 @@ fn behind_a_wall_above_the_uav_its_near_edge_sets_the_ceiling() {
 fn behind_a_wall_level_with_the_uav_the_ceiling_is_that_level() {
     // z_u + (H - z_u) / t = z_u = 10 for every t.
     let street = grid(&[&[0, 0, 10, 0, 0]]);
-    assert_eq!(
-        columns_ceiling(&street, halves(1, 1, 10), plan(halves(9, 1, 0))),
-        at(10, 1)
-    );
+    assert_eq!(columns_ceiling(&street, halves(1, 1, 10), plan(halves(9, 1, 0))), at(10, 1));
 }
 
 #[test]
@@ -139,10 +125,7 @@ fn the_highest_of_several_demands_is_the_ceiling() {
     // UAV 40 high at x = 0.5, receiver at x = 6.5, columns to x = 2 (24) and x = 5 (12):
     // 40 - 16 * 6 / 1.5 = -24 and 40 - 28 * 6 / 4.5 = 8/3. The ground up to x = 6 asks for 40 - 40 * 6 / 5.5 = -40/11.
     let street = grid(&[&[0, 24, 0, 0, 12, 0, 0]]);
-    assert_eq!(
-        columns_ceiling(&street, halves(1, 1, 40), plan(halves(13, 1, 0))),
-        at(8, 3)
-    );
+    assert_eq!(columns_ceiling(&street, halves(1, 1, 40), plan(halves(13, 1, 0))), at(8, 3));
 }
 
 #[test]
@@ -150,10 +133,7 @@ fn a_receiver_above_the_uav_can_be_hidden_and_seen() {
     // UAV 2 high at x = 0.5, column 6 high over 1..2, receiver at x = 2.5.
     // Its near edge is a quarter of the way: 2 + 4 * 4 = 18.
     let street = grid(&[&[0, 6, 0]]);
-    assert_eq!(
-        columns_ceiling(&street, halves(1, 1, 2), plan(halves(5, 1, 0))),
-        at(18, 1)
-    );
+    assert_eq!(columns_ceiling(&street, halves(1, 1, 2), plan(halves(5, 1, 0))), at(18, 1));
     assert!(!columns_los(&street, halves(1, 1, 2), halves(5, 1, 17)));
     assert!(columns_los(&street, halves(1, 1, 2), halves(5, 1, 18)));
 }
@@ -249,20 +229,11 @@ fn the_uavs_own_cell_blocks_unless_the_receiver_shares_it() {
     // UAV on its roof of 10 in the middle of the cell: the ray to x = 2.5 leaves at t = 1/4.
     let roof = grid(&[&[10, 0, 0]]);
     // At the roof, only receivers at 10 or above are seen: at t = 0 the demand is met, at t = 1/4 it is 10.
-    assert_eq!(
-        columns_ceiling(&roof, halves(1, 1, 10), plan(halves(5, 1, 0))),
-        at(10, 1)
-    );
+    assert_eq!(columns_ceiling(&roof, halves(1, 1, 10), plan(halves(5, 1, 0))), at(10, 1));
     // 4 above it: 14 - 4 * 4 = -2, but the middle cell of 0 is left at t = 3/4 and asks for 14 - 14 * 4 / 3 = -14/3.
-    assert_eq!(
-        columns_ceiling(&roof, halves(1, 1, 14), plan(halves(5, 1, 0))),
-        at(-2, 1)
-    );
+    assert_eq!(columns_ceiling(&roof, halves(1, 1, 14), plan(halves(5, 1, 0))), at(-2, 1));
     // Below it: never.
-    assert_eq!(
-        columns_ceiling(&roof, halves(1, 1, 9), plan(halves(5, 1, 0))),
-        Ceiling::Never
-    );
+    assert_eq!(columns_ceiling(&roof, halves(1, 1, 9), plan(halves(5, 1, 0))), Ceiling::Never);
     // In the same cell, or on its edge, the cell is exempt.
     assert_eq!(columns_ceiling(&roof, halves(1, 1, 9), [100, 100]), Ceiling::Clear);
     assert_eq!(columns_ceiling(&roof, halves(1, 1, 9), [1024, 1000]), Ceiling::Clear);
@@ -360,27 +331,15 @@ fn above_and_at_and_below_roof_height_a_uav_over_a_house_differs() {
     // Box to x = 10, UAV at x = 5, receiver at x = 25: the edge is a quarter of the way.
     let scene = [block(0, -5, 10, 5, 20)];
     // 8 above the roof: 28 - 8 * 4 = -4.
-    assert_eq!(
-        prisms_ceiling(&scene, meters(5, 0, 28), plan(meters(25, 0, 0))),
-        at(-4, 1)
-    );
+    assert_eq!(prisms_ceiling(&scene, meters(5, 0, 28), plan(meters(25, 0, 0))), at(-4, 1));
     // At the roof nothing below it is seen.
-    assert_eq!(
-        prisms_ceiling(&scene, meters(5, 0, 20), plan(meters(25, 0, 0))),
-        at(20, 1)
-    );
+    assert_eq!(prisms_ceiling(&scene, meters(5, 0, 20), plan(meters(25, 0, 0))), at(20, 1));
     assert!(prisms_los(&scene, meters(5, 0, 20), meters(25, 0, 20)));
     assert!(!prisms_los(&scene, meters(5, 0, 20), [25 * M, 0, 20 * M - 1]));
     // Inside nothing is seen at all.
-    assert_eq!(
-        prisms_ceiling(&scene, meters(5, 0, 19), plan(meters(25, 0, 0))),
-        Ceiling::Never
-    );
+    assert_eq!(prisms_ceiling(&scene, meters(5, 0, 19), plan(meters(25, 0, 0))), Ceiling::Never);
     // On the roof's edge, looking away, all is seen.
-    assert_eq!(
-        prisms_ceiling(&scene, meters(10, 0, 20), plan(meters(25, 0, 0))),
-        Ceiling::Clear
-    );
+    assert_eq!(prisms_ceiling(&scene, meters(10, 0, 20), plan(meters(25, 0, 0))), Ceiling::Clear);
 }
 
 #[test]
@@ -419,10 +378,7 @@ fn a_ray_along_a_wall_that_is_not_shared_is_free() {
     let scene = [block(10, -5, 20, 5, 12)];
     for y in [-5, 5] {
         assert!(prisms_los(&scene, meters(0, y, 1), meters(30, y, 1)));
-        assert_eq!(
-            prisms_ceiling(&scene, meters(0, y, 1), plan(meters(30, y, 0))),
-            Ceiling::Clear
-        );
+        assert_eq!(prisms_ceiling(&scene, meters(0, y, 1), plan(meters(30, y, 0))), Ceiling::Clear);
     }
     // Ends on the wall itself, and in its corners.
     assert!(prisms_los(&scene, meters(10, 5, 1), meters(20, 5, 1)));
@@ -450,43 +406,16 @@ fn walls_that_meet_in_a_t_junction_are_shared_where_they_overlap() {
 #[test]
 fn the_two_triangles_of_a_square_are_one_solid() {
     let halves_of_square = |south_east: i64, north_west: i64| {
-        [
-            prism(&[[0, 0], [10, 0], [10, 10]], south_east),
-            prism(&[[0, 0], [10, 10], [0, 10]], north_west),
-        ]
+        [prism(&[[0, 0], [10, 0], [10, 10]], south_east), prism(&[[0, 0], [10, 10], [0, 10]], north_west)]
     };
     // Along the diagonal and across it.
-    assert!(!prisms_los(
-        &halves_of_square(8, 8),
-        meters(-5, -5, 7),
-        meters(15, 15, 7)
-    ));
-    assert!(prisms_los(
-        &halves_of_square(8, 8),
-        meters(-5, -5, 8),
-        meters(15, 15, 8)
-    ));
-    assert!(!prisms_los(
-        &halves_of_square(8, 8),
-        meters(-5, 15, 7),
-        meters(15, -5, 7)
-    ));
+    assert!(!prisms_los(&halves_of_square(8, 8), meters(-5, -5, 7), meters(15, 15, 7)));
+    assert!(prisms_los(&halves_of_square(8, 8), meters(-5, -5, 8), meters(15, 15, 8)));
+    assert!(!prisms_los(&halves_of_square(8, 8), meters(-5, 15, 7), meters(15, -5, 7)));
     // With roofs of 8 and 6 the diagonal is free from 6 on, the way across from 8 on.
-    assert!(prisms_los(
-        &halves_of_square(8, 6),
-        meters(-5, -5, 6),
-        meters(15, 15, 6)
-    ));
-    assert!(!prisms_los(
-        &halves_of_square(8, 6),
-        [-5 * M, -5 * M, 6 * M - 1],
-        [15 * M, 15 * M, 6 * M - 1]
-    ));
-    assert!(!prisms_los(
-        &halves_of_square(8, 6),
-        meters(-5, 15, 6),
-        meters(15, -5, 6)
-    ));
+    assert!(prisms_los(&halves_of_square(8, 6), meters(-5, -5, 6), meters(15, 15, 6)));
+    assert!(!prisms_los(&halves_of_square(8, 6), [-5 * M, -5 * M, 6 * M - 1], [15 * M, 15 * M, 6 * M - 1]));
+    assert!(!prisms_los(&halves_of_square(8, 6), meters(-5, 15, 6), meters(15, -5, 6)));
 }
 
 #[test]
@@ -502,10 +431,7 @@ fn a_courtyard_is_open_and_its_walls_are_not() {
     assert!(!prisms_los(&scene, meters(15, 15, 1), meters(40, 15, 1)));
     assert!(!prisms_los(&scene, meters(10, 10, 1), meters(21, 10, 1)));
     // From outside: the roof is left at x = 10, z_u = 40 at x = -20, so at x = 15 40 - 30 * 35 / 30 = 5.
-    assert_eq!(
-        prisms_ceiling(&scene, meters(-20, 15, 40), plan(meters(15, 15, 0))),
-        at(5, 1)
-    );
+    assert_eq!(prisms_ceiling(&scene, meters(-20, 15, 40), plan(meters(15, 15, 0))), at(5, 1));
 }
 
 #[test]
@@ -574,11 +500,7 @@ fn overlapping_prisms_count_with_the_higher_roof() {
     assert!(prisms_los(&scene, meters(-5, 0, 20), meters(20, 0, 20)));
     // x = 5 has 10 on its western side and 20 on the other: a ray along it is free from 10 on.
     assert!(prisms_los(&scene, meters(5, -9, 10), meters(5, 9, 10)));
-    assert!(!prisms_los(
-        &scene,
-        [5 * M, -9 * M, 10 * M - 1],
-        [5 * M, 9 * M, 10 * M - 1]
-    ));
+    assert!(!prisms_los(&scene, [5 * M, -9 * M, 10 * M - 1], [5 * M, 9 * M, 10 * M - 1]));
     // The same prism twice is the prism.
     let twice = [block(0, -5, 10, 5, 10), block(0, -5, 10, 5, 10)];
     assert!(!prisms_los(&twice, meters(-5, 0, 9), meters(20, 0, 9)));
@@ -625,17 +547,9 @@ fn a_link_straight_down_asks_for_the_open_side_of_a_wall() {
         (20, 0, Ceiling::Clear),
         (25, 0, Ceiling::Clear),
     ] {
-        assert_eq!(
-            prisms_ceiling(&scene, meters(x, y, 50), plan(meters(x, y, 0))),
-            ceiling,
-            "at {x}, {y}"
-        );
+        assert_eq!(prisms_ceiling(&scene, meters(x, y, 50), plan(meters(x, y, 0))), ceiling, "at {x}, {y}");
         let is_clear = ceiling == Ceiling::Clear;
-        assert_eq!(
-            prisms_los(&scene, meters(x, y, 50), meters(x, y, 0)),
-            is_clear,
-            "at {x}, {y}"
-        );
+        assert_eq!(prisms_los(&scene, meters(x, y, 50), meters(x, y, 0)), is_clear, "at {x}, {y}");
     }
     // Upward, from 7 on the shared wall; from below 7 the link starts inside.
     assert!(prisms_los(&scene, meters(15, 0, 7), meters(15, 0, 50)));
@@ -678,14 +592,7 @@ fn rings_without_area_block_nothing() {
         vec![vec![[5 * M, 0]]],
         vec![vec![]],
         vec![],
-        vec![vec![
-            [0, -M],
-            [10 * M, -M],
-            [5 * M, M],
-            [0, -M],
-            [10 * M, -M],
-            [5 * M, M],
-        ]],
+        vec![vec![[0, -M], [10 * M, -M], [5 * M, M], [0, -M], [10 * M, -M], [5 * M, M]]],
     ] {
         let scene = [Prism { rings, top: 10 * M }];
         assert!(prisms_los(&scene, meters(-5, 0, 1), meters(15, 0, 1)));
@@ -699,10 +606,7 @@ fn a_house_of_one_lattice_unit_throws_its_shadow_from_20_km() {
     // The house is 1/1024 m wide at x = 1 m and 10 m high; the UAV is 100 m west of it, at x = -99 m. Behind its far
     // wall, at x = 1025 units, the shadow ends at distance d from the UAV with 20480000 (d - 102401) / d = 10240, so
     // d = 102401 * 20480000 / 20469760 = 102401 * 2000 / 1999 = 102452.2...
-    let house = [Prism {
-        rings: vec![vec![[1024, -9], [1025, -9], [1025, 9], [1024, 9]]],
-        top: 10 * M,
-    }];
+    let house = [Prism { rings: vec![vec![[1024, -9], [1025, -9], [1025, 9], [1024, 9]]], top: 10 * M }];
     let uav = [-99 * M, 0, 20_480_000];
     assert!(!prisms_los(&house, uav, [-99 * M + 102_452, 0, 0]));
     assert!(prisms_los(&house, uav, [-99 * M + 102_453, 0, 0]));
@@ -713,10 +617,7 @@ fn inputs_too_large_for_machine_integers_are_decided_exactly() {
     // A box of side s and height s, s = 2^60, UAV 2 s high at x = -s: its far edge is two
     // thirds of the way to x = 2 s, so z(s) = 2 s / 3; the receiver must be 2 s - s * 3 / 2 = s / 2 high.
     let s = 1_i64 << 60;
-    let scene = [Prism {
-        rings: vec![vec![[0, -s], [s, -s], [s, s], [0, s]]],
-        top: s,
-    }];
+    let scene = [Prism { rings: vec![vec![[0, -s], [s, -s], [s, s], [0, s]]], top: s }];
     let uav = [-s, 1, 2 * s];
     assert!(prisms_los(&scene, uav, [2 * s, 1, s / 2]));
     assert!(!prisms_los(&scene, uav, [2 * s, 1, s / 2 - 1]));
@@ -752,19 +653,9 @@ impl Random {
 fn random_columns(random: &mut Random) -> Columns {
     let (n_cols, n_rows) = (random.size(6), random.size(6));
     let heights = (0..n_cols * n_rows)
-        .map(|_| {
-            if random.between(0, 9) == 0 {
-                None
-            } else {
-                Some(random.between(0, 1) * random.between(0, 6) * M)
-            }
-        })
+        .map(|_| if random.between(0, 9) == 0 { None } else { Some(random.between(0, 1) * random.between(0, 6) * M) })
         .collect();
-    Columns {
-        n_cols,
-        n_rows,
-        heights,
-    }
+    Columns { n_cols, n_rows, heights }
 }
 
 /// A point in or near the raster: on a corner, an edge, a quarter line, or anywhere.
@@ -788,15 +679,10 @@ fn random_prisms(random: &mut Random) -> Vec<Prism> {
                     let (east, north) = (random.between(west + 1, 4), random.between(south + 1, 4));
                     vec![[west, south], [east, south], [east, north], [west, north]]
                 }
-                kind => (0..2 + random.size(2 * kind))
-                    .map(|_| [random.between(0, 4), random.between(0, 4)])
-                    .collect(),
+                kind => (0..2 + random.size(2 * kind)).map(|_| [random.between(0, 4), random.between(0, 4)]).collect(),
             };
             let rings = (0..random.size(3).max(2) - 1).map(|_| ring(random)).collect();
-            Prism {
-                rings,
-                top: random.between(1, 5),
-            }
+            Prism { rings, top: random.between(1, 5) }
         })
         .collect()
 }
@@ -856,9 +742,7 @@ fn clipping_los(columns: &Columns, uav: P3, receiver: P3) -> bool {
             }
         }
         enter.0 * leave.1 < leave.0 * enter.1
-            && [enter, leave]
-                .into_iter()
-                .any(|(num, den)| u[2] * den + num * (r[2] - u[2]) < top * den)
+            && [enter, leave].into_iter().any(|(num, den)| u[2] * den + num * (r[2] - u[2]) < top * den)
     };
     for col in 0..n_cols {
         for row in 0..n_rows {
@@ -868,10 +752,9 @@ fn clipping_los(columns: &Columns, uav: P3, receiver: P3) -> bool {
                 return false;
             }
             // The wall to the eastern and to the northern neighbor, if the link runs in its plane.
-            for (axis, wall, along, start, neighbor) in [
-                (0, west + 1024, 1, south, height(col + 1, row)),
-                (1, south + 1024, 0, west, height(col, row + 1)),
-            ] {
+            for (axis, wall, along, start, neighbor) in
+                [(0, west + 1024, 1, south, height(col + 1, row)), (1, south + 1024, 0, west, height(col, row + 1))]
+            {
                 if let Some(other) = neighbor
                     && u[axis] == wall
                     && r[axis] == wall
@@ -902,11 +785,7 @@ fn sampled_height(prisms: &[Prism], scale: i128, x: i128, y: i128) -> Option<i64
         }
         is_inside
     };
-    prisms
-        .iter()
-        .filter(|prism| is_inside(prism))
-        .map(|prism| prism.top)
-        .max()
+    prisms.iter().filter(|prism| is_inside(prism)).map(|prism| prism.top).max()
 }
 
 /// Decides a link on the small lattice of [`random_prisms`] by sampling it so densely that nothing can be missed.
@@ -925,8 +804,7 @@ fn sampling_los(prisms: &[Prism], uav: P3, receiver: P3) -> bool {
         let (x, y) = ((u[0] * N + k * dx) * FINE, (u[1] * N + k * dy) * FINE);
         let left = sampled_height(prisms, N * FINE, x - dy, y + dx);
         let right = sampled_height(prisms, N * FINE, x + dy, y - dx);
-        left.min(right)
-            .is_none_or(|height| u[2] * N + k * dz >= i128::from(height) * N)
+        left.min(right).is_none_or(|height| u[2] * N + k * dz >= i128::from(height) * N)
     })
 }
 
@@ -935,9 +813,7 @@ fn sampling_los(prisms: &[Prism], uav: P3, receiver: P3) -> bool {
 /// Directions of edges at the point have terms up to 4, so each sector between two of them contains a direction with
 /// terms up to 8. Looking along an edge gives the height on one of its sides.
 fn sampled_height_around(prisms: &[Prism], p: [i64; 2]) -> Option<i64> {
-    let directions = (-13..=13)
-        .flat_map(|dx| (-13..=13).map(move |dy| (dx, dy)))
-        .filter(|&d| d != (0, 0));
+    let directions = (-13..=13).flat_map(|dx| (-13..=13).map(move |dy| (dx, dy))).filter(|&d| d != (0, 0));
     directions
         .map(|(dx, dy)| sampled_height(prisms, 1000, i128::from(p[0]) * 1000 + dx, i128::from(p[1]) * 1000 + dy))
         .min()
@@ -950,11 +826,7 @@ fn rasters_agree_with_clipping_each_column_and_each_wall() {
         let columns = random_columns(random);
         let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
         let los = columns_los(&columns, uav, receiver);
-        assert_eq!(
-            los,
-            clipping_los(&columns, uav, receiver),
-            "{columns:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, clipping_los(&columns, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
         los
     });
 }
@@ -966,11 +838,7 @@ fn rasters_agree_with_prisms_over_their_cells() {
         let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
         let los = columns_los(&columns, uav, receiver);
         let prisms = prisms_of(&without_own_cells(&columns, receiver));
-        assert_eq!(
-            los,
-            prisms_los(&prisms, uav, receiver),
-            "{columns:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, prisms_los(&prisms, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
         los
     });
 }
@@ -984,11 +852,7 @@ fn prisms_agree_with_dense_sampling() {
             receiver[0] += 1;
         }
         let los = prisms_los(&prisms, uav, receiver);
-        assert_eq!(
-            los,
-            sampling_los(&prisms, uav, receiver),
-            "{prisms:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, sampling_los(&prisms, uav, receiver), "{prisms:?} {uav:?} {receiver:?}");
         los
     });
 }
@@ -1000,11 +864,7 @@ fn the_height_around_a_point_agrees_with_looking_in_all_directions() {
         let prisms: Vec<Prism> = (0..3).flat_map(|_| random_prisms(random)).collect();
         let (p, z) = ([random.between(1, 3), random.between(1, 3)], random.between(0, 2));
         let covers = prisms_cover(&prisms, p, z);
-        assert_eq!(
-            covers,
-            sampled_height_around(&prisms, p).is_some_and(|height| z < height),
-            "{prisms:?} {p:?} {z}"
-        );
+        assert_eq!(covers, sampled_height_around(&prisms, p).is_some_and(|height| z < height), "{prisms:?} {p:?} {z}");
         // The link straight up to the sky starts at this point.
         assert_eq!(covers, !prisms_los(&prisms, [p[0], p[1], 9], [p[0], p[1], z]));
         covers
@@ -1055,12 +915,7 @@ fn prisms_of(columns: &Columns) -> Vec<Prism> {
     for (index, height) in columns.heights.iter().enumerate() {
         if let Some(top) = *height {
             let [west, south] = south_west(columns, index);
-            let ring = vec![
-                [west, south],
-                [west + M, south],
-                [west + M, south + M],
-                [west, south + M],
-            ];
+            let ring = vec![[west, south], [west + M, south], [west + M, south + M], [west, south + M]];
             prisms.push(Prism { rings: vec![ring], top });
         }
     }
@@ -1070,13 +925,7 @@ fn prisms_of(columns: &Columns) -> Vec<Prism> {
 /// Applies a map of the plane to every vertex.
 fn moved(prisms: &[Prism], map: impl Fn([i64; 2]) -> [i64; 2]) -> Vec<Prism> {
     let ring = |ring: &Vec<[i64; 2]>| ring.iter().map(|&vertex| map(vertex)).collect();
-    prisms
-        .iter()
-        .map(|prism| Prism {
-            rings: prism.rings.iter().map(ring).collect(),
-            top: prism.top,
-        })
-        .collect()
+    prisms.iter().map(|prism| Prism { rings: prism.rings.iter().map(ring).collect(), top: prism.top }).collect()
 }
 
 #[test]
@@ -1085,11 +934,7 @@ fn swapping_the_ends_changes_nothing_among_prisms() {
         let prisms = random_prisms(random);
         let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
         let los = prisms_los(&prisms, uav, receiver);
-        assert_eq!(
-            los,
-            prisms_los(&prisms, receiver, uav),
-            "{prisms:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, prisms_los(&prisms, receiver, uav), "{prisms:?} {uav:?} {receiver:?}");
         if plan(uav) != plan(receiver) {
             let swapped = prisms_ceiling(&prisms, receiver, plan(uav));
             assert_eq!(swapped, prisms_least_uav_height(&prisms, plan(uav), receiver));
@@ -1104,12 +949,8 @@ fn mirrors_and_quarter_turns_change_nothing_among_prisms() {
         let prisms = random_prisms(random);
         let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
         let los = prisms_los(&prisms, uav, receiver);
-        let maps: [fn([i64; 2]) -> [i64; 2]; 4] = [
-            |[x, y]| [-x, y],
-            |[x, y]| [-y, x],
-            |[x, y]| [y + 7, x - 3],
-            |[x, y]| [2 * x + y, y - x],
-        ];
+        let maps: [fn([i64; 2]) -> [i64; 2]; 4] =
+            [|[x, y]| [-x, y], |[x, y]| [-y, x], |[x, y]| [y + 7, x - 3], |[x, y]| [2 * x + y, y - x]];
         for map in maps {
             let end = |p: P3| {
                 let [x, y] = map(plan(p));
@@ -1131,47 +972,20 @@ fn mirrors_and_quarter_turns_change_nothing_in_a_raster() {
         let columns = random_columns(random);
         let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
         let los = columns_los(&columns, uav, receiver);
-        let Columns {
-            n_cols,
-            n_rows,
-            ref heights,
-        } = columns;
-        let (width, depth) = [n_cols, n_rows]
-            .map(|n| i64::try_from(n).expect("a small raster") * M)
-            .into();
+        let Columns { n_cols, n_rows, ref heights } = columns;
+        let (width, depth) = [n_cols, n_rows].map(|n| i64::try_from(n).expect("a small raster") * M).into();
 
-        let mirrored = heights
-            .chunks(n_cols)
-            .flat_map(|row| row.iter().rev().copied())
-            .collect();
-        let mirrored = Columns {
-            n_cols,
-            n_rows,
-            heights: mirrored,
-        };
+        let mirrored = heights.chunks(n_cols).flat_map(|row| row.iter().rev().copied()).collect();
+        let mirrored = Columns { n_cols, n_rows, heights: mirrored };
         let end = |[x, y, z]: P3| [width - x, y, z];
-        assert_eq!(
-            los,
-            columns_los(&mirrored, end(uav), end(receiver)),
-            "mirror: {columns:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, columns_los(&mirrored, end(uav), end(receiver)), "mirror: {columns:?} {uav:?} {receiver:?}");
 
         // Counterclockwise: the eastern column becomes the northern row, its northern end first.
-        let turned = (0..n_cols)
-            .rev()
-            .flat_map(|col| (0..n_rows).map(move |row| heights[row * n_cols + col]))
-            .collect();
-        let turned = Columns {
-            n_cols: n_rows,
-            n_rows: n_cols,
-            heights: turned,
-        };
+        let turned =
+            (0..n_cols).rev().flat_map(|col| (0..n_rows).map(move |row| heights[row * n_cols + col])).collect();
+        let turned = Columns { n_cols: n_rows, n_rows: n_cols, heights: turned };
         let end = |[x, y, z]: P3| [depth - y, x, z];
-        assert_eq!(
-            los,
-            columns_los(&turned, end(uav), end(receiver)),
-            "turn: {columns:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, columns_los(&turned, end(uav), end(receiver)), "turn: {columns:?} {uav:?} {receiver:?}");
         los
     });
 }
@@ -1185,19 +999,11 @@ fn splitting_each_cell_in_four_changes_nothing() {
         let coarse = without_own_cells(&columns, receiver);
         let (n_cols, n_rows) = (2 * coarse.n_cols, 2 * coarse.n_rows);
         let fine = |index: usize| coarse.heights[index / n_cols / 2 * coarse.n_cols + index % n_cols / 2];
-        let fine = Columns {
-            n_cols,
-            n_rows,
-            heights: (0..n_cols * n_rows).map(fine).collect(),
-        };
+        let fine = Columns { n_cols, n_rows, heights: (0..n_cols * n_rows).map(fine).collect() };
         let end = |[x, y, z]: P3| [2 * x, 2 * y, z];
         let los = columns_los(&coarse, uav, receiver);
         assert_eq!(los, columns_los(&columns, uav, receiver));
-        assert_eq!(
-            los,
-            columns_los(&fine, end(uav), end(receiver)),
-            "{columns:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, columns_los(&fine, end(uav), end(receiver)), "{columns:?} {uav:?} {receiver:?}");
         los
     });
 }
@@ -1211,18 +1017,9 @@ fn cutting_a_prism_in_two_changes_nothing() {
         let ring = [[0, a], [b, 0], [4, 4 - a], [4 - b, 4]];
         let top = random.between(1, 5);
         let mut cut = whole.clone();
-        whole.push(Prism {
-            rings: vec![ring.to_vec()],
-            top,
-        });
-        cut.push(Prism {
-            rings: vec![vec![ring[0], ring[1], ring[2]]],
-            top,
-        });
-        cut.push(Prism {
-            rings: vec![vec![ring[2], ring[0], ring[3]]],
-            top,
-        });
+        whole.push(Prism { rings: vec![ring.to_vec()], top });
+        cut.push(Prism { rings: vec![vec![ring[0], ring[1], ring[2]]], top });
+        cut.push(Prism { rings: vec![vec![ring[2], ring[0], ring[3]]], top });
         let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
         let los = prisms_los(&whole, uav, receiver);
         assert_eq!(los, prisms_los(&cut, uav, receiver), "{whole:?} {uav:?} {receiver:?}");
@@ -1241,11 +1038,7 @@ fn the_size_of_the_numbers_changes_nothing() {
         let mut large = moved(&prisms, |p| p.map(|c| c * plane));
         large.iter_mut().for_each(|prism| prism.top *= up);
         let end = |[x, y, z]: P3| [x * plane, y * plane, z * up];
-        assert_eq!(
-            los,
-            prisms_los(&large, end(uav), end(receiver)),
-            "{prisms:?} {uav:?} {receiver:?}"
-        );
+        assert_eq!(los, prisms_los(&large, end(uav), end(receiver)), "{prisms:?} {uav:?} {receiver:?}");
         assert_eq!(
             prisms_cover(&prisms, plan(uav), uav[2]),
             prisms_cover(&large, plan(end(uav)), end(uav)[2]),
@@ -1270,10 +1063,7 @@ fn raising_a_column_never_clears_and_raising_an_end_never_blocks() {
         } else {
             let index = random.size(i64::try_from(columns.heights.len()).expect("a small raster")) - 1;
             columns.heights[index] = Some(columns.heights[index].unwrap_or(0) + random.between(1, 5000));
-            assert!(
-                !columns_los(&columns, uav, receiver),
-                "{columns:?} {uav:?} {receiver:?}"
-            );
+            assert!(!columns_los(&columns, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
         }
         los
     });
@@ -1303,15 +1093,8 @@ fn los_in_a_raster_is_at_or_above_the_ceiling() {
             receiver[0] += 1;
         }
         let stretched = |scale: i64| {
-            let heights = columns
-                .heights
-                .iter()
-                .map(|height| height.map(|height| height * scale))
-                .collect();
-            Columns {
-                heights,
-                ..columns.clone()
-            }
+            let heights = columns.heights.iter().map(|height| height.map(|height| height * scale)).collect();
+            Columns { heights, ..columns.clone() }
         };
         let with_z = |p: P3, z: i64| [p[0], p[1], z];
         check_ceiling(&columns_ceiling(&columns, uav, plan(receiver)), |scale, z| {
@@ -1321,14 +1104,8 @@ fn los_in_a_raster_is_at_or_above_the_ceiling() {
             columns_los(&stretched(scale), with_z(uav, z), with_z(receiver, receiver[2] * scale))
         });
         let los = columns_los(&columns, uav, receiver);
-        assert_eq!(
-            los,
-            reaches(receiver[2], &columns_ceiling(&columns, uav, plan(receiver)))
-        );
-        assert_eq!(
-            los,
-            reaches(uav[2], &columns_least_uav_height(&columns, plan(uav), receiver))
-        );
+        assert_eq!(los, reaches(receiver[2], &columns_ceiling(&columns, uav, plan(receiver))));
+        assert_eq!(los, reaches(uav[2], &columns_least_uav_height(&columns, plan(uav), receiver)));
         los
     });
 }
@@ -1339,13 +1116,7 @@ fn los_among_prisms_is_at_or_above_the_ceiling() {
         let prisms = random_prisms(random);
         let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
         let stretched = |scale: i64| -> Vec<Prism> {
-            prisms
-                .iter()
-                .map(|prism| Prism {
-                    top: prism.top * scale,
-                    ..prism.clone()
-                })
-                .collect()
+            prisms.iter().map(|prism| Prism { top: prism.top * scale, ..prism.clone() }).collect()
         };
         let with_z = |p: P3, z: i64| [p[0], p[1], z];
         check_ceiling(&prisms_ceiling(&prisms, uav, plan(receiver)), |scale, z| {
@@ -1357,10 +1128,7 @@ fn los_among_prisms_is_at_or_above_the_ceiling() {
         let los = prisms_los(&prisms, uav, receiver);
         if uav != receiver {
             assert_eq!(los, reaches(receiver[2], &prisms_ceiling(&prisms, uav, plan(receiver))));
-            assert_eq!(
-                los,
-                reaches(uav[2], &prisms_least_uav_height(&prisms, plan(uav), receiver))
-            );
+            assert_eq!(los, reaches(uav[2], &prisms_least_uav_height(&prisms, plan(uav), receiver)));
         }
         los
     });

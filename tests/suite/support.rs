@@ -1,0 +1,61 @@
+//! Random numbers and scenes for the suites: small lattices, so that ties and shared walls are frequent.
+
+use skyshed::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
+use skyshed::quantity::{LatticePoint, VOID};
+
+use crate::oracle;
+
+/// SplitMix64 (Steele, Lea & Flood 2014): five lines, the same everywhere.
+#[derive(Clone, Debug)]
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// A number in `low..=high`.
+    pub(crate) fn within(&mut self, low: i64, high: i64) -> i64 {
+        let span = u64::try_from(high - low + 1).unwrap();
+        low + i64::try_from(self.next() % span).unwrap()
+    }
+
+    pub(crate) fn chance(&mut self, percent: u64) -> bool {
+        self.next() % 100 < percent
+    }
+
+    pub(crate) fn choose<T: Copy>(&mut self, from: &[T]) -> T {
+        from[usize::try_from(self.next()).unwrap_or(0) % from.len()]
+    }
+}
+
+/// Whether the slow parts of the suite run: set `SKYSHED_SLOW=1`.
+pub(crate) fn slow() -> bool {
+    std::env::var_os("SKYSHED_SLOW").is_some_and(|v| v != "0")
+}
+
+pub(crate) fn point(p: oracle::P3) -> LatticePoint {
+    LatticePoint { x: p[0], y: p[1], z: p[2] }
+}
+
+/// The crate's columns of the oracle's.
+pub(crate) fn columns_of(columns: &oracle::Columns) -> Columns {
+    let top = |h: &Option<i64>| h.map_or(VOID, |h| i32::try_from(h).unwrap());
+    Columns::new(columns.n_rows, columns.n_cols, columns.heights.iter().map(top).collect())
+}
+
+/// The crate's prisms of the oracle's, cut into convex pieces.
+pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
+    let narrow = |v: i64| i32::try_from(v).unwrap();
+    Prisms::new(prisms.iter().enumerate().flat_map(|(building, prism)| {
+        let rings: Vec<Vec<[i32; 2]>> =
+            prism.rings.iter().map(|r| r.iter().map(|p| [narrow(p[0]), narrow(p[1])]).collect()).collect();
+        let ConvexPieces::Exact(pieces) = convex_pieces(&rings) else { panic!("{rings:?} was not triangulated") };
+        let (top, building) = (narrow(prism.top), u32::try_from(building).unwrap());
+        pieces.into_iter().map(move |ring| (ring, top, building))
+    }))
+}
