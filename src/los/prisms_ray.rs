@@ -23,7 +23,8 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
         return true;
     }
     if uav.x == receiver.x && uav.y == receiver.y {
-        return i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
+        // The open segment of a link without length is empty and meets nothing.
+        return uav.z == receiver.z || i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
     }
     let ray = Ray::new(uav, receiver);
     let mut edges: Vec<Edge> = Vec::new();

@@ -415,9 +415,12 @@ fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped {
     shaped
 }
 
-/// The region that rings enclose by the even-odd rule, as polygons whose edges do not cross, and whether that changed
-/// the polygon.
-fn even_odd(rings: &[Vec<[i32; 2]>]) -> (Vec<Vec<Vec<[i32; 2]>>>, bool) {
+/// The region that rings enclose by the even-odd rule, as polygons (shell first) whose edges do not cross, and whether
+/// that changed the polygon.
+///
+/// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than a step. Coordinates
+/// are within ±2^26.
+pub fn even_odd(rings: &[Vec<[i32; 2]>]) -> (Vec<Vec<Vec<[i32; 2]>>>, bool) {
     let contours: Vec<Vec<IntPoint<i32>>> =
         rings.iter().map(|r| r.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect();
     let shapes = Overlay::<i32>::from_subj(&contours).overlay(OverlayRule::Subject, FillRule::EvenOdd);

@@ -10,7 +10,7 @@ mod sites;
 mod surface;
 
 pub use built_up::{BuiltUp, BuiltUpCity};
-pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
+pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, even_odd, read_footprints};
 pub use sites::{Site, read_sites};
 pub use surface::{SurfaceOptions, read_surface};
 

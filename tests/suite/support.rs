@@ -2,6 +2,7 @@
 
 use skyshed::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
 use skyshed::quantity::{LatticePoint, VOID};
+use skyshed::scene::even_odd;
 
 use crate::oracle;
 
@@ -48,14 +49,18 @@ pub(crate) fn columns_of(columns: &oracle::Columns) -> Columns {
     Columns::new(columns.n_rows, columns.n_cols, columns.heights.iter().map(top).collect())
 }
 
-/// The crate's prisms of the oracle's, cut into convex pieces.
+/// The crate's prisms of the oracle's: repaired and cut into convex pieces, as files are.
 pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
     let narrow = |v: i64| i32::try_from(v).unwrap();
     Prisms::new(prisms.iter().enumerate().flat_map(|(building, prism)| {
         let rings: Vec<Vec<[i32; 2]>> =
             prism.rings.iter().map(|r| r.iter().map(|p| [narrow(p[0]), narrow(p[1])]).collect()).collect();
-        let ConvexPieces::Exact(pieces) = convex_pieces(&rings) else { panic!("{rings:?} was not triangulated") };
+        let (polygons, _) = even_odd(&rings);
+        let pieces = polygons.into_iter().flat_map(|polygon| match convex_pieces(&polygon) {
+            ConvexPieces::Exact(pieces) => pieces,
+            ConvexPieces::Hull(_) => panic!("{polygon:?} was not triangulated"),
+        });
         let (top, building) = (narrow(prism.top), u32::try_from(building).unwrap());
-        pieces.into_iter().map(move |ring| (ring, top, building))
+        pieces.map(move |ring| (ring, top, building)).collect::<Vec<_>>()
     }))
 }
