@@ -23,7 +23,7 @@ pub const VOID: i32 = i32::MIN;
 ///
 /// Halves are rounded up.
 pub fn height_steps(meters: f64) -> Option<i32> {
-    if !(meters.abs() <= MAX_HEIGHT_M) {
+    if !meters.is_finite() || meters.abs() > MAX_HEIGHT_M {
         return None;
     }
     #[expect(clippy::cast_possible_truncation, reason = "within ±2^25 by the check above")]

@@ -272,7 +272,7 @@ impl Writer<'_> {
                 row: (grid.y_max() - site.y) / grid.cell_height(),
             })
             .collect();
-        let surface = self.scene.field.surface_m();
+        let surface = self.scene.field.above_ground_m();
         let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
         let (union, count);
         let layer = match self.coverages {

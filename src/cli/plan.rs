@@ -11,7 +11,7 @@ use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions,
+    BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions,
     read_footprints, read_surface,
 };
 
@@ -22,7 +22,6 @@ pub(super) struct Ready {
     pub(super) field: HeightField,
     pub(super) sources: Vec<Source>,
     pub(super) seed: Option<u64>,
-    pub(super) built_up: Option<BuiltUp>,
     pub(super) warnings: Vec<Warning>,
     pub(super) timing: Timing,
 }
@@ -107,7 +106,7 @@ pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);
-    Ok(Ready { name, field, sources, seed, built_up, warnings, timing: Timing { read, build, ..Timing::default() } })
+    Ok(Ready { name, field, sources, seed, warnings, timing: Timing { read, build, ..Timing::default() } })
 }
 
 impl Ready {

@@ -142,7 +142,7 @@ fn check_extent(what: &str, site: &Site, field: &HeightField, radius: Option<f64
     let (width, height) = (span(site.x, grid.x_min(), grid.x_max()), span(site.y, grid.y_min(), grid.y_max()));
     for frame in units.into_iter().flatten() {
         let extent = (width / frame.unit_x).max(height / frame.unit_y);
-        if !(extent <= MAX_EXTENT_UNITS) {
+        if extent > MAX_EXTENT_UNITS {
             return Err(Error::site(
                 203,
                 format!(

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::prisms::{holds_half_open, side};
 use super::{Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
-use crate::quantity::{Frame, LatticePoint, VOID};
+use crate::quantity::{Frame, LatticePoint, VOID, meters};
 use crate::raster::GeoRef;
 use crate::scene::{Footprint, Ground, Solids};
 
@@ -281,23 +281,41 @@ impl HeightField {
         prisms.max(self.columns.as_ref().map_or(VOID, |(c, _)| c.max_top()))
     }
 
-    /// The surface seen from above at each cell [m above the datum], NaN where void: for pictures.
+    /// The surface seen from above at each cell [m above the datum], NaN where void.
     pub fn surface_m(&self) -> Vec<f32> {
+        self.each_cell(|kind, _| match kind {
+            CellKind::Open(z) | CellKind::Building(z) => meters(z),
+            CellKind::Void => f64::NAN,
+        })
+    }
+
+    /// The surface above the ground at each cell [m], NaN where void: for shading, which should show buildings, not
+    /// hills. With a surface model alone that is the surface itself.
+    pub fn above_ground_m(&self) -> Vec<f32> {
+        let surface_only = self.is_surface_only();
+        self.each_cell(|kind, place| match kind {
+            CellKind::Open(z) if surface_only => meters(z),
+            CellKind::Open(_) => 0.0,
+            CellKind::Building(z) => meters(z) - meters(self.ground_at(place)),
+            CellKind::Void => f64::NAN,
+        })
+    }
+
+    /// A value for each cell, row by row from the north-west, in parallel.
+    fn each_cell(&self, value: impl Fn(CellKind, &Place) -> f64 + Sync) -> Vec<f32> {
         let positions = self.positions();
         let n_cols = self.grid.n_cols();
-        let mut surface = vec![f32::NAN; self.grid.n_cells()];
-        surface.par_chunks_mut(n_cols).enumerate().for_each(|(row, cells)| {
+        let mut cells = vec![f32::NAN; self.grid.n_cells()];
+        cells.par_chunks_mut(n_cols).enumerate().for_each(|(row, cells)| {
             for (col, cell) in cells.iter_mut().enumerate() {
-                if let CellKind::Open(z) | CellKind::Building(z) =
-                    self.cell_kind(row * n_cols + col, &positions.center(row, col))
-                {
-                    #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more")]
-                    let meters = crate::quantity::meters(z) as f32;
-                    *cell = meters;
-                }
+                let place = positions.center(row, col);
+                let found = value(self.cell_kind(row * n_cols + col, &place), &place);
+                #[expect(clippy::cast_possible_truncation, reason = "files and pictures of heights hold f32")]
+                let found = found as f32;
+                *cell = found;
             }
         });
-        surface
+        cells
     }
 
     /// The roof of every cell whose center is in the interior of B and above the ground.

@@ -21,10 +21,11 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
     if (dx == 0 && dy == 0) || i64::from(columns.max_top()) <= uav.z.min(receiver.z) {
         return true;
     }
-    if uav.z >= receiver.z && !runs_along_a_grid_line(uav, receiver) {
-        if let Some(own) = columns.cell_towards(receiver, dx, dy) {
-            return rising_los(columns, own, uav, receiver);
-        }
+    if uav.z >= receiver.z
+        && !runs_along_a_grid_line(uav, receiver)
+        && let Some(own) = columns.cell_towards(receiver, dx, dy)
+    {
+        return rising_los(columns, own, uav, receiver);
     }
     let rising = uav.z >= receiver.z;
     let climb = uav.z - receiver.z;
@@ -221,10 +222,10 @@ fn visit_intervals(
                 obstacle = (other, top(other));
             }
         }
-        if obstacle.1 > VOID {
-            if let Some(cell) = columns.index(obstacle.0.0, obstacle.0.1) {
-                visit(Interval { cell, top: obstacle.1, near, far })?;
-            }
+        if obstacle.1 > VOID
+            && let Some(cell) = columns.index(obstacle.0.0, obstacle.0.1)
+        {
+            visit(Interval { cell, top: obstacle.1, near, far })?;
         }
         let Some(crossing) = exit else { return ControlFlow::Continue(()) };
         near = crossing;

@@ -150,24 +150,24 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
                 always_hash: options.always_hash,
             };
             let terrain = read_heights(terrain_path, &surface_options, warnings)?;
-            if let (Some(a), Some(b)) = (&file_crs, terrain.georef().crs()) {
-                if a.epsg() != b.epsg() {
-                    return Err(Error::file(
-                        311,
-                        format!(
-                            "cannot combine {} in {} with {} in {}: wanted one CRS",
-                            path.display(),
-                            a.label(),
-                            terrain_path.display(),
-                            b.label()
-                        ),
-                    )
-                    .with_hint(format!(
-                        "ogr2ogr -t_srs {} reprojected.geojson {}",
-                        b.label(),
-                        path.display()
-                    )));
-                }
+            if let (Some(a), Some(b)) = (&file_crs, terrain.georef().crs())
+                && a.epsg() != b.epsg()
+            {
+                return Err(Error::file(
+                    311,
+                    format!(
+                        "cannot combine {} in {} with {} in {}: wanted one CRS",
+                        path.display(),
+                        a.label(),
+                        terrain_path.display(),
+                        b.label()
+                    ),
+                )
+                .with_hint(format!(
+                    "ogr2ogr -t_srs {} reprojected.geojson {}",
+                    b.label(),
+                    path.display()
+                )));
             }
             sources.push(Source::of(terrain_path, options.always_hash)?);
             Some(terrain)
@@ -218,10 +218,10 @@ fn receivers_grid(
     terrain: Option<&Raster<i32>>,
     bounds: Option<[f64; 4]>,
 ) -> Result<GeoRef> {
-    if let Some(cell) = options.cell_m {
-        if !(cell > 0.0 && cell.is_finite()) {
-            return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
-        }
+    if let Some(cell) = options.cell_m
+        && !(cell > 0.0 && cell.is_finite())
+    {
+        return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
     }
     let cell = options.cell_m.unwrap_or(1.0);
     let [west, south, east, north] = match (options.extent, terrain, bounds) {

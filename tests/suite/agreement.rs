@@ -6,9 +6,7 @@
 use num_bigint::BigInt;
 use num_rational::Ratio;
 use skyshed::height_field::{Columns, Prisms};
-use skyshed::los::{
-    Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_los,
-};
+use skyshed::los::{Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_los};
 
 use crate::case_file::{CaseKind, N_CASES, all_cases};
 use crate::oracle::{self, P3};
@@ -74,9 +72,7 @@ fn every_engine_answers_every_text_case() {
             CaseKind::Columns { columns } => {
                 check_columns(&columns_of(columns), columns, case.uav, case.receiver, &place)
             }
-            CaseKind::Prisms { prisms } => {
-                check_prisms(&prisms_of(prisms), prisms, case.uav, case.receiver, &place)
-            }
+            CaseKind::Prisms { prisms } => check_prisms(&prisms_of(prisms), prisms, case.uav, case.receiver, &place),
         };
         assert_eq!(answer, case.expect_los, "{place}");
         n += 1;
@@ -146,12 +142,21 @@ fn random_prisms(random: &mut Random) -> Vec<oracle::Prism> {
         let rectangle = |x0: i64, y0: i64, x1: i64, y1: i64| vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
         match random.next() % 7 {
             0 | 1 => vec![rectangle(x, y, x + w, y + h)],
-            2 => vec![vec![[x, y], [x + 2 * w, y], [x + 2 * w, y + h], [x + w, y + h], [x + w, y + 2 * h], [x, y + 2 * h]]],
+            2 => vec![vec![
+                [x, y],
+                [x + 2 * w, y],
+                [x + 2 * w, y + h],
+                [x + w, y + h],
+                [x + w, y + 2 * h],
+                [x, y + 2 * h],
+            ]],
             3 => vec![
                 rectangle(x, y, x + 4 * unit, y + 4 * unit),
                 rectangle(x + unit, y + unit, x + random.within(2, 3) * unit, y + 3 * unit),
             ],
-            4 => vec![vec![[x, y], [x + w, y + random.within(0, 2) * unit], [x + random.within(0, 1) * unit, y + 3 * h]]],
+            4 => {
+                vec![vec![[x, y], [x + w, y + random.within(0, 2) * unit], [x + random.within(0, 1) * unit, y + 3 * h]]]
+            }
             5 => {
                 // A comb with teeth of the same width as the gaps.
                 vec![vec![

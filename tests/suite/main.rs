@@ -1,6 +1,8 @@
 //! What skyshed promises, proved: one binary, its modules in the order of the argument. See tests/README.md.
 
 mod case_file;
+#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
 mod oracle; // line of sight in exact rational arithmetic, sharing no geometry code with the crate
 mod oracle_proof; // the oracle proves itself on cases computed by hand // reads tests/cases/*.txt
 

@@ -214,7 +214,11 @@ fn compare(comparison: Comparison) -> usize {
         let agreement = 1.0 - differing.len() as f64 / both.len() as f64;
         let wanted = if uav["place"] == "street" { street } else { others };
         let city = truth.display();
-        assert!(agreement >= wanted, "{city} {mask} {id}: {agreement:.6} of {} cells agree, wanted {wanted}", both.len());
+        assert!(
+            agreement >= wanted,
+            "{city} {mask} {id}: {agreement:.6} of {} cells agree, wanted {wanted}",
+            both.len()
+        );
         for &i in &differing {
             let receiver = receiver_at(&field, i);
             let is_los = ours[i] == class::LOS;
