@@ -163,7 +163,7 @@ impl City<'_> {
             env!("CARGO_PKG_VERSION")
         ));
         caption.extend(self.args.attribution.clone());
-        let title = self.args.title.clone().unwrap_or_else(|| self.facts.scene_name.clone());
+        let title = self.args.title.clone().unwrap_or_else(|| capitalized(&self.facts.scene_name));
         let picture =
             CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
         let provenance = [("skyshed".to_string(), provenance.to_string())];
@@ -188,6 +188,11 @@ impl City<'_> {
         }
         ground
     }
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The polygons of a footprint for drawing, with their roofs cut into triangles.

@@ -178,7 +178,7 @@ impl BuiltUpCity {
             Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
         })?;
         Ok(Scene {
-            name: format!("generated city, {}, seed {}", self.built_up, self.seed),
+            name: format!("a generated city ({}; seed {})", self.built_up, self.seed),
             grid,
             solids: Solids::Vector {
                 footprints: self.footprints(ground),

@@ -1,21 +1,21 @@
 //! What skyshed promises, proved: one binary, its modules in the order of the argument. See tests/README.md.
 
-mod case_file;
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 mod oracle; // line of sight in exact rational arithmetic, sharing no geometry code with the crate
-mod oracle_proof; // the oracle proves itself on cases computed by hand // reads tests/cases/*.txt
+mod oracle_proof; // the oracle proves itself on cases computed by hand
+mod case_file; // reads tests/cases/*.txt
 
-mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod agreement; // every engine against the text cases and the oracle
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
+mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks
 
-mod bad_inputs; // every bad file gets its documented answer
 mod cities; // generated cities: golden hashes, statistics
-mod cli; // the program from outside
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
+mod bad_inputs; // every bad file gets its documented answer
+mod cli; // the program from outside
 mod layering; // data flows one way
 
 mod support; // random numbers and scenes for the suites above
