@@ -16,7 +16,7 @@ use super::geojson_file::{FoundHeight, RawFootprint, RawFootprints, read_raw_foo
 use super::surface::{SurfaceOptions, ground_steps, read_heights};
 use super::{Ground, NodataAs, Scene, Solids, Source, refuse_degrees};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters};
 use crate::raster::{Crs, GeoRef, InputKind, Raster};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
@@ -288,7 +288,7 @@ fn build(
     let known: Vec<f64> = shaped
         .iter()
         .filter_map(|s| match s.raw.height {
-            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 => Some(m),
+            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || options.top_field.is_some() => Some(m),
             _ => None,
         })
         .collect();
@@ -308,6 +308,8 @@ fn build(
             continue;
         }
         faults.decimal_comma += usize::from(matches!(shaped.raw.height, FoundHeight::DecimalComma(_)));
+        // Storeys are counted from the ground, whatever the property would have been measured from.
+        let mut above_datum = options.top_field.is_some();
         let height = match shaped.raw.height {
             FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
             FoundHeight::Missing => {
@@ -327,13 +329,16 @@ fn build(
                         .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
                     }
                     MissingHeight::Drop => None,
-                    MissingHeight::Levels => shaped.raw.levels.map(|levels| levels * METERS_PER_LEVEL),
+                    MissingHeight::Levels => {
+                        above_datum = false;
+                        shaped.raw.levels.map(|levels| levels * METERS_PER_LEVEL)
+                    }
                     MissingHeight::Median => median,
                 }
             }
         };
         let Some(height) = height else { continue };
-        if options.top_field.is_none() && height < 0.0 {
+        if !above_datum && height < 0.0 {
             faults.negative_height += 1;
             continue;
         }
@@ -341,17 +346,19 @@ fn build(
             faults.no_ground += 1;
             continue;
         };
-        let steps = height_steps(height).ok_or_else(|| {
-            Error::site(
-                205,
-                format!(
-                    "cannot use {}: feature `{}` has height `{height}` m, wanted within ±32768 m",
-                    path.display(),
-                    shaped.raw.id
-                ),
-            )
-        })?;
-        let top = if options.top_field.is_some() { steps } else { base.saturating_add(steps) };
+        let top = height_steps(height)
+            .and_then(|steps| if above_datum { Some(steps) } else { base.checked_add(steps) })
+            .filter(|top| height_steps(meters(*top)).is_some())
+            .ok_or_else(|| {
+                Error::site(
+                    205,
+                    format!(
+                        "cannot use {}: feature `{}` has height `{height}` m, wanted within ±32768 m of the datum",
+                        path.display(),
+                        shaped.raw.id
+                    ),
+                )
+            })?;
         footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
     }
     let share = if total_area > 0.0 { missing_area / total_area } else { 0.0 };

@@ -66,12 +66,17 @@ pub(super) fn read_document(path: &Path) -> Result<Value> {
     }
     serde_json::from_str(text).map_err(|e| {
         let error = Error::file(302, format!("cannot read {}: {e}, wanted one GeoJSON document", path.display()));
-        if e.to_string().starts_with("trailing characters") && text.trim_start().starts_with('{') {
+        if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
             error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
         } else {
             error
         }
     })
+}
+
+/// Whether the second line of a text begins another JSON object.
+fn is_one_feature_a_line(text: &str) -> bool {
+    text.trim_start().lines().nth(1).is_some_and(|line| line.starts_with(['{', '\u{1e}']))
 }
 
 /// The features of a document: of a collection, of a single feature, or of a bare geometry.
@@ -131,7 +136,7 @@ pub(super) fn read_raw_footprints(path: &Path, height_field: &str, top_field: Op
             )
         };
         let feature: Feature = serde_json::from_value(value).map_err(|e| refuse(e.to_string()))?;
-        let Some(footprint) = footprint(&feature, number, height_field, top_field) else {
+        let Some(footprint) = footprint(&feature, number, height_field, top_field).map_err(refuse)? else {
             raw.not_areas += 1;
             continue;
         };
@@ -143,12 +148,20 @@ pub(super) fn read_raw_footprints(path: &Path, height_field: &str, top_field: Op
     Ok(raw)
 }
 
-fn footprint(feature: &Feature, number: usize, height_field: &str, top_field: Option<&str>) -> Option<RawFootprint> {
+/// The areas of a feature with their height, `None` if it has none; the error says what is wrong with its positions.
+fn footprint(
+    feature: &Feature,
+    number: usize,
+    height_field: &str,
+    top_field: Option<&str>,
+) -> std::result::Result<Option<RawFootprint>, String> {
     let mut polygons = Vec::new();
     let mut unclosed = 0;
-    collect_polygons(&feature.geometry.as_ref()?.value, &mut polygons, &mut unclosed);
+    if let Some(geometry) = &feature.geometry {
+        collect_polygons(&geometry.value, &mut polygons, &mut unclosed)?;
+    }
     if polygons.is_empty() {
-        return None;
+        return Ok(None);
     }
     let property = |name: &str| feature.properties.as_ref().and_then(|p| p.get(name)).filter(|v| !v.is_null());
     let as_text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_string);
@@ -162,29 +175,40 @@ fn footprint(feature: &Feature, number: usize, height_field: &str, top_field: Op
         FoundHeight::Meters(n) if n > 0.0 => Some(n),
         _ => None,
     });
-    Some(RawFootprint { id, polygons, unclosed, height, levels })
+    Ok(Some(RawFootprint { id, polygons, unclosed, height, levels }))
 }
 
-fn collect_polygons(geometry: &GeometryValue, polygons: &mut Vec<Vec<Vec<[f64; 2]>>>, unclosed: &mut usize) {
+fn collect_polygons(
+    geometry: &GeometryValue,
+    polygons: &mut Vec<Vec<Vec<[f64; 2]>>>,
+    unclosed: &mut usize,
+) -> std::result::Result<(), String> {
+    let plane = |p: &geojson::Position| match p.as_slice() {
+        [x, y, ..] => Ok([*x, *y]),
+        [_] => Err("found a position with one number".to_string()),
+        [] => Err("found a position without a number".to_string()),
+    };
     let mut add = |rings: &Vec<Vec<geojson::Position>>| {
-        let polygon = rings.iter().map(|ring| {
-            let mut points: Vec<[f64; 2]> = ring.iter().map(|p| [p[0], p[1]]).collect();
+        let mut polygon = Vec::with_capacity(rings.len());
+        for ring in rings {
+            let mut points = ring.iter().map(plane).collect::<std::result::Result<Vec<[f64; 2]>, String>>()?;
             if points.len() > 1 && points.first() == points.last() {
                 points.pop();
             } else {
                 *unclosed += usize::from(!points.is_empty());
             }
-            points
-        });
-        polygons.push(polygon.collect());
+            polygon.push(points);
+        }
+        polygons.push(polygon);
+        Ok(())
     };
     match geometry {
         GeometryValue::Polygon { coordinates } => add(coordinates),
-        GeometryValue::MultiPolygon { coordinates } => coordinates.iter().for_each(add),
+        GeometryValue::MultiPolygon { coordinates } => coordinates.iter().try_for_each(add),
         GeometryValue::GeometryCollection { geometries } => {
-            geometries.iter().for_each(|g| collect_polygons(&g.value, polygons, unclosed));
+            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons, unclosed))
         }
-        _ => {}
+        _ => Ok(()),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
 /// How a raster scene is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceOptions {
-    /// A terrain model on the same grid.
+    /// A terrain model in the same CRS; brought to the surface's grid if it is on another.
     pub terrain: Option<PathBuf>,
     /// Height of flat ground [m above the datum]; not together with `terrain`.
     pub ground_m: Option<f64>,
@@ -30,7 +30,7 @@ const BLOCKS_ALL: i32 = 1 << 26;
 /// Reads a surface model (GeoTIFF or Esri ASCII grid) and what lies below it.
 ///
 /// # Errors
-/// File errors for rasters that cannot be read, are in degrees, or differ in grid; limit errors for huge ones; usage
+/// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
 /// errors for bad numbers.
 pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let (mut surface, mut sources) = (read_heights(path, options, warnings)?, vec![]);
@@ -50,7 +50,7 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
     let ground = match (&options.terrain, options.ground_m) {
         (Some(terrain_path), _) => {
             let terrain = read_heights(terrain_path, options, warnings)?;
-            check_same_grid(path, surface.georef(), terrain_path, terrain.georef())?;
+            let terrain = terrain_on_grid(path, surface.georef(), terrain_path, terrain, warnings)?;
             sources.push(Source::of(terrain_path, options.always_hash)?);
             let above = surface.cells().iter().zip(terrain.cells()).filter(|(s, t)| **s != VOID && t > s).count();
             if above > 0 {
@@ -170,16 +170,16 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
 fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
     let Some(crs) = georef.crs() else { return Ok(()) };
     refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
-    if let CrsKind::Projected { meters_per_unit } = crs.kind()
-        && (meters_per_unit - 1.0).abs() > 1e-9
-    {
-        warnings.push(Warning::new(
-            343,
-            format!(
-                "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
-                path.display()
-            ),
-        ));
+    if let CrsKind::Projected { meters_per_unit } = crs.kind() {
+        if (meters_per_unit - 1.0).abs() > 1e-9 {
+            warnings.push(Warning::new(
+                343,
+                format!(
+                    "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
+                    path.display()
+                ),
+            ));
+        }
     }
     if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
         warnings.push(Warning::new(
@@ -190,23 +190,37 @@ fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Resul
     Ok(())
 }
 
-fn check_same_grid(a_path: &Path, a: &GeoRef, b_path: &Path, b: &GeoRef) -> Result<()> {
-    if let (Some(x), Some(y)) = (a.crs(), b.crs())
-        && x.epsg() != y.epsg()
-    {
-        return Err(Error::file(
-            311,
-            format!(
-                "cannot combine {} in {} with {} in {}: wanted one CRS",
-                a_path.display(),
+/// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
+/// one to its north-east where the center lies on an edge, to within a millionth of a cell).
+fn terrain_on_grid(
+    surface_path: &Path,
+    grid: &GeoRef,
+    terrain_path: &Path,
+    terrain: Raster<i32>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Raster<i32>> {
+    let from = terrain.georef();
+    if let (Some(x), Some(y)) = (grid.crs(), from.crs()) {
+        if x.epsg() != y.epsg() {
+            return Err(Error::file(
+                311,
+                format!(
+                    "cannot combine {} in {} with {} in {}: wanted one CRS",
+                    surface_path.display(),
+                    x.label(),
+                    terrain_path.display(),
+                    y.label()
+                ),
+            )
+            .with_hint(format!(
+                "gdalwarp -t_srs {} {} terrain_reprojected.tif",
                 x.label(),
-                b_path.display(),
-                y.label()
-            ),
-        ));
+                terrain_path.display()
+            )));
+        }
     }
-    if a.same_grid(b) {
-        return Ok(());
+    if grid.same_grid(from) {
+        return Ok(terrain);
     }
     let describe = |g: &GeoRef| {
         format!(
@@ -219,24 +233,51 @@ fn check_same_grid(a_path: &Path, a: &GeoRef, b_path: &Path, b: &GeoRef) -> Resu
             g.y_max()
         )
     };
-    Err(Error::file(
-        312,
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid by the check")]
+    let index = |position: f64, n: usize| {
+        let position = (position + 1e-6).floor();
+        (position >= 0.0 && position < n as f64).then_some(position as usize)
+    };
+    let cols: Vec<Option<usize>> = (0..grid.n_cols())
+        .map(|col| index(from.cells_from_world(grid.world_from_cell(0, col).0, from.y_max()).0, from.n_cols()))
+        .collect();
+    let rows = (0..grid.n_rows()).map(|row| {
+        let from_south = from.cells_from_world(from.x_min(), grid.world_from_cell(row, 0).1).1;
+        index(from_south, from.n_rows()).map(|from_south| from.n_rows() - 1 - from_south)
+    });
+    let mut cells = Vec::with_capacity(grid.n_cells());
+    for row in rows {
+        let row = row.map(|row| terrain.row(row));
+        cells.extend(cols.iter().map(|col| row.zip(*col).map_or(VOID, |(row, col)| row[col])));
+    }
+    let n_void = cells.iter().filter(|z| **z == VOID).count();
+    if n_void == cells.len() {
+        return Err(Error::file(
+            312,
+            format!(
+                "cannot combine {} ({}) with {} ({}): wanted a terrain below the surface, found none at any cell",
+                surface_path.display(),
+                describe(grid),
+                terrain_path.display(),
+                describe(from)
+            ),
+        )
+        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both"));
+    }
+    let without = if n_void > 0 {
+        format!("; {n_void} of {} cells have no terrain and are no receivers", cells.len())
+    } else {
+        String::new()
+    };
+    warnings.push(Warning::new(
+        346,
         format!(
-            "cannot combine {} ({}) with {} ({}): wanted the same grid",
-            a_path.display(),
-            describe(a),
-            b_path.display(),
-            describe(b)
+            "{} ({}) is not on the grid of {} ({}): each cell takes the terrain that holds its center{without}",
+            terrain_path.display(),
+            describe(from),
+            surface_path.display(),
+            describe(grid)
         ),
-    )
-    .with_hint(format!(
-        "gdalwarp -te {} {} {} {} -ts {} {} -r bilinear {} terrain_on_grid.tif",
-        a.x_min(),
-        a.y_min(),
-        a.x_max(),
-        a.y_max(),
-        a.n_cols(),
-        a.n_rows(),
-        b_path.display()
-    )))
+    ));
+    Ok(Raster::new(grid.clone(), cells))
 }

@@ -18,4 +18,5 @@ mod bad_inputs; // every bad file gets its documented answer
 mod cli; // the program from outside
 mod layering; // data flows one way
 
+mod program; // runs the program from outside
 mod support; // random numbers and scenes for the suites above

@@ -1,0 +1,198 @@
+//! Runs the program as a user does: in a folder of its own, with its exit code and both streams kept.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// Address space that every run may take [KiB]: what cannot be mapped cannot be used, so no run peaks above 1 GB.
+const MOST_KIB: u32 = 976_562;
+
+/// How long any run may take.
+const MOST_SECONDS: f64 = 5.0;
+
+/// What a run of the program left.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) status: ExitStatus,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl Answer {
+    /// The exit code; a signal or the code of a panic is a failure of whatever ran.
+    pub(crate) fn code(&self) -> i32 {
+        let code = self.status.code().unwrap_or_else(|| panic!("ended by a signal: {self:?}"));
+        assert_ne!(code, 101, "panicked: {self:?}");
+        code
+    }
+
+    /// The answer of a run that must succeed.
+    pub(crate) fn done(self) -> Answer {
+        assert_eq!(self.code(), 0, "{self:?}");
+        self
+    }
+
+    /// The lines on standard error of a run that must fail with this exit code, saying nothing on standard output.
+    pub(crate) fn refused(&self, code: i32) -> Vec<&str> {
+        assert_eq!(self.code(), code, "{self:?}");
+        assert_eq!(self.out, "", "an error says nothing on standard output: {self:?}");
+        assert!(self.err.starts_with("error[E"), "{self:?}");
+        self.err.lines().collect()
+    }
+
+    /// Standard output as one JSON document; a parser that takes neither NaN nor a second document reads all of it.
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
+    }
+
+    /// The codes of the warnings on standard error.
+    pub(crate) fn warnings(&self) -> Vec<&str> {
+        let code =
+            |line: &'_ str| line.strip_prefix("warning[").and_then(|l| l.split_once(']')).map(|(code, _)| code.len());
+        self.err.lines().filter_map(|line| code(line).map(|n| &line[8..8 + n])).collect()
+    }
+}
+
+/// A new empty folder, removed when dropped.
+#[derive(Debug)]
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new() -> Folder {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("run-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).expect("a folder for tests");
+        Folder(path)
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(crate) fn join(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// The path of a file in the folder, as a word of a command line.
+    pub(crate) fn word(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("a path in UTF-8").to_string()
+    }
+
+    pub(crate) fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.join(name), text).expect("a file in a folder for tests");
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.join(name)).unwrap_or_else(|e| panic!("{name}: {e}; there are {:?}", self.files()))
+    }
+
+    pub(crate) fn text(&self, name: &str) -> String {
+        String::from_utf8(self.read(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.text(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// The names of all files in it, hidden ones too, sorted.
+    pub(crate) fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).expect("a folder for tests");
+        let mut names: Vec<String> =
+            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs the program with this folder as its working folder.
+    pub(crate) fn run(&self, words: &[&str]) -> Answer {
+        run_in(&self.0, words)
+    }
+
+    /// Runs a command line without quotes, as typed.
+    pub(crate) fn type_in(&self, line: &str) -> Answer {
+        self.run(&line.split_whitespace().collect::<Vec<_>>())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The program, ready to be given words: two threads, and no more than 1 GB of memory.
+///
+/// The shell sets the limit and then becomes the program, so that signals and the exit code are the program's own.
+pub(crate) fn program(folder: &Path, words: &[&str]) -> Command {
+    let mut command = if cfg!(target_os = "linux") {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("ulimit -v {MOST_KIB}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_skyshed")]);
+        shell
+    } else {
+        Command::new(env!("CARGO_BIN_EXE_skyshed"))
+    };
+    command.args(words).current_dir(folder).env("RAYON_NUM_THREADS", "2").env("MALLOC_ARENA_MAX", "2");
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Runs the program in `folder` and waits for it, but not for long.
+pub(crate) fn run_in(folder: &Path, words: &[&str]) -> Answer {
+    let start = Instant::now();
+    let child = program(folder, words).spawn().expect("the program starts");
+    let answer = wait(child);
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < MOST_SECONDS, "{words:?} took {seconds} s: {answer:?}");
+    answer
+}
+
+/// What a running program says until it ends; it is stopped, and the test fails, where it never does.
+pub(crate) fn wait(mut child: Child) -> Answer {
+    let (out, err) = (child.stdout.take(), child.stderr.take());
+    std::thread::scope(|scope| {
+        let out = scope.spawn(move || out.map_or(String::new(), read_all));
+        let err = scope.spawn(move || err.map_or(String::new(), read_all));
+        let start = Instant::now();
+        let status = loop {
+            match child.try_wait().expect("the program can be waited for") {
+                Some(status) => break status,
+                None if start.elapsed() > Duration::from_secs(30) => {
+                    let _ = child.kill();
+                    break child.wait().expect("a killed program ends");
+                }
+                None => std::thread::sleep(Duration::from_millis(1)),
+            }
+        };
+        Answer { status, out: out.join().expect("standard output"), err: err.join().expect("standard error") }
+    })
+}
+
+fn read_all(mut stream: impl Read) -> String {
+    let mut text = String::new();
+    stream.read_to_string(&mut text).expect("the program speaks UTF-8");
+    text
+}
+
+/// The folder of the shared test data; `None` (and a line that says so) where it is not at hand and was not asked for.
+pub(crate) fn truth() -> Option<PathBuf> {
+    if let Some(folder) = std::env::var_os("SKYSHED_TRUTH") {
+        let folder = PathBuf::from(folder);
+        assert!(folder.is_dir(), "SKYSHED_TRUTH is `{}`, which is no folder", folder.display());
+        return Some(folder);
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if !folder.is_dir() {
+        #[expect(clippy::print_stderr, reason = "a test that does not run must say so")]
+        {
+            eprintln!("SKIPPED: no test data in `{}`", folder.display());
+        }
+        return None;
+    }
+    Some(folder)
+}
