@@ -1,8 +1,10 @@
 //! What was typed: the command line, as it is documented by `--help`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
 #[derive(Debug, Parser)]
@@ -24,6 +26,23 @@ pub(super) struct Cli {
     pub(super) command: Command,
 }
 
+impl Cli {
+    /// Parses the words of a command line, the program's name first.
+    pub(super) fn from_words(words: &[OsString]) -> Result<Cli, clap::Error> {
+        let mut command = Cli::command();
+        let matches = command.try_get_matches_from_mut(words)?;
+        let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?;
+        cli.command.scene_mut().typed = matches.subcommand().map_or(Vec::new(), |(_, m)| typed(m));
+        Ok(cli)
+    }
+}
+
+/// The names of the arguments that were typed, as opposed to left at their defaults.
+fn typed(matches: &ArgMatches) -> Vec<String> {
+    let ids = matches.ids().map(|id| id.as_str());
+    ids.filter(|id| matches.value_source(id) == Some(ValueSource::CommandLine)).map(str::to_string).collect()
+}
+
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Coverage of one or many UAVs over every cell of a scene
@@ -36,12 +55,23 @@ pub(super) enum Command {
     Info(InfoArgs),
 }
 
+impl Command {
+    fn scene_mut(&mut self) -> &mut SceneArgs {
+        match self {
+            Command::Map(args) => &mut args.scene,
+            Command::Link(args) => &mut args.scene,
+            Command::City(args) => &mut args.scene,
+            Command::Info(args) => &mut args.scene,
+        }
+    }
+}
+
 /// The scene and how it is read.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneArgs {
     /// Generated city (itu:…), raster (.tif, .asc) or footprints (.geojson)
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", help_heading = None::<&'static str>)]
     pub(super) scene: String,
     /// Terrain model below the surface model or the footprints [raster file]
     #[arg(long, value_name = "FILE")]
@@ -56,7 +86,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "NAME", default_value = "height")]
     pub(super) height_field: String,
     /// Property that holds the height of a footprint's top above the datum [m], instead
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "height_field")]
     pub(super) top_field: Option<String>,
     /// What to do with footprints without a usable height
     #[arg(long, value_enum, default_value = "drop")]
@@ -82,6 +112,9 @@ pub(super) struct SceneArgs {
     /// Hash inputs above 64 MB too
     #[arg(long)]
     pub(super) hash: bool,
+    /// Which arguments were typed.
+    #[arg(skip)]
+    pub(super) typed: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -158,8 +191,6 @@ pub(super) enum LayerArg {
 
 #[derive(Debug, Args)]
 pub(super) struct MapArgs {
-    #[command(flatten)]
-    pub(super) scene: SceneArgs,
     /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: Vec<String>,
@@ -195,13 +226,13 @@ pub(super) struct MapArgs {
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
     #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    #[command(flatten)]
     pub(super) out: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct LinkArgs {
-    #[command(flatten)]
-    pub(super) scene: SceneArgs,
     /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: String,
@@ -212,13 +243,13 @@ pub(super) struct LinkArgs {
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    #[command(flatten)]
     pub(super) out: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct CityArgs {
-    #[command(flatten)]
-    pub(super) scene: SceneArgs,
     /// File to write, by extension: .png .svg (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints),
     /// .json (parameters); repeat for more
     #[arg(short, long = "output", value_name = "FILE", required = true)]
@@ -230,19 +261,21 @@ pub(super) struct CityArgs {
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
     #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    #[command(flatten)]
     pub(super) out: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    #[command(flatten)]
-    pub(super) scene: SceneArgs,
     /// Print one JSON document on standard output
     #[arg(long)]
     pub(super) json: bool,
     /// Say nothing but errors and the answer
     #[arg(short, long)]
     pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
 }
 
 fn number(text: &str) -> Result<f64, String> {

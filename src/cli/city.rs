@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::args::CityArgs;
 use super::map::{pretty, tidy};
-use super::messages;
-use super::plan::{input_paths, meters_per_unit, read_scene};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
+use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, check_outputs, city_geojson, city_surface, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
@@ -30,6 +30,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let Scene { name, grid, solids, built_up, sources } = scene;
+    check_memory(&name, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
         command,
@@ -42,6 +43,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
     };
     let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref() };
 
+    interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
     let mut to_stdout = args.out.json;
     for (path, format) in &outputs {
@@ -49,6 +51,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
             Format::Stdout => to_stdout = true,
             _ => {
                 for (file, bytes) in city.encode(path, *format)? {
+                    interrupt::check()?;
                     batch.add(&file, &bytes)?;
                 }
             }
@@ -67,7 +70,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         messages::note(&format!("{}{buildings}; wrote {}", facts.scene_name, files.join(", ")));
     }
     if to_stdout {
-        messages::answer(&pretty(&facts.provenance("skyshed/city/1", None)));
+        messages::answer(&pretty(&facts.provenance("skyshed/city/1", None)))?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::args::InfoArgs;
 use super::map::{pretty, tidy};
 use super::messages;
-use super::plan::{is_vector, meters_per_unit, read_scene};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, is_vector, meters_per_unit, read_scene};
 use crate::error::Result;
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{VOID, meters};
@@ -22,6 +22,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let grid = scene.grid.clone();
+    check_memory(&scene.name, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
 
@@ -59,8 +60,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         messages::warnings(&warnings);
     }
     if args.json {
-        messages::answer(&pretty(&document));
-        return Ok(());
+        return messages::answer(&pretty(&document));
     }
 
     let range = |r: Option<(i32, i32)>| {
@@ -116,8 +116,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     if field.is_surface_only() {
         text += "receivers  stand on the surface: no terrain is known\n";
     }
-    messages::answer(&text);
-    Ok(())
+    messages::answer(&text)
 }
 
 /// Cells by kind and ranges of heights.

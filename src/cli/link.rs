@@ -2,8 +2,8 @@
 
 use super::args::LinkArgs;
 use super::map::{pretty, tidy};
-use super::messages;
 use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav, ready};
+use super::{interrupt, messages};
 use crate::coverage::Uav;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, check_outputs};
@@ -27,6 +27,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let receiver = receiver(&scene, x, y, height)?;
     let report = explain(&scene, &uav, &receiver, command);
 
+    interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
     for (path, format) in &outputs {
         let bytes = match format {
@@ -34,6 +35,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
             Format::Png | Format::Svg => picture(&scene, &uav, &receiver, &report, *format == Format::Svg)?,
             _ => continue,
         };
+        interrupt::check()?;
         batch.add(path, &bytes)?;
     }
     batch.commit()?;
@@ -41,11 +43,10 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
         messages::warnings(&scene.warnings);
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-        messages::answer(&pretty(&report.document()));
+        messages::answer(&pretty(&report.document()))
     } else {
-        messages::answer(&in_words(&report));
+        messages::answer(&in_words(&report))
     }
-    Ok(())
 }
 
 /// The receiver's end: on ground or roof that is there, not inside a building.

@@ -1,15 +1,14 @@
 //! `skyshed map`: coverage of one or many UAVs.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, Method, ReceiversArg};
-use super::messages;
 use super::plan::{
-    Ready, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height, warn_of_flat_earth,
+    Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
+    warn_of_flat_earth,
 };
+use super::{interrupt, messages};
 use crate::coverage::{
     Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
 };
@@ -42,6 +41,9 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let outputs = check_outputs(&args.output, &FORMATS, &inputs, args.out.overwrite)?;
     if outputs.is_empty() && !args.out.json {
         return Err(Error::usage(108, "nothing to write: wanted `-o FILE` or `--json`").with_hint("-o coverage.png"));
+    }
+    if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
+        return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
     }
     let typed: Vec<Site> =
         args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
@@ -78,10 +80,10 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         Method::Auto | Method::Ray => "ray",
     };
 
-    let control = Arc::new(Control::default());
-    let on_interrupt = Arc::clone(&control);
-    // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
-    let _ = ctrlc::set_handler(move || on_interrupt.stop.store(true, Ordering::Relaxed));
+    let n_measures =
+        [Layer::Margin, Layer::Ceiling, Layer::LeastHeight].iter().filter(|layer| layers.contains(layer)).count();
+    check_memory(&scene.name, scene.field.grid(), uavs.len().saturating_mul(1 + 4 * n_measures))?;
+    let control = Control::default();
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let coverages: Vec<SiteCoverage> = messages::with_progress(&control, total, args.out.quiet, || {
@@ -95,13 +97,12 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     let report = report(args, &scene, &coverages, command, method, radius_m);
     let before_write = Instant::now();
+    interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
     let job = Writer { args, scene: &scene, coverages: &coverages, layers: &layers, report: &report };
     for (path, format) in &outputs {
         for (file, bytes) in job.encode(path, *format)? {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::new(crate::error::ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
-            }
+            interrupt::check()?;
             batch.add(&file, &bytes)?;
         }
     }
@@ -114,7 +115,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         say_results(&report, scene.timing, &outputs);
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-        messages::answer(&pretty(&report.document(Some(scene.timing))));
+        messages::answer(&pretty(&report.document(Some(scene.timing))))?;
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! What is said on standard error: errors, warnings, hints, progress.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::coverage::Control;
-use crate::error::{Error, Warning};
+use crate::error::{Error, Result, Warning};
 
 /// A line on standard error; a closed pipe there is nobody's concern.
 fn say(text: &str) {
@@ -35,9 +35,17 @@ pub(super) fn note(text: &str) {
 }
 
 /// Prints a result on standard output. A closed pipe means that the reader has seen enough: that is success.
-pub(super) fn answer(text: &str) {
+///
+/// # Errors
+/// Internal error (E401) if it cannot be written for another reason, such as a full disk.
+pub(super) fn answer(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::internal(401, format!("cannot write to standard output: {e}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// How long work may take before a bar is worth showing.

@@ -1,11 +1,12 @@
 //! The command line: what was typed becomes a plan, the plan runs, results go out.
 //!
 //! [`args`] holds what can be typed, [`plan`] what it means, one module per command what it does, [`messages`] what is
-//! said on standard error.
+//! said on standard error, [`interrupt`] what Ctrl-C does.
 
 mod args;
 mod city;
 mod info;
+mod interrupt;
 mod link;
 mod map;
 mod messages;
@@ -14,25 +15,26 @@ mod plan;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use crate::error::{Error, Result};
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let words: Vec<OsString> = words.into_iter().collect();
-    let cli = match args::Cli::try_parse_from(&words) {
+    let cli = match args::Cli::from_words(&words) {
         Ok(cli) => cli,
         Err(refusal) => return refuse(&refusal),
     };
+    interrupt::listen();
     let command = words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
     match dispatch(cli, command) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            messages::error(&error);
-            ExitCode::from(error.class().exit_code())
-        }
+        Err(error) => fail(&error),
     }
+}
+
+fn fail(error: &Error) -> ExitCode {
+    messages::error(error);
+    ExitCode::from(error.class().exit_code())
 }
 
 fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
@@ -59,10 +61,14 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind;
     let text = refusal.to_string();
     match refusal.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            messages::answer(&text);
-            ExitCode::SUCCESS
-        }
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => match messages::answer(&text) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => fail(&error),
+        },
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
+            &Error::usage(101, "no command, wanted one of `map`, `link`, `city` and `info`")
+                .with_hint("skyshed --help"),
+        ),
         _ => {
             let text = text.strip_prefix("error: ").unwrap_or(&text);
             let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
@@ -73,8 +79,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             if !hints.is_empty() {
                 error = error.with_hint(hints.join("; ").replace("tip: ", ""));
             }
-            messages::error(&error);
-            ExitCode::from(2)
+            fail(&error)
         }
     }
 }

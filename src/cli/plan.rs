@@ -36,7 +36,9 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             seed: args.seed,
             ground_m: args.ground.unwrap_or(0.0),
         };
-        refuse_flags(args, "a generated city", &[("--terrain", args.terrain.is_some())])?;
+        let of_files =
+            ["terrain", "extent", "crs", "building_threshold", "height_field", "top_field", "missing", "nodata_as"];
+        refuse_flags(args, "a generated city", &of_files)?;
         return city.scene();
     }
     let path = Path::new(&args.scene);
@@ -49,6 +51,10 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "geojson" | "json" => {
+            refuse_flags(args, "footprints", &["size", "building_threshold"])?;
+            if args.terrain.is_none() {
+                refuse_flags(args, "footprints without `--terrain`", &["nodata_as"])?;
+            }
             let options = FootprintOptions {
                 height_field: args.height_field.clone(),
                 top_field: args.top_field.clone(),
@@ -74,7 +80,10 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         )
         .with_hint(format!("ogr2ogr -f GeoJSON buildings.geojson {}", path.display()))),
         _ => {
-            refuse_flags(args, "a raster", &[("--extent", args.extent.is_some()), ("--cell", args.cell.is_some())])?;
+            refuse_flags(args, "a raster", &["extent", "cell", "size", "height_field", "top_field", "missing"])?;
+            if args.terrain.is_none() && args.ground.is_none() {
+                refuse_flags(args, "a raster without `--terrain` or `--ground`", &["building_threshold"])?;
+            }
             let options = SurfaceOptions {
                 terrain: args.terrain.clone(),
                 ground_m: args.ground,
@@ -89,12 +98,36 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
 }
 
 /// An ignored input is an error, never silence.
-fn refuse_flags(_args: &SceneArgs, what: &str, flags: &[(&str, bool)]) -> Result<()> {
-    match flags.iter().find(|(_, given)| *given) {
-        Some((flag, _)) => Err(Error::usage(116, format!("`{flag}` has no meaning for {what}"))),
+fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Result<()> {
+    match without_meaning.iter().find(|name| args.typed.iter().any(|typed| typed == *name)) {
+        Some(name) => Err(Error::usage(116, format!("`--{}` has no meaning for {what}", name.replace('_', "-")))),
         None => Ok(()),
     }
 }
+
+/// Refuses a grid that does not fit in memory, before anything of its size is made.
+pub(super) fn check_memory(name: &str, grid: &GeoRef, bytes_per_cell: usize) -> Result<()> {
+    let mut probe: Vec<u8> = Vec::new();
+    let bytes = grid.n_cells().saturating_mul(bytes_per_cell);
+    if probe.try_reserve_exact(bytes).is_err() {
+        return Err(Error::limit(
+            501,
+            format!(
+                "cannot map {name}: {}×{} cells need at least {:.1} GiB of memory, more than there is",
+                grid.n_cols(),
+                grid.n_rows(),
+                bytes as f64 / f64::powi(2.0, 30)
+            ),
+        )
+        .with_hint("choose larger cells, a smaller extent, or fewer sites and layers"));
+    }
+    // What is looked at cannot be optimized away.
+    std::hint::black_box(&mut probe);
+    Ok(())
+}
+
+/// Bytes that a cell takes in a height field and in what is drawn from it.
+pub(super) const FIELD_BYTES_PER_CELL: usize = 8;
 
 /// Reads a scene and builds its height field.
 pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
@@ -103,6 +136,7 @@ pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
     let scene = read_scene(args, &mut warnings)?;
     let read = start.elapsed().as_secs_f64();
     let Scene { name, grid, solids, built_up, sources } = scene;
+    check_memory(&name, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);

@@ -1,8 +1,11 @@
 //! Files of a run: their formats, the refusal to replace, and the atomic batch.
 
+use std::collections::HashMap;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 
@@ -127,21 +130,36 @@ fn folder_of(path: &Path) -> PathBuf {
 #[derive(Debug, Default)]
 pub struct Batch {
     files: Vec<(PathBuf, PathBuf)>,
+    digests: HashMap<PathBuf, [u8; 32]>,
     overwrite: bool,
 }
 
 impl Batch {
     /// An empty batch that replaces existing files only if `overwrite`.
     pub fn new(overwrite: bool) -> Self {
-        Batch { files: Vec::new(), overwrite }
+        Batch { files: Vec::new(), digests: HashMap::new(), overwrite }
     }
 
-    /// Adds a file: writes its bytes under a temporary name in the same folder.
+    /// Adds a file: writes its bytes under a temporary name in the same folder. A file that two outputs have in common,
+    /// such as the `.prj` beside `a.asc` and `a.png`, is written once.
     ///
     /// # Errors
-    /// Usage error if the file exists and may not be replaced (E106); internal error if writing fails (E401).
+    /// Usage error if the file exists and may not be replaced (E106) or two outputs want it differently (E105);
+    /// internal error if writing fails (E401).
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         refuse_to_replace(path, self.overwrite)?;
+        let digest: [u8; 32] = Sha256::digest(bytes).into();
+        match self.digests.insert(path.to_path_buf(), digest) {
+            Some(before) if before == digest => return Ok(()),
+            Some(_) => {
+                return Err(Error::usage(
+                    105,
+                    format!("cannot write {}: two outputs of this run need it", path.display()),
+                )
+                .with_hint("give them different names"));
+            }
+            None => {}
+        }
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}.part", std::process::id()));
