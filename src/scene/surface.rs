@@ -170,16 +170,16 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
 fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
     let Some(crs) = georef.crs() else { return Ok(()) };
     refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
-    if let CrsKind::Projected { meters_per_unit } = crs.kind() {
-        if (meters_per_unit - 1.0).abs() > 1e-9 {
-            warnings.push(Warning::new(
-                343,
-                format!(
-                    "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
-                    path.display()
-                ),
-            ));
-        }
+    if let CrsKind::Projected { meters_per_unit } = crs.kind()
+        && (meters_per_unit - 1.0).abs() > 1e-9
+    {
+        warnings.push(Warning::new(
+            343,
+            format!(
+                "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
+                path.display()
+            ),
+        ));
     }
     if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
         warnings.push(Warning::new(
@@ -200,24 +200,20 @@ fn terrain_on_grid(
     warnings: &mut Vec<Warning>,
 ) -> Result<Raster<i32>> {
     let from = terrain.georef();
-    if let (Some(x), Some(y)) = (grid.crs(), from.crs()) {
-        if x.epsg() != y.epsg() {
-            return Err(Error::file(
-                311,
-                format!(
-                    "cannot combine {} in {} with {} in {}: wanted one CRS",
-                    surface_path.display(),
-                    x.label(),
-                    terrain_path.display(),
-                    y.label()
-                ),
-            )
-            .with_hint(format!(
-                "gdalwarp -t_srs {} {} terrain_reprojected.tif",
+    if let (Some(x), Some(y)) = (grid.crs(), from.crs())
+        && x.epsg() != y.epsg()
+    {
+        return Err(Error::file(
+            311,
+            format!(
+                "cannot combine {} in {} with {} in {}: wanted one CRS",
+                surface_path.display(),
                 x.label(),
-                terrain_path.display()
-            )));
-        }
+                terrain_path.display(),
+                y.label()
+            ),
+        )
+        .with_hint(format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", x.label(), terrain_path.display())));
     }
     if grid.same_grid(from) {
         return Ok(terrain);
