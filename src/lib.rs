@@ -63,3 +63,8 @@ pub mod report;
 pub mod cli;
 
 pub use error::{Error, ErrorClass, Result, Warning};
+
+/// The README's code is tested like any other.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -222,7 +222,7 @@ pub(super) struct MapArgs {
     /// Title of the picture
     #[arg(long, value_name = "TEXT")]
     pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption, as a data licence may ask for
+    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
     #[command(flatten)]
@@ -257,7 +257,7 @@ pub(super) struct CityArgs {
     /// Title of the picture
     #[arg(long, value_name = "TEXT")]
     pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption
+    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
     #[command(flatten)]

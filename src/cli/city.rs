@@ -29,7 +29,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
         Solids::Raster { .. } => None,
     };
-    let Scene { name, grid, solids, built_up, sources } = scene;
+    let Scene { name, grid, solids, built_up, sources, attribution } = scene;
     check_memory(&name, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
@@ -41,7 +41,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         seed: built_up.map(|_| args.scene.seed),
         warnings,
     };
-    let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref() };
+    let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref(), attribution };
 
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
@@ -80,6 +80,8 @@ struct City<'a> {
     facts: &'a RunFacts,
     field: &'a HeightField,
     footprints: Option<&'a (Vec<Footprint>, Frame)>,
+    /// Whom the picture must credit, where the data say so.
+    attribution: Option<String>,
 }
 
 impl City<'_> {
@@ -165,7 +167,7 @@ impl City<'_> {
             tidy(grid.y_min()),
             env!("CARGO_PKG_VERSION")
         ));
-        caption.extend(self.args.attribution.clone());
+        caption.extend(self.args.attribution.clone().or_else(|| self.attribution.clone()));
         let title = self.args.title.clone().unwrap_or_else(|| capitalized(&self.facts.scene_name));
         let picture =
             CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };

@@ -367,7 +367,7 @@ impl Writer<'_> {
             self.report.facts.method,
             env!("CARGO_PKG_VERSION")
         ));
-        lines.extend(self.args.attribution.clone());
+        lines.extend(self.args.attribution.clone().or_else(|| self.scene.attribution.clone()));
         lines
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Ready {
     pub(super) name: String,
     pub(super) field: HeightField,
     pub(super) sources: Vec<Source>,
+    /// Whom pictures must credit.
+    pub(super) attribution: Option<String>,
     pub(super) seed: Option<u64>,
     pub(super) warnings: Vec<Warning>,
     pub(super) timing: Timing,
@@ -135,12 +137,12 @@ pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
     let mut warnings = Vec::new();
     let scene = read_scene(args, &mut warnings)?;
     let read = start.elapsed().as_secs_f64();
-    let Scene { name, grid, solids, built_up, sources } = scene;
+    let Scene { name, grid, solids, built_up, sources, attribution } = scene;
     check_memory(&name, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);
-    Ok(Ready { name, field, sources, seed, warnings, timing: Timing { read, build, ..Timing::default() } })
+    Ok(Ready { name, field, sources, attribution, seed, warnings, timing: Timing { read, build, ..Timing::default() } })
 }
 
 impl Ready {

@@ -188,6 +188,7 @@ impl BuiltUpCity {
             },
             built_up: Some(self.built_up),
             sources: Vec::new(),
+            attribution: None,
         })
     }
 

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::geojson_file::{FoundHeight, RawFootprint, RawFootprints, read_raw_footprints};
 use super::surface::{SurfaceOptions, ground_steps, read_heights};
-use super::{Ground, NodataAs, Scene, Solids, Source, refuse_degrees};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters};
 use crate::raster::{Crs, GeoRef, InputKind, Raster};
@@ -186,14 +186,16 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
+    let attribution = raw.attribution.clone();
     let (footprints, faults) = build(path, raw, options, &ground, frame, warnings)?;
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
     Ok(Scene {
-        name: path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned()),
+        name: name_of(path),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults },
         built_up: None,
         sources,
+        attribution,
     })
 }
 

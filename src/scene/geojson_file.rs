@@ -15,6 +15,8 @@ use crate::raster::Crs;
 #[derive(Debug, Clone, Default)]
 pub(super) struct RawFootprints {
     pub(super) crs: Option<Crs>,
+    /// The document's `attribution` member: whom a picture must credit.
+    pub(super) attribution: Option<String>,
     pub(super) footprints: Vec<RawFootprint>,
     /// Features that are not polygons.
     pub(super) not_areas: usize,
@@ -126,7 +128,8 @@ pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
 /// Reads the polygons of a file with their heights from property `height_field`, or `top_field` if given.
 pub(super) fn read_raw_footprints(path: &Path, height_field: &str, top_field: Option<&str>) -> Result<RawFootprints> {
     let document = read_document(path)?;
-    let mut raw = RawFootprints { crs: named_crs(path, &document)?, ..RawFootprints::default() };
+    let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
+    let mut raw = RawFootprints { crs: named_crs(path, &document)?, attribution, ..RawFootprints::default() };
     for (number, value) in features(path, document)?.into_iter().enumerate() {
         let number = number + 1;
         let refuse = |found: String| {

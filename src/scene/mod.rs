@@ -33,6 +33,15 @@ pub struct Scene {
     pub built_up: Option<BuiltUp>,
     /// The files that the scene was read from.
     pub sources: Vec<Source>,
+    /// Whom pictures must credit, where the data say so.
+    pub attribution: Option<String>,
+}
+
+/// What a file is called in captions: its stem, spelled as words.
+pub(crate) fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().replace('_', " "));
+    let mut letters = stem.chars();
+    letters.next().map_or(stem.clone(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The solids of a scene.

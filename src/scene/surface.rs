@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Ground, NodataAs, Scene, Solids, Source, refuse_degrees};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
@@ -102,11 +102,12 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
         .filter(|t| *t >= 0)
         .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))?;
     Ok(Scene {
-        name: path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned()),
+        name: name_of(path),
         grid: georef,
         solids: Solids::Raster { surface, ground, building_threshold },
         built_up: None,
         sources,
+        attribution: None,
     })
 }
 

@@ -232,26 +232,45 @@ fn compare(comparison: Comparison) -> usize {
     n_evaluated
 }
 
-fn munich(folder: &Path, truth: PathBuf, footprints: bool) -> Comparison {
-    let terrain = folder.join("terrain_1m.tif");
-    let (scene, mask) = if footprints {
-        (footprint_scene(&folder.join("buildings.geojson"), &terrain), "lod1_los.tif")
-    } else {
-        (surface_scene(&folder.join("dsm_1m.tif"), &terrain, 0.25), "block_los.tif")
-    };
-    Comparison { scene, truth, mask, street: 0.9999, others: 0.999 }
+/// Files of a city: footprints, surface, terrain.
+struct City {
+    buildings: PathBuf,
+    dsm: PathBuf,
+    terrain: PathBuf,
+}
+
+impl City {
+    fn munich() -> City {
+        let maps = maps();
+        City {
+            buildings: maps.join("munich.geojson"),
+            dsm: maps.join("munich_dsm.tif"),
+            terrain: maps.join("munich_terrain.tif"),
+        }
+    }
+
+    fn scene(&self, footprints: bool) -> Scene {
+        if footprints {
+            footprint_scene(&self.buildings, &self.terrain)
+        } else {
+            surface_scene(&self.dsm, &self.terrain, 0.25)
+        }
+    }
+
+    fn comparison(&self, truth: PathBuf, footprints: bool) -> Comparison {
+        let mask = if footprints { "lod1_los.tif" } else { "block_los.tif" };
+        Comparison { scene: self.scene(footprints), truth, mask, street: 0.9999, others: 0.999 }
+    }
 }
 
 #[test]
 fn the_raster_of_munich_agrees_with_an_independent_engine() {
-    let folder = maps().join("munich");
-    assert_eq!(compare(munich(&folder, folder.join("truth"), false)), 6 * 1_232_980);
+    assert_eq!(compare(City::munich().comparison(maps().join("munich_truth"), false)), 6 * 1_232_980);
 }
 
 #[test]
 fn the_footprints_of_munich_agree_with_an_independent_engine() {
-    let folder = maps().join("munich");
-    assert_eq!(compare(munich(&folder, folder.join("truth"), true)), 6 * 1_232_974);
+    assert_eq!(compare(City::munich().comparison(maps().join("munich_truth"), true)), 6 * 1_232_974);
 }
 
 #[test]
@@ -259,8 +278,13 @@ fn rasters_and_footprints_of_the_other_cities_agree_with_an_independent_engine()
     let Some(shared) = shared() else { return };
     for city in ["etoile", "simple_street_canyon"] {
         let folder = shared.join("cities").join(city);
+        let files = City {
+            buildings: folder.join("buildings.geojson"),
+            dsm: folder.join("dsm_1m.tif"),
+            terrain: folder.join("terrain_1m.tif"),
+        };
         for footprints in [false, true] {
-            let comparison = munich(&folder, shared.join("truth").join(city), footprints);
+            let comparison = files.comparison(shared.join("truth").join(city), footprints);
             assert!(compare(comparison) > 200_000, "{city}");
         }
     }
@@ -288,14 +312,8 @@ fn lidar_rasters_agree_with_an_independent_engine() {
 
 #[test]
 fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
-    let folder = maps().join("munich");
-    let terrain = folder.join("terrain_1m.tif");
     for footprints in [false, true] {
-        let scene = if footprints {
-            footprint_scene(&folder.join("buildings.geojson"), &terrain)
-        } else {
-            surface_scene(&folder.join("dsm_1m.tif"), &terrain, 0.25)
-        };
+        let scene = City::munich().scene(footprints);
         let prisms = match &scene.solids {
             Solids::Vector { footprints, .. } => footprints.clone(),
             Solids::Raster { .. } => Vec::new(),

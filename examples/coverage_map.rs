@@ -1,0 +1,68 @@
+//! File in, picture out: what a UAV sees of Munich, from building footprints.
+//!
+//! `cargo run --release --example coverage_map` writes `out/munich_coverage.png`.
+
+use std::path::Path;
+
+use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
+use skyshed::height_field::HeightField;
+use skyshed::quantity::{Height, height_steps};
+use skyshed::render::{Layer, MapPicture, Mark, draw_map};
+use skyshed::scene::{FootprintOptions, MissingHeight, NodataAs, Site, read_footprints};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    let options = FootprintOptions {
+        height_field: "height".into(),
+        top_field: None,
+        missing: MissingHeight::Drop,
+        terrain: None,
+        ground_m: Some(0.0),
+        extent: None,
+        cell_m: Some(1.0),
+        crs: None,
+        nodata_as: NodataAs::Clear,
+        always_hash: false,
+    };
+    let mut warnings = Vec::new();
+    let scene = read_footprints(&file, &options, &mut warnings)?;
+    let (grid, attribution) = (scene.grid.clone(), scene.attribution.clone());
+    let field = HeightField::build(&grid, scene.solids, &mut warnings);
+
+    let site = Site { id: "1".into(), x: 691_416.0, y: 5_334_517.0, height: Height::AboveGround(90.0) };
+    let uav = Uav::place(&site, &field, None)?;
+    let options = MapOptions {
+        rx_height: height_steps(1.5).expect("in range"),
+        receivers: Receivers::Ground,
+        radius: None,
+        meters_per_unit: 1.0,
+        layers: HeightLayers::default(),
+    };
+    let map = map_site(&field, &uav, &options, &Control::default())?;
+    let p_los = map.tally.p_los().ok_or("no receiver")?;
+    println!("P_LoS = {p_los:.4} of {} open-ground cells", map.tally.receivers);
+
+    let mut caption = vec![format!("UAV 90 m above ground, receivers 1.5 m; P_LoS = {p_los:.4}")];
+    caption.extend(attribution);
+    let picture = MapPicture {
+        title: "A UAV over the old town of Munich",
+        caption: &caption,
+        n_cols: grid.n_cols(),
+        n_rows: grid.n_rows(),
+        cell_m: (grid.cell_width(), grid.cell_height()),
+        layer: Layer::Los(&map.mask),
+        surface_m: Some(&field.above_ground_m()),
+        uavs: &[Mark {
+            label: "UAV",
+            height: "90 m",
+            col: (site.x - grid.x_min()) / grid.cell_width(),
+            row: (grid.y_max() - site.y) / grid.cell_height(),
+        }],
+        receivers_name: "open-ground cells",
+        others_name: "Buildings",
+    };
+    std::fs::create_dir_all("out")?;
+    std::fs::write("out/munich_coverage.png", draw_map(&picture, &[])?)?;
+    println!("wrote out/munich_coverage.png");
+    Ok(())
+}
