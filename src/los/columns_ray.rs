@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{Ceiling, Obstruction};
+use super::obstruction::{BOUND_MARGIN, Ceiling, Obstruction};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 
@@ -30,7 +30,7 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
     let rising = uav.z >= receiver.z;
     let climb = uav.z - receiver.z;
     let blocked = visit_intervals(columns, uav, receiver, |interval| {
-        // EXACT: differences of heights and positions are at most 2^26, so both products are below 2^53.
+        // EXACT: positions differ by at most 2^26 and heights by less than 2^28, so both products are below 2^54.
         let end = if rising { interval.near } else { interval.far };
         let is_blocked = (i64::from(interval.top) - receiver.z) * end.d > end.n * climb;
         if is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -51,8 +51,8 @@ pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePo
         let (near, far) = (from_uav(interval.near), from_uav(interval.far));
         if highest <= 0 {
             // Nothing farther up the ray can bind more than the highest column here would.
-            #[expect(clippy::cast_precision_loss, reason = "compared with a margin of one lattice step")]
-            let at_most = uav.z as f64 + highest as f64 * near.d as f64 / near.n as f64;
+            #[expect(clippy::cast_precision_loss, reason = "compared with a margin")]
+            let at_most = uav.z as f64 + highest as f64 * near.d as f64 / near.n as f64 * BOUND_MARGIN;
             if at_most + 1.0 < ceiling.height_steps() {
                 return ControlFlow::Break(());
             }
@@ -154,7 +154,8 @@ fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: Lattic
     let north: isize = if dy < 0 { columns.n_cols() as isize } else { -(columns.n_cols() as isize) };
     let tops = columns.tops();
     let mut index = own;
-    // EXACT: all factors are at most 2^26, so every product is at most 2^52.
+    // EXACT: lengths along an axis are at most 2^26 and heights differ by less than 2^32 (a void cell is 2^31 below the
+    // datum), so every product is below 2^58.
     loop {
         let (n, d) = if ex <= ey {
             if nx >= reach_x {

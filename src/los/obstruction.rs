@@ -6,6 +6,10 @@ use crate::quantity::LatticePoint;
 
 use super::cell_walk::Crossing;
 
+/// Makes a bound computed in doubles, negative as seen from the UAV, too high rather than too low: a few roundings of
+/// 2^-53 each, on both sides of a comparison, are far below 1e-12.
+pub(super) const BOUND_MARGIN: f64 = 1.0 - 1e-12;
+
 /// The least receiver height at a place from which the link is LoS.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ceiling {

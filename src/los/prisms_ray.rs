@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{Ceiling, Obstruction};
+use super::obstruction::{BOUND_MARGIN, Ceiling, Obstruction};
 use crate::height_field::{Piece, Prisms};
 use crate::quantity::LatticePoint;
 
@@ -23,7 +23,7 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
         return true;
     }
     if uav.x == receiver.x && uav.y == receiver.y {
-        // The open segment of a link without length is empty and meets nothing.
+        // Between coinciding ends the open segment is empty.
         return uav.z == receiver.z || i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
     }
     let ray = Ray::new(uav, receiver);
@@ -65,7 +65,7 @@ pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
     let ray = Ray::new(uav, receiver);
     let mut edges: Vec<Edge> = Vec::new();
     let ceiling_cell = std::cell::Cell::new(f64::NEG_INFINITY);
-    let may_bind = |max_top: i32, near: f64, _far: f64| ray.may_raise(ceiling_cell.get(), max_top, near);
+    let may_bind = |max_top: i32, near: Crossing, _far: Crossing| ray.may_raise(ceiling_cell.get(), max_top, near);
     let _ = visit_buckets(prisms, &ray, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
@@ -105,7 +105,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
             ControlFlow::Continue(())
         },
     );
-    crossed.sort_unstable_by_key(|a| a.0);
+    crossed.sort_unstable_by(|a, b| a.0.cmp(&b.0));
     crossed.dedup_by_key(|c| c.0);
     crossed
 }
@@ -173,8 +173,8 @@ impl Ray {
         let mut previous = self.side(ring[n - 1]);
         let (mut enters, mut leaves, mut zeros) = (None, None, 0);
         let (mut any_left, mut any_right) = (false, false);
-        for (k, &vertex) in ring.iter().enumerate() {
-            let side = self.side(vertex);
+        for k in 0..n {
+            let side = self.side(ring[k]);
             any_left |= side > 0;
             any_right |= side < 0;
             zeros += i32::from(side == 0);
@@ -251,19 +251,25 @@ impl Ray {
         self.receiver.z as f64 - t * self.dz as f64
     }
 
-    /// Whether the ray may be below `top` somewhere between fractions `near` and `far` from the receiver.
+    /// Whether the ray may be below `top` somewhere between `near` and `far`, measured from the receiver.
     #[inline]
-    fn dips_below(&self, top: i32, near: f64, far: f64) -> bool {
+    fn dips_below(&self, top: i32, near: Crossing, far: Crossing) -> bool {
         let lowest = if self.dz <= 0 { near } else { far };
-        f64::from(top) > self.height_from_receiver(lowest) - 1.0
+        #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
+        let fraction = lowest.n as f64 / lowest.d as f64;
+        f64::from(top) > self.height_from_receiver(fraction) - 1.0
     }
 
-    /// Whether an obstacle of at most `top`, at fraction `near` or more from the receiver, may raise the ceiling.
-    fn may_raise(&self, ceiling: f64, top: i32, near: f64) -> bool {
-        #[expect(clippy::cast_precision_loss, reason = "compared with a margin of one lattice step")]
-        let uav_z = self.uav.z as f64;
-        let excess = f64::from(top) - uav_z;
-        excess > 0.0 || ceiling == f64::NEG_INFINITY || uav_z + excess / (1.0 - near).max(1e-300) + 1.0 >= ceiling
+    /// Whether an obstacle of at most `top`, at `near` or farther from the receiver, may raise the ceiling.
+    fn may_raise(&self, ceiling: f64, top: i32, near: Crossing) -> bool {
+        let excess = i64::from(top) - self.uav.z;
+        if excess > 0 || ceiling == f64::NEG_INFINITY {
+            return true;
+        }
+        // The way left is subtracted in integers: beside the UAV one minus a rounded fraction has few digits left.
+        #[expect(clippy::cast_precision_loss, reason = "compared with a margin")]
+        let (uav_z, bound) = (self.uav.z as f64, excess as f64 * near.d as f64 / (near.d - near.n) as f64);
+        uav_z + bound * BOUND_MARGIN + 1.0 >= ceiling
     }
 }
 
@@ -280,27 +286,26 @@ fn shared_edges(edges: &[Edge]) -> impl Iterator<Item = (&Edge, Interval)> {
 }
 
 /// Visits the pieces listed by the buckets along the link, from the receiver on, skipping the buckets that `matters`
-/// rules out: it gets the bucket's highest top and the ray's entry and exit as fractions from the receiver.
+/// rules out: it gets the bucket's highest top and the ray's entry and exit, measured from the receiver.
 #[inline]
 fn visit_buckets(
     prisms: &Prisms,
     ray: &Ray,
-    matters: impl Fn(i32, f64, f64) -> bool,
+    matters: impl Fn(i32, Crossing, Crossing) -> bool,
     mut visit: impl FnMut(usize, &Piece) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let buckets = prisms.buckets();
     let relative = |p: &LatticePoint| (p.x - buckets.origin.0, p.y - buckets.origin.1);
     let mut walk = CellWalk::new(relative(&ray.receiver), relative(&ray.uav), buckets.size);
-    let mut near = 0.0;
+    let mut near = Crossing { n: 0, d: 1 };
     loop {
         let exit = walk.exit();
-        #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
-        let far = exit.map_or(1.0, |c| c.n as f64 / c.d as f64);
-        if let Some((max_top, items)) = buckets.at(walk.cell.0, walk.cell.1)
-            && matters(max_top, near, far)
-        {
-            for &item in items {
-                visit(item as usize, &prisms.pieces()[item as usize])?;
+        let far = exit.unwrap_or(Crossing { n: 1, d: 1 });
+        if let Some((max_top, items)) = buckets.at(walk.cell.0, walk.cell.1) {
+            if matters(max_top, near, far) {
+                for &item in items {
+                    visit(item as usize, &prisms.pieces()[item as usize])?;
+                }
             }
         }
         if exit.is_none() {

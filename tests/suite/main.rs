@@ -19,4 +19,7 @@ mod cli; // the program from outside
 mod layering; // data flows one way
 
 mod program; // runs the program from outside
+mod polygons; // triangulation and repair of footprints
+mod referee; // one link by an engine and by the oracle
+mod shapes; // small scenes with many ties
 mod support; // random numbers and scenes for the suites above
