@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example coverage_map` writes `out/munich_coverage.png`.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use std::path::Path;
 
 use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example generated_city`
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use skyshed::Result;
 use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
 use skyshed::height_field::HeightField;
@@ -10,7 +12,7 @@ use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 
 fn main() -> Result<()> {
     println!("P_LoS of receivers 1.5 m above ground, by elevation angle, UAV 100 m over a crossroad, one city each");
-    println!("{:<12} {:>6}  {}", "", "all", "0–10° 10–20° 20–30° 30–40° 40–50° 50–60° 60–70° 70–80° 80–90°");
+    println!("{:<12} {:>6}  0–10° 10–20° 20–30° 30–40° 40–50° 50–60° 60–70° 70–80° 80–90°", "", "all");
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
         let built_up = BuiltUp::named(name).expect("a named environment");
         let scene = BuiltUpCity { built_up, size_m: 1000.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.scene()?;

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example one_link`
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use skyshed::Result;
 use skyshed::coverage::Uav;
 use skyshed::height_field::{HeightField, Station};

@@ -10,10 +10,10 @@ use std::str::FromStr;
 /// Lattice steps per meter of height, and per horizontal unit.
 pub const STEPS_PER_UNIT: i32 = 1024;
 
-/// The largest height above or below the datum [m]; beyond it a height is refused.
+/// The largest height above or below the datum \[m\]; beyond it a height is refused.
 pub const MAX_HEIGHT_M: f64 = 32_768.0;
 
-/// The largest extent of the box of one UAV and the cells in its range [units].
+/// The largest extent of the box of one UAV and the cells in its range \[units\].
 pub const MAX_EXTENT_UNITS: f64 = 65_536.0;
 
 /// The height of a cell that holds none (nodata, or outside a raster): below every height, so it blocks nothing.
@@ -39,24 +39,24 @@ pub fn meters(steps: i32) -> f64 {
 /// A point on the lattice of a scene: x east, y north, z up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LatticePoint {
-    /// East of the local origin [1/1024 unit].
+    /// East of the local origin \[1/1024 unit\].
     pub x: i64,
-    /// North of the local origin [1/1024 unit].
+    /// North of the local origin \[1/1024 unit\].
     pub y: i64,
-    /// Above the datum [1/1024 m].
+    /// Above the datum \[1/1024 m\].
     pub z: i64,
 }
 
 /// How plane coordinates become lattice positions: a local origin and the length of the horizontal unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
-    /// World x of the local origin [CRS units].
+    /// World x of the local origin \[CRS units\].
     pub x_origin: f64,
-    /// World y of the local origin [CRS units].
+    /// World y of the local origin \[CRS units\].
     pub y_origin: f64,
-    /// Length of one unit along x [CRS units]: 1 in a vector scene, the cell width in a raster scene.
+    /// Length of one unit along x \[CRS units\]: 1 in a vector scene, the cell width in a raster scene.
     pub unit_x: f64,
-    /// Length of one unit along y [CRS units].
+    /// Length of one unit along y \[CRS units\].
     pub unit_y: f64,
 }
 
@@ -82,16 +82,16 @@ impl Frame {
 /// Written `120agl`, `30roof`, `150amsl`; a bare number is above ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Height {
-    /// Above the ground under the point [m].
+    /// Above the ground under the point \[m\].
     AboveGround(f64),
-    /// Above the roof under the point [m].
+    /// Above the roof under the point \[m\].
     AboveRoof(f64),
-    /// Above the datum of the scene [m].
+    /// Above the datum of the scene \[m\].
     AboveDatum(f64),
 }
 
 impl Height {
-    /// The number without its reference [m].
+    /// The number without its reference \[m\].
     pub fn value(self) -> f64 {
         match self {
             Height::AboveGround(v) | Height::AboveRoof(v) | Height::AboveDatum(v) => v,

@@ -1,7 +1,7 @@
 //! The command line: what was typed becomes a plan, the plan runs, results go out.
 //!
-//! [`args`] holds what can be typed, [`plan`] what it means, one module per command what it does, [`messages`] what is
-//! said on standard error, [`interrupt`] what Ctrl-C does.
+//! `args` holds what can be typed, `plan` what it means, one module per command what it does, `messages` what is
+//! said on standard error, `interrupt` what Ctrl-C does.
 
 mod args;
 mod city;

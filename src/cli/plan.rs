@@ -165,7 +165,7 @@ impl Ready {
     }
 }
 
-/// Length of a CRS unit [m].
+/// Length of a CRS unit \[m\].
 pub(super) fn meters_per_unit(grid: &GeoRef) -> f64 {
     match grid.crs().map(Crs::kind) {
         Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
@@ -224,7 +224,7 @@ pub(super) fn checked_radius(radius: Option<f64>) -> Result<Option<f64>> {
     }
 }
 
-/// Mean radius of the Earth [m].
+/// Mean radius of the Earth \[m\].
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
 /// Warns where the flat earth of every engine matters: the horizon's drop d²/2R exceeds a meter.

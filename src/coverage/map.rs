@@ -25,13 +25,13 @@ pub enum Receivers {
 /// How a map is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapOptions {
-    /// Height of the receivers above what they stand on [1/1024 m].
+    /// Height of the receivers above what they stand on \[1/1024 m\].
     pub rx_height: i32,
     /// Which cells hold receivers.
     pub receivers: Receivers,
-    /// Largest horizontal distance from the UAV to a cell center [CRS units].
+    /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,
-    /// Length of a CRS unit [m], for elevation angles.
+    /// Length of a CRS unit \[m\], for elevation angles.
     pub meters_per_unit: f64,
     /// Which layers of heights to make.
     pub layers: HeightLayers,
@@ -55,11 +55,11 @@ pub struct SiteCoverage {
     pub uav: Uav,
     /// Classes of [`class`].
     pub mask: Vec<u8>,
-    /// Receiver height less ceiling [m]; ≥ 0 exactly where LoS, NaN where there is no receiver.
+    /// Receiver height less ceiling \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
     pub margin: Option<Vec<f32>>,
-    /// Least receiver height in line of sight [m above the datum], never below what the receiver stands on.
+    /// Least receiver height in line of sight \[m above the datum\], never below what the receiver stands on.
     pub ceiling: Option<Vec<f32>>,
-    /// Least UAV height over its place that sees the receiver [m above the datum], never below the surface there; +∞
+    /// Least UAV height over its place that sees the receiver \[m above the datum\], never below the surface there; +∞
     /// where none within ±32 768 m does.
     pub least_height: Option<Vec<f32>>,
     /// Counts.
@@ -162,7 +162,7 @@ struct CellJob<'a> {
     field: &'a HeightField,
     uav: &'a Uav,
     options: &'a MapOptions,
-    /// Lowest height that a UAV may have at its place [1/1024 m].
+    /// Lowest height that a UAV may have at its place \[1/1024 m\].
     surface_under_uav: i32,
 }
 
@@ -172,9 +172,9 @@ struct Found {
     margin: f32,
     ceiling: f32,
     least_height: f32,
-    /// Height of the UAV above the receiver [m].
+    /// Height of the UAV above the receiver \[m\].
     rise: f64,
-    /// Horizontal distance [m].
+    /// Horizontal distance \[m\].
     distance: f64,
 }
 

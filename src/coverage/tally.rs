@@ -2,7 +2,7 @@
 
 use super::class;
 
-/// Width of an elevation band [deg].
+/// Width of an elevation band \[deg\].
 pub const BAND_DEGREES: i32 = 10;
 
 /// Bands from −90° to 90°.
@@ -11,9 +11,9 @@ const N_BANDS: usize = 18;
 /// Receivers whose elevation angle to the UAV lies in `from_deg ≤ θ < to_deg` (90° in the last band).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElevationBand {
-    /// Lower end [deg].
+    /// Lower end \[deg\].
     pub from_deg: i32,
-    /// Upper end [deg].
+    /// Upper end \[deg\].
     pub to_deg: i32,
     /// Receivers in the band.
     pub receivers: u64,
@@ -38,7 +38,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts one cell; `rise` and `distance` [same unit] place the UAV as seen from a receiver.
+    /// Counts one cell; `rise` and `distance` \[same unit\] place the UAV as seen from a receiver.
     #[inline]
     pub(super) fn add(&mut self, class: u8, rise: f64, distance: f64) {
         match class {

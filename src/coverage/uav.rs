@@ -12,7 +12,7 @@ pub struct Uav {
     pub id: String,
     /// Where it is.
     pub station: Station,
-    /// Height above the ground below it [m], if a ground is known there.
+    /// Height above the ground below it \[m\], if a ground is known there.
     pub height_agl_m: Option<f64>,
     /// What it hovers over.
     pub placement: Placement,
@@ -90,7 +90,7 @@ impl Uav {
         })
     }
 
-    /// Height above the datum [m].
+    /// Height above the datum \[m\].
     pub fn height_amsl_m(&self) -> f64 {
         i32::try_from(self.station.z).map_or(f64::NAN, meters)
     }

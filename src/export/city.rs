@@ -7,12 +7,12 @@ use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 use crate::scene::Footprint;
 
-/// The surface seen from above at each cell center [m above the datum], NaN where void.
+/// The surface seen from above at each cell center \[m above the datum\], NaN where void.
 pub fn city_surface(field: &HeightField) -> Vec<f32> {
     field.surface_m()
 }
 
-/// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` [m]; shells counterclockwise, holes
+/// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` \[m\]; shells counterclockwise, holes
 /// clockwise (RFC 7946), coordinates in the grid's CRS and named so if that has an EPSG code.
 pub fn city_geojson(footprints: &[Footprint], frame: Frame, grid: &GeoRef, provenance: &Value) -> Value {
     let position = |p: &[i32; 2]| {

@@ -20,11 +20,11 @@ const NO_COUNT: u32 = u32::MAX;
 pub enum Layer {
     /// The mask.
     Los,
-    /// Receiver height less ceiling [m].
+    /// Receiver height less ceiling \[m\].
     Margin,
-    /// Least receiver height [m above the datum].
+    /// Least receiver height \[m above the datum\].
     Ceiling,
-    /// Least UAV height [m above the datum].
+    /// Least UAV height \[m above the datum\].
     LeastHeight,
     /// Number of UAVs, per run.
     Count,

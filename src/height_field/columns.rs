@@ -18,7 +18,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Columns from their tops [1/1024 m above the datum], row by row from the north-west cell; [`VOID`] blocks nothing.
+    /// Columns from their tops \[1/1024 m above the datum\], row by row from the north-west cell; [`VOID`] blocks nothing.
     ///
     /// # Panics
     /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.

@@ -39,7 +39,7 @@ enum Floor {
 /// What a cell of the receivers' grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
-    /// Open ground at this height [1/1024 m above the datum].
+    /// Open ground at this height \[1/1024 m above the datum\].
     Open(i32),
     /// A building with its roof at this height.
     Building(i32),
@@ -50,9 +50,9 @@ pub enum CellKind {
 /// A position in the plane on the lattices of both solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// World x [CRS units].
+    /// World x \[CRS units\].
     pub x: f64,
-    /// World y [CRS units].
+    /// World y \[CRS units\].
     pub y: f64,
     on_prisms: (i64, i64),
     on_columns: (i64, i64),
@@ -63,7 +63,7 @@ pub struct Place {
 pub struct Station {
     /// Where in the plane.
     pub place: Place,
-    /// Height [1/1024 m above the datum].
+    /// Height \[1/1024 m above the datum\].
     pub z: i64,
 }
 
@@ -275,13 +275,13 @@ impl HeightField {
         self.columns.as_ref().map_or(VOID, |(c, _)| c.solid_below(place.on_columns.0, place.on_columns.1))
     }
 
-    /// The highest obstacle [1/1024 m], [`VOID`] if there is none.
+    /// The highest obstacle \[1/1024 m\], [`VOID`] if there is none.
     pub fn max_top(&self) -> i32 {
         let prisms = self.prisms.as_ref().map_or(VOID, |(p, _)| p.max_top());
         prisms.max(self.columns.as_ref().map_or(VOID, |(c, _)| c.max_top()))
     }
 
-    /// The surface seen from above at each cell [m above the datum], NaN where void.
+    /// The surface seen from above at each cell \[m above the datum\], NaN where void.
     pub fn surface_m(&self) -> Vec<f32> {
         self.each_cell(|kind, _| match kind {
             CellKind::Open(z) | CellKind::Building(z) => meters(z),
@@ -289,7 +289,7 @@ impl HeightField {
         })
     }
 
-    /// The surface above the ground at each cell [m], NaN where void: for shading, which should show buildings, not
+    /// The surface above the ground at each cell \[m\], NaN where void: for shading, which should show buildings, not
     /// hills. With a surface model alone that is the surface itself.
     pub fn above_ground_m(&self) -> Vec<f32> {
         let surface_only = self.is_surface_only();

@@ -8,7 +8,7 @@ use crate::quantity::VOID;
 pub struct Piece {
     first: u32,
     len: u32,
-    /// Top [1/1024 m above the datum].
+    /// Top \[1/1024 m above the datum\].
     pub top: i32,
     /// The building (footprint) that this piece belongs to.
     pub building: u32,
@@ -28,7 +28,7 @@ pub struct Prisms {
 pub struct Buckets {
     /// Lattice position of the south-west corner of bucket (0, 0), a multiple of the bucket size.
     pub origin: (i64, i64),
-    /// Edge length of a bucket [lattice steps].
+    /// Edge length of a bucket \[lattice steps\].
     pub size: i64,
     /// Number of buckets along x and y.
     pub shape: (i64, i64),

@@ -116,7 +116,7 @@ impl Columns {
 
 /// The hot case: the receiver in the raster, the UAV not below it, the ray not along a grid line.
 ///
-/// INVARIANT: before each pass `index` is the current cell and `nx`, `ny` the distances [lattice steps] along x and y
+/// INVARIANT: before each pass `index` is the current cell and `nx`, `ny` the distances \[lattice steps\] along x and y
 /// from the receiver to the grid line that leaves it; `ex = nx·|dy|` and `ey = ny·|dx|` tell which is met first.
 fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);

@@ -24,7 +24,7 @@ pub enum Ceiling {
 pub struct Obstruction {
     /// Index of the cell ([`crate::height_field::Columns::tops`]) or of the piece.
     pub obstacle: usize,
-    /// Top of the obstacle [1/1024 m above the datum].
+    /// Top of the obstacle \[1/1024 m above the datum\].
     pub top: i32,
     /// Where the interval begins, as a fraction of the way from the receiver to the UAV.
     pub near: f64,
@@ -43,7 +43,7 @@ struct Bound {
 }
 
 impl Ceiling {
-    /// The ceiling [1/1024 m above the datum]: −∞ where clear, +∞ where no height is enough.
+    /// The ceiling \[1/1024 m above the datum\]: −∞ where clear, +∞ where no height is enough.
     pub fn height_steps(&self) -> f64 {
         match self {
             Ceiling::Clear => f64::NEG_INFINITY,
@@ -51,7 +51,7 @@ impl Ceiling {
         }
     }
 
-    /// Whether a receiver at height `z` [1/1024 m] is at or above the ceiling; exact.
+    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the ceiling; exact.
     pub fn is_met_by(&self, z: i64) -> bool {
         match self {
             Ceiling::Clear => true,

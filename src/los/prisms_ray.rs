@@ -105,7 +105,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
             ControlFlow::Continue(())
         },
     );
-    crossed.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+    crossed.sort_unstable_by_key(|a| a.0);
     crossed.dedup_by_key(|c| c.0);
     crossed
 }
@@ -173,8 +173,8 @@ impl Ray {
         let mut previous = self.side(ring[n - 1]);
         let (mut enters, mut leaves, mut zeros) = (None, None, 0);
         let (mut any_left, mut any_right) = (false, false);
-        for k in 0..n {
-            let side = self.side(ring[k]);
+        for (k, &vertex) in ring.iter().enumerate() {
+            let side = self.side(vertex);
             any_left |= side > 0;
             any_right |= side < 0;
             zeros += i32::from(side == 0);
@@ -301,11 +301,11 @@ fn visit_buckets(
     loop {
         let exit = walk.exit();
         let far = exit.unwrap_or(Crossing { n: 1, d: 1 });
-        if let Some((max_top, items)) = buckets.at(walk.cell.0, walk.cell.1) {
-            if matters(max_top, near, far) {
-                for &item in items {
-                    visit(item as usize, &prisms.pieces()[item as usize])?;
-                }
+        if let Some((max_top, items)) = buckets.at(walk.cell.0, walk.cell.1)
+            && matters(max_top, near, far)
+        {
+            for &item in items {
+                visit(item as usize, &prisms.pieces()[item as usize])?;
             }
         }
         if exit.is_none() {

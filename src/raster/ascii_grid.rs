@@ -33,7 +33,7 @@ const KEYS: [&str; 11] = [
 ];
 /// Nodata value of a grid that declares none.
 const DEFAULT_NODATA: f64 = -9999.0;
-/// Longest word of a grid [bytes].
+/// Longest word of a grid \[bytes\].
 const MAX_WORD_BYTES: usize = 512;
 
 /// An Esri ASCII grid, its header read and checked.

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Raster};
 use crate::error::{Error, Result, Warning};
 
-/// Most memory that the cells of one read may take [bytes].
+/// Most memory that the cells of one read may take \[bytes\].
 pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
 
 /// A raster file whose header has been read.
@@ -143,7 +143,7 @@ fn leading_text(head: &[u8]) -> Option<&str> {
     is_text.then_some(text)
 }
 
-/// Opens a file for reading and returns it with its length [bytes]; the error names the path.
+/// Opens a file for reading and returns it with its length \[bytes\]; the error names the path.
 pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
     let fail = |cause: String| Error::file(301, format!("cannot open `{}`: {cause}", path.display()));
     let file = File::open(path).map_err(|e| match e.kind() {

@@ -56,32 +56,32 @@ impl GeoRef {
         })
     }
 
-    /// West edge [CRS units].
+    /// West edge \[CRS units\].
     pub fn x_min(&self) -> f64 {
         self.x_min
     }
 
-    /// East edge [CRS units].
+    /// East edge \[CRS units\].
     pub fn x_max(&self) -> f64 {
         self.x_min + self.cell_width * self.n_cols as f64
     }
 
-    /// South edge [CRS units].
+    /// South edge \[CRS units\].
     pub fn y_min(&self) -> f64 {
         self.y_max - self.cell_height * self.n_rows as f64
     }
 
-    /// North edge [CRS units].
+    /// North edge \[CRS units\].
     pub fn y_max(&self) -> f64 {
         self.y_max
     }
 
-    /// Width of a cell, west to east [CRS units].
+    /// Width of a cell, west to east \[CRS units\].
     pub fn cell_width(&self) -> f64 {
         self.cell_width
     }
 
-    /// Height of a cell, north to south [CRS units].
+    /// Height of a cell, north to south \[CRS units\].
     pub fn cell_height(&self) -> f64 {
         self.cell_height
     }
@@ -135,7 +135,7 @@ impl GeoRef {
         }
     }
 
-    /// Center of a cell in the plane [CRS units].
+    /// Center of a cell in the plane \[CRS units\].
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)
     }

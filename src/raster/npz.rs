@@ -78,7 +78,7 @@ impl NpyArray<'_> {
         }
     }
 
-    /// Length of the values, the header left out [bytes].
+    /// Length of the values, the header left out \[bytes\].
     fn n_bytes(&self) -> u64 {
         let len = match self {
             NpyArray::U8(values, _) => values.len(),

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result, Warning};
 
-/// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth [m or ft].
+/// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
 const LOWEST_LIKELY: f64 = -9000.0;
 const HIGHEST_LIKELY: f64 = 32_000.0;
 

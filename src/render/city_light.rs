@@ -21,7 +21,7 @@ pub(crate) struct Atmosphere {
     sun: DVec3,
     shadow: ZBuffer,
     shadow_view: View,
-    /// Distance [m] by which a point is lifted off its face before it looks for the sun.
+    /// Distance \[m\] by which a point is lifted off its face before it looks for the sun.
     lift: f64,
     gloom: Vec<f32>,
     gloom_size: [usize; 2],
@@ -93,7 +93,7 @@ impl Atmosphere {
         lit
     }
 
-    /// Returns the blurred height of roofs around a place [m].
+    /// Returns the blurred height of roofs around a place \[m\].
     fn roofs_around(&self, place: DVec2) -> f64 {
         let [w, h] = self.gloom_size;
         let x = place.x / self.gloom_step.x - 0.5;

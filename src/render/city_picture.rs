@@ -10,7 +10,7 @@ use super::marks::Label;
 use super::sheet::{self, Anchor, Drawing, Sheet, Type};
 
 const MARGIN: f64 = 40.0;
-/// The longer side of the plan [px], and the box for the view.
+/// The longer side of the plan \[px\], and the box for the view.
 const PLAN: f64 = 1000.0;
 const VIEW: [usize; 2] = [1240, 1000];
 /// Room for the numbers and the name of the plan's vertical axis.
@@ -24,7 +24,7 @@ pub struct CityPicture<'a> {
     pub title: &'a str,
     /// Lines below the panels; long ones are wrapped.
     pub caption: &'a [String],
-    /// West, south, east and north border [m].
+    /// West, south, east and north border \[m\].
     pub extent_m: [f64; 4],
     /// The buildings.
     pub model: CityModel<'a>,
@@ -44,13 +44,13 @@ pub enum CityModel<'a> {
 /// A building: footprint, ground and roof.
 #[derive(Clone, Debug)]
 pub struct CityPrism {
-    /// Outer ring and holes, without the first point repeated at the end [m].
+    /// Outer ring and holes, without the first point repeated at the end \[m\].
     pub rings: Vec<Vec<[f64; 2]>>,
-    /// The footprint cut into triangles [m].
+    /// The footprint cut into triangles \[m\].
     pub roof_triangles: Vec<[[f64; 2]; 3]>,
-    /// Height of the ground [m].
+    /// Height of the ground \[m\].
     pub base_m: f64,
-    /// Height of the roof [m].
+    /// Height of the roof \[m\].
     pub top_m: f64,
 }
 
@@ -62,9 +62,9 @@ pub struct CityHeights<'a> {
     pub n_cols: usize,
     /// Rows.
     pub n_rows: usize,
-    /// Surface heights [m]; not finite where unknown.
+    /// Surface heights \[m\]; not finite where unknown.
     pub surface_m: &'a [f32],
-    /// Ground heights [m]; without them the ground is at 0 m.
+    /// Ground heights \[m\]; without them the ground is at 0 m.
     pub ground_m: Option<&'a [f32]>,
 }
 
@@ -75,7 +75,7 @@ pub struct CityUav<'a> {
     pub label: &'a str,
     /// Its height in words, such as `100 m`; may be empty.
     pub height: &'a str,
-    /// East, north and height in the coordinates of the buildings [m].
+    /// East, north and height in the coordinates of the buildings \[m\].
     pub at_m: [f64; 3],
 }
 

@@ -9,7 +9,7 @@ use super::colors;
 use super::paint::quantiles;
 use super::z_buffer::{View, ZBuffer};
 
-/// A column rises above its ground by more than this [m] if it is a building.
+/// A column rises above its ground by more than this \[m\] if it is a building.
 const BUILDING_THRESHOLD_M: f64 = 0.25;
 /// Columns a side beyond which a height raster is thinned.
 const MOST_COLUMNS: usize = 1600;
@@ -30,9 +30,9 @@ struct Face<'a> {
 #[derive(Debug)]
 pub(crate) struct Solids<'a> {
     model: Columns<'a>,
-    /// South-west corner, in the caller's coordinates [m].
+    /// South-west corner, in the caller's coordinates \[m\].
     pub(crate) origin: DVec3,
-    /// Size of the extent and greatest height above the lowest ground [m].
+    /// Size of the extent and greatest height above the lowest ground \[m\].
     pub(crate) size: DVec3,
 }
 
@@ -48,7 +48,7 @@ enum Columns<'a> {
 }
 
 impl<'a> Solids<'a> {
-    /// Takes a city within `extent` (west, south, east, north) [m].
+    /// Takes a city within `extent` (west, south, east, north) \[m\].
     pub(crate) fn new(model: &CityModel<'a>, extent: [f64; 4]) -> Self {
         let [west, south, east, north] = extent;
         let (model, low, high) = match *model {
@@ -67,7 +67,7 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Returns the heights of all buildings above their ground [m].
+    /// Returns the heights of all buildings above their ground \[m\].
     pub(crate) fn building_heights(&self) -> Vec<f32> {
         match &self.model {
             Columns::Prisms(prisms) => prisms.iter().map(|p| super::paint::narrow(p.top_m - p.base_m)).collect(),
@@ -90,7 +90,7 @@ impl<'a> Solids<'a> {
         matches!(self.model, Columns::Raster { .. })
     }
 
-    /// Height of the owner of a face above its ground [m], or nothing for open ground.
+    /// Height of the owner of a face above its ground \[m\], or nothing for open ground.
     pub(crate) fn height_of(&self, owner: u32) -> Option<f64> {
         let owner = (owner as usize).checked_sub(1)?;
         match &self.model {
@@ -201,7 +201,7 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Draws all faces into a buffer of `size` [px].
+    /// Draws all faces into a buffer of `size` \[px\].
     pub(crate) fn buffer(&self, view: &View, size: [usize; 2]) -> ZBuffer {
         let mut buffer = ZBuffer::new(size[0], size[1]);
         self.faces(view, |face| {

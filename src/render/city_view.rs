@@ -28,7 +28,7 @@ pub(crate) struct CityImage {
 }
 
 impl CityImage {
-    /// Returns the place [px] of a point [m].
+    /// Returns the place \[px\] of a point \[m\].
     pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 2] {
         self.view.project(DVec3::from(point) - self.origin).truncate().to_array()
     }
@@ -51,7 +51,7 @@ impl CityImage {
         f64::from(self.depth.depth[y * self.depth.width + x]) <= at.z + 0.002 * at.z.abs()
     }
 
-    /// Returns the height of what stands at a place on the plan [m], or nothing outside it.
+    /// Returns the height of what stands at a place on the plan \[m\], or nothing outside it.
     pub(crate) fn surface_below(&self, point: [f64; 2]) -> Option<f64> {
         let at = self.view.magnified(SAMPLES as f64).project(DVec2::from(point).extend(0.0) - self.origin);
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.depth.width as f64 && at.y < self.depth.height as f64;
@@ -65,7 +65,7 @@ impl CityImage {
     }
 }
 
-/// Draws the city from above, north up, filling `size` [px] without a margin.
+/// Draws the city from above, north up, filling `size` \[px\] without a margin.
 pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> CityImage {
     let above = DVec3::new(0.0, 0.0, solids.size.z + 1.0);
     let mut view = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
@@ -80,7 +80,7 @@ pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
     CityImage { image, view, depth: buffer, origin: solids.origin }
 }
 
-/// Draws the city from the south-south-west within `size` [px]; the picture is as high as it needs to be.
+/// Draws the city from the south-south-west within `size` \[px\]; the picture is as high as it needs to be.
 pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> CityImage {
     let center = 0.5 * solids.size;
     let reach = solids.size.length().max(1.0);

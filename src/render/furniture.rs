@@ -7,7 +7,7 @@ use super::colors::{self, HAIRLINE, INK, MUTED, Rgb};
 use super::lettering::{self, Weight};
 use super::sheet::{Anchor, Drawing, Type};
 
-/// Height of a legend entry [px].
+/// Height of a legend entry \[px\].
 pub(crate) const ENTRY_HEIGHT: f64 = 58.0;
 
 /// Large words: the title.
@@ -17,7 +17,7 @@ pub(crate) const NAME: Type = Type { size: 25.0, weight: Weight::SemiBold, color
 /// What is said about them, numbers at ticks, captions.
 pub(crate) const DETAIL: Type = Type { size: 23.0, weight: Weight::Regular, color: MUTED, anchor: Anchor::Start };
 
-/// A drawing of known size [px], its origin at the top left.
+/// A drawing of known size \[px\], its origin at the top left.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) width: f64,
@@ -75,7 +75,7 @@ pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
     Block { width: left + words, height: ENTRY_HEIGHT, drawing }
 }
 
-/// Draws a quadcopter from above with a white halo, `radius` [px] around `center`.
+/// Draws a quadcopter from above with a white halo, `radius` \[px\] around `center`.
 pub(crate) fn uav_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
     let (arm, rotor, body) = (0.60 * radius, 0.36 * radius, 0.27 * radius);
     let corners = [[-arm, -arm], [arm, -arm], [arm, arm], [-arm, arm]].map(|[dx, dy]| [x + dx, y + dy]);
@@ -235,7 +235,7 @@ pub(crate) struct Scale {
     pub(crate) open_high: bool,
 }
 
-/// Makes a color bar of `width` [px] under its name, with round ticks; the name includes the unit.
+/// Makes a color bar of `width` \[px\] under its name, with round ticks; the name includes the unit.
 pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f64) -> Block {
     const BAR: f64 = 26.0;
     const POINT: f64 = 20.0;

@@ -6,13 +6,13 @@
 /// A surface on a regular grid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'a> {
-    /// Heights [m], `[n_rows, n_cols]`; not finite where unknown.
+    /// Heights \[m\], `[n_rows, n_cols]`; not finite where unknown.
     pub(crate) heights: &'a [f32],
     /// Columns.
     pub(crate) n_cols: usize,
     /// Rows.
     pub(crate) n_rows: usize,
-    /// Distance between cell centers [m], along columns and rows.
+    /// Distance between cell centers \[m\], along columns and rows.
     pub(crate) step_m: (f64, f64),
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn fonts() -> Arc<fontdb::Database> {
     }))
 }
 
-/// Returns the width of `text` [px] at the given font size [px].
+/// Returns the width of `text` \[px\] at the given font size \[px\].
 pub(crate) fn width(text: &str, size: f64, weight: Weight) -> f64 {
     static ADVANCES: OnceLock<[Advances; 2]> = OnceLock::new();
     let advances = ADVANCES.get_or_init(|| [Advances::read(REGULAR), Advances::read(SEMI_BOLD)]);
@@ -45,7 +45,7 @@ pub(crate) fn width(text: &str, size: f64, weight: Weight) -> f64 {
     text.chars().map(|c| advances.of(c)).sum::<f64>() * size / advances.units_per_em
 }
 
-/// Breaks `text` into lines no wider than `max_width` [px]: at spaces, and inside a word that is itself too wide.
+/// Breaks `text` into lines no wider than `max_width` \[px\]: at spaces, and inside a word that is itself too wide.
 pub(crate) fn wrap(text: &str, size: f64, weight: Weight, max_width: f64) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();

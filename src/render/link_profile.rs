@@ -11,7 +11,7 @@ const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 620.0;
 const AXIS: f64 = 104.0;
 
-/// A link to draw from the side. Distances run from the UAV along the ground [m], heights are above one datum [m].
+/// A link to draw from the side. Distances run from the UAV along the ground \[m\], heights are above one datum \[m\].
 #[derive(Clone, Copy, Debug)]
 pub struct LinkProfile<'a> {
     /// Title.
@@ -20,11 +20,11 @@ pub struct LinkProfile<'a> {
     pub caption: &'a [String],
     /// What heights are measured from, such as `Height above sea level`.
     pub height_name: &'a str,
-    /// Horizontal length of the link [m].
+    /// Horizontal length of the link \[m\].
     pub distance_m: f64,
-    /// The UAV's label and height [m].
+    /// The UAV's label and height \[m\].
     pub uav: (&'a str, f64),
-    /// The receiver's label and height [m].
+    /// The receiver's label and height \[m\].
     pub receiver: (&'a str, f64),
     /// Ground and roofs below the link.
     pub steps: &'a [ProfileStep],
@@ -35,11 +35,11 @@ pub struct LinkProfile<'a> {
 /// A stretch of constant height below a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileStep {
-    /// Start [m from the UAV].
+    /// Start \[m from the UAV\].
     pub from_m: f64,
-    /// End [m from the UAV].
+    /// End \[m from the UAV\].
     pub to_m: f64,
-    /// Height [m].
+    /// Height \[m\].
     pub height_m: f64,
     /// What it is.
     pub kind: StepKind,
@@ -57,11 +57,11 @@ pub enum StepKind {
 /// The obstructing point of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstruction {
-    /// Distance [m from the UAV].
+    /// Distance \[m from the UAV\].
     pub distance_m: f64,
-    /// Height of the ray there [m].
+    /// Height of the ray there \[m\].
     pub ray_height_m: f64,
-    /// Height of the roof or ground there [m].
+    /// Height of the roof or ground there \[m\].
     pub roof_height_m: f64,
 }
 

@@ -25,11 +25,11 @@ pub struct MapPicture<'a> {
     pub n_cols: usize,
     /// Rows.
     pub n_rows: usize,
-    /// Cell size along columns and along rows [m]; the picture keeps the proportions of the ground.
+    /// Cell size along columns and along rows \[m\]; the picture keeps the proportions of the ground.
     pub cell_m: (f64, f64),
     /// What to show.
     pub layer: Layer<'a>,
-    /// Surface heights for gray tones and hillshade of buildings [m]; not finite where unknown. Heights above ground
+    /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown. Heights above ground
     /// give tones that follow building height, heights above the datum give tones that follow altitude.
     pub surface_m: Option<&'a [f32]>,
     /// UAVs.

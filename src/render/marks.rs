@@ -11,13 +11,13 @@ pub struct Mark<'a> {
     pub label: &'a str,
     /// Its height in words, such as `60 m` or `60 m above ground`; may be empty.
     pub height: &'a str,
-    /// Distance from the western border [cells]; may lie outside the grid.
+    /// Distance from the western border \[cells\]; may lie outside the grid.
     pub col: f64,
-    /// Distance from the northern border [cells]; may lie outside the grid.
+    /// Distance from the northern border \[cells\]; may lie outside the grid.
     pub row: f64,
 }
 
-/// A rectangle: left, top, right, bottom [px].
+/// A rectangle: left, top, right, bottom \[px\].
 type Bounds = [f64; 4];
 
 fn overlap(a: &Bounds, b: &Bounds) -> bool {
@@ -37,7 +37,7 @@ struct Placed {
     words: [String; 2],
 }
 
-/// Draws marks and labels on a map of `size` [px] with `px_per_cell` and `cell_m` per axis.
+/// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis.
 ///
 /// A UAV outside the grid becomes an arrow at the border and its distance from there. Labels that find no free place
 /// are left out, later marks first; beyond 60 UAVs there are no labels.
@@ -144,9 +144,9 @@ fn candidates(mark: &Placed, radius: f64, [w, h]: [f64; 2]) -> impl Iterator<Ite
 /// A label: a name and a detail on a white plate.
 #[derive(Debug)]
 pub(crate) struct Label {
-    /// Width [px].
+    /// Width \[px\].
     pub(crate) width: f64,
-    /// Height [px].
+    /// Height \[px\].
     pub(crate) height: f64,
     size: f64,
     name_width: f64,

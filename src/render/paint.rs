@@ -11,11 +11,11 @@ use rayon::prelude::*;
 use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 use super::hillshade::Surface;
 
-/// The longer side of a map [px] that the scale aims at.
+/// The longer side of a map \[px\] that the scale aims at.
 const TARGET_PX: f64 = 1400.0;
 /// Rasters up to this many cells a side are not reduced.
 const WHOLE_CELLS: f64 = 2000.0;
-/// No cell is drawn larger than this [px].
+/// No cell is drawn larger than this \[px\].
 const LARGEST_CELL_PX: f64 = 320.0;
 /// Strength of the hillshade on buildings, and on what is out of range.
 const RELIEF: f64 = 0.45;
@@ -84,13 +84,13 @@ pub(crate) enum Paint {
 pub(crate) struct Cells<'a, F> {
     /// Columns and rows.
     pub(crate) axes: [Axis; 2],
-    /// Cell size [m] along columns and rows.
+    /// Cell size \[m\] along columns and rows.
     pub(crate) cell_m: (f64, f64),
     /// Palette index of a cell.
     pub(crate) index_of: F,
     /// The palette.
     pub(crate) palette: &'a [Paint],
-    /// Surface heights [m].
+    /// Surface heights \[m\].
     pub(crate) surface_m: Option<&'a [f32]>,
 }
 
@@ -234,7 +234,7 @@ struct Ground<'a> {
     n_cols: usize,
     n_rows: usize,
     step_m: (f64, f64),
-    /// Heights of the lightest and the darkest building [m].
+    /// Heights of the lightest and the darkest building \[m\].
     tones: (f64, f64),
     known: bool,
     /// Strength of the relief, 0 where cells are large.
@@ -320,7 +320,7 @@ fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
     heights
 }
 
-/// Returns the heights [m] between which most buildings lie, from a sample of at most about 200 000.
+/// Returns the heights \[m\] between which most buildings lie, from a sample of at most about 200 000.
 fn tone_range(surface: &[f32], is_building: impl Fn(usize) -> bool) -> Option<(f64, f64)> {
     // A step without small factors does not fall into the rhythm of rows.
     let step = (surface.len() / 200_000).max(1) | 1;

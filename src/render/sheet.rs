@@ -14,11 +14,11 @@ use super::png;
 /// A finished picture that can be written in either format.
 #[derive(Debug)]
 pub(crate) struct Sheet {
-    /// Width [px].
+    /// Width \[px\].
     pub(crate) width: f64,
-    /// Height [px].
+    /// Height \[px\].
     pub(crate) height: f64,
-    /// Images with the place of their top left corner [px].
+    /// Images with the place of their top left corner \[px\].
     pub(crate) images: Vec<(u32, u32, RgbaImage)>,
     /// What is drawn over them.
     pub(crate) furniture: Drawing,
@@ -91,7 +91,7 @@ pub(crate) enum Anchor {
 /// How a text is set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Type {
-    /// Font size [px].
+    /// Font size \[px\].
     pub(crate) size: f64,
     /// Weight.
     pub(crate) weight: Weight,

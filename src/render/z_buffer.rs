@@ -37,7 +37,7 @@ impl View {
         Self { projection, eye, right, up: right.cross(forward), forward, scale: 1.0, offset: DVec2::ZERO }
     }
 
-    /// Scales and moves the view so that the given points fill `size` [px] up to a margin; returns the size used.
+    /// Scales and moves the view so that the given points fill `size` \[px\] up to a margin; returns the size used.
     pub(crate) fn fit(&mut self, points: impl Iterator<Item = DVec3>, size: DVec2, margin: f64) -> DVec2 {
         (self.scale, self.offset) = (1.0, DVec2::ZERO);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -53,7 +53,7 @@ impl View {
         used
     }
 
-    /// Returns screen position [px], y down, and depth.
+    /// Returns screen position \[px\], y down, and depth.
     pub(crate) fn project(&self, point: DVec3) -> DVec3 {
         let from_eye = point - self.eye;
         let distance = from_eye.dot(self.forward);
@@ -85,7 +85,7 @@ impl View {
         }
     }
 
-    /// Returns the screen direction [px] of a world direction, ignoring perspective.
+    /// Returns the screen direction \[px\] of a world direction, ignoring perspective.
     pub(crate) fn direction(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.right), -direction.dot(self.up))
     }

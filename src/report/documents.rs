@@ -49,13 +49,13 @@ pub struct Timing {
 pub struct SiteFacts {
     /// Name.
     pub id: String,
-    /// East [CRS units].
+    /// East \[CRS units\].
     pub x: f64,
-    /// North [CRS units].
+    /// North \[CRS units\].
     pub y: f64,
-    /// Height above the datum [m].
+    /// Height above the datum \[m\].
     pub height_amsl_m: f64,
-    /// Height above the ground [m], if one is known there.
+    /// Height above the ground \[m\], if one is known there.
     pub height_agl_m: Option<f64>,
     /// What it hovers over.
     pub placement: &'static str,
@@ -83,11 +83,11 @@ impl SiteFacts {
 pub struct MapReport {
     /// The run.
     pub facts: RunFacts,
-    /// Height of the receivers above what they stand on [m].
+    /// Height of the receivers above what they stand on \[m\].
     pub rx_height_m: f64,
     /// Which cells hold receivers.
     pub receivers: &'static str,
-    /// Range [m], if it is limited.
+    /// Range \[m\], if it is limited.
     pub radius_m: Option<f64>,
     /// The UAVs.
     pub sites: Vec<SiteFacts>,
@@ -277,13 +277,13 @@ pub struct ObstructionReport {
     pub id: Option<String>,
     /// Row and column of the cell.
     pub cell: Option<(usize, usize)>,
-    /// Obstructing point [CRS units].
+    /// Obstructing point \[CRS units\].
     pub x: f64,
-    /// Obstructing point [CRS units].
+    /// Obstructing point \[CRS units\].
     pub y: f64,
-    /// Height of the ray there [m above the datum].
+    /// Height of the ray there \[m above the datum\].
     pub ray_height_m: f64,
-    /// Height of the obstacle there [m above the datum].
+    /// Height of the obstacle there \[m above the datum\].
     pub roof_height_m: f64,
 }
 
@@ -292,17 +292,17 @@ pub struct ObstructionReport {
 pub struct LinkReport {
     /// The run.
     pub facts: RunFacts,
-    /// UAV: x, y [CRS units], height above the datum [m].
+    /// UAV: x, y \[CRS units\], height above the datum \[m\].
     pub uav: [f64; 3],
-    /// Receiver: x, y [CRS units], height above the datum [m].
+    /// Receiver: x, y \[CRS units\], height above the datum \[m\].
     pub receiver: [f64; 3],
     /// Whether the link is in line of sight.
     pub los: bool,
-    /// Receiver height less ceiling [m]; `None` if no receiver height is enough.
+    /// Receiver height less ceiling \[m\]; `None` if no receiver height is enough.
     pub margin_m: Option<f64>,
-    /// Horizontal distance [m].
+    /// Horizontal distance \[m\].
     pub distance_m: f64,
-    /// Elevation angle of the UAV from the receiver [deg].
+    /// Elevation angle of the UAV from the receiver \[deg\].
     pub elevation_deg: f64,
     /// What stands in the way; `None` if nothing does.
     pub obstruction: Option<ObstructionReport>,

@@ -25,7 +25,7 @@ pub struct BuiltUp {
     pub built_up_ratio: f64,
     /// β: buildings per square kilometer, > 0.
     pub buildings_per_km2: f64,
-    /// γ: scale (mode) of the Rayleigh distribution of building heights [m], > 0.
+    /// γ: scale (mode) of the Rayleigh distribution of building heights \[m\], > 0.
     pub height_scale: f64,
 }
 
@@ -70,22 +70,22 @@ impl BuiltUp {
         Some(BuiltUp { built_up_ratio, buildings_per_km2, height_scale })
     }
 
-    /// Width w of a building [m]: 1000·√(α/β) (Saboor et al. 2023, eq. 2).
+    /// Width w of a building \[m\]: 1000·√(α/β) (Saboor et al. 2023, eq. 2).
     pub fn building_width(&self) -> f64 {
         1000.0 * (self.built_up_ratio / self.buildings_per_km2).sqrt()
     }
 
-    /// Width s of a street [m]: 1000/√β − w (Saboor et al. 2023, eq. 3).
+    /// Width s of a street \[m\]: 1000/√β − w (Saboor et al. 2023, eq. 3).
     pub fn street_width(&self) -> f64 {
         1000.0 / self.buildings_per_km2.sqrt() - self.building_width()
     }
 
-    /// Distance T = s + w from one building to the next [m].
+    /// Distance T = s + w from one building to the next \[m\].
     pub fn period(&self) -> f64 {
         1000.0 / self.buildings_per_km2.sqrt()
     }
 
-    /// Height of building (i, j) of the city with this seed [m above its ground], not yet rounded to the lattice.
+    /// Height of building (i, j) of the city with this seed \[m above its ground\], not yet rounded to the lattice.
     pub fn building_height(&self, seed: u64, i: i32, j: i32) -> f64 {
         let mut stream = ChaCha8Rng::seed_from_u64(seed);
         stream.set_stream((u64::from(i.cast_unsigned()) << 32) | u64::from(j.cast_unsigned()));
@@ -106,13 +106,13 @@ impl fmt::Display for BuiltUp {
 pub struct BuiltUpCity {
     /// Built-up parameters.
     pub built_up: BuiltUp,
-    /// Edge length of the square city [m].
+    /// Edge length of the square city \[m\].
     pub size_m: f64,
-    /// Edge length of a cell of the receivers' grid [m].
+    /// Edge length of a cell of the receivers' grid \[m\].
     pub cell_m: f64,
     /// Seed of the building heights.
     pub seed: u64,
-    /// Height of the ground above the datum [m].
+    /// Height of the ground above the datum \[m\].
     pub ground_m: f64,
 }
 

@@ -26,9 +26,9 @@ pub struct Footprint {
     pub id: String,
     /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
     pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
-    /// Top [1/1024 m above the datum].
+    /// Top \[1/1024 m above the datum\].
     pub top: i32,
-    /// The ground that the height was measured from [1/1024 m above the datum].
+    /// The ground that the height was measured from \[1/1024 m above the datum\].
     pub base: i32,
 }
 
@@ -49,19 +49,19 @@ pub enum MissingHeight {
 /// How footprints are read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootprintOptions {
-    /// Property that holds the height above ground [m].
+    /// Property that holds the height above ground \[m\].
     pub height_field: String,
-    /// Property that holds the absolute height of the top [m above the datum], instead.
+    /// Property that holds the absolute height of the top \[m above the datum\], instead.
     pub top_field: Option<String>,
     /// Policy for missing heights.
     pub missing: MissingHeight,
     /// Terrain model, in the same CRS.
     pub terrain: Option<PathBuf>,
-    /// Height of flat ground [m above the datum], 0 by default.
+    /// Height of flat ground \[m above the datum\], 0 by default.
     pub ground_m: Option<f64>,
-    /// Extent of the receivers' grid: west, south, east, north [CRS units].
+    /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
-    /// Cell size of the receivers' grid [m]; by default the terrain's, else 1.
+    /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
     pub cell_m: Option<f64>,
     /// The CRS to assume.
     pub crs: Option<Crs>,

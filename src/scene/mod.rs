@@ -49,11 +49,11 @@ pub(crate) fn name_of(path: &Path) -> String {
 pub enum Solids {
     /// Columns over the cells of the grid.
     Raster {
-        /// Surface heights [1/1024 m above the datum], [`crate::quantity::VOID`] where there is none.
+        /// Surface heights \[1/1024 m above the datum\], [`crate::quantity::VOID`] where there is none.
         surface: Raster<i32>,
         /// What receivers stand on.
         ground: Ground,
-        /// A cell whose surface is more than this above the ground is a building [1/1024 m].
+        /// A cell whose surface is more than this above the ground is a building \[1/1024 m\].
         building_threshold: i32,
     },
     /// Prisms over footprints.
@@ -74,9 +74,9 @@ pub enum Solids {
 pub enum Ground {
     /// Nothing but the surface model is known: receivers stand on the surface.
     Surface,
-    /// A horizontal plane [1/1024 m above the datum].
+    /// A horizontal plane \[1/1024 m above the datum\].
     Flat(i32),
-    /// A terrain model [1/1024 m above the datum]. In a raster scene it lies on the scene's own grid.
+    /// A terrain model \[1/1024 m above the datum\]. In a raster scene it lies on the scene's own grid.
     Terrain(Raster<i32>),
 }
 

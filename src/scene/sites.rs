@@ -15,9 +15,9 @@ use crate::raster::{Crs, CrsKind, transform};
 pub struct Site {
     /// Name, unique in a run.
     pub id: String,
-    /// East [CRS units].
+    /// East \[CRS units\].
     pub x: f64,
-    /// North [CRS units].
+    /// North \[CRS units\].
     pub y: f64,
     /// Height and what it is above.
     pub height: Height,

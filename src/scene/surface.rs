@@ -12,9 +12,9 @@ use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
 pub struct SurfaceOptions {
     /// A terrain model in the same CRS; brought to the surface's grid if it is on another.
     pub terrain: Option<PathBuf>,
-    /// Height of flat ground [m above the datum]; not together with `terrain`.
+    /// Height of flat ground \[m above the datum\]; not together with `terrain`.
     pub ground_m: Option<f64>,
-    /// A cell whose surface is more than this above the ground is a building [m].
+    /// A cell whose surface is more than this above the ground is a building \[m\].
     pub building_threshold_m: f64,
     /// What nodata cells do.
     pub nodata_as: NodataAs,

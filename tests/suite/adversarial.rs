@@ -196,7 +196,7 @@ fn sweep_scene(prisms: &[Prism], unit: i64, lift: i64, every: u64, random: &mut 
     let points = lattice(-1, 7, unit);
     for &uav in &points {
         for &receiver in &points {
-            if random.next() % every != 0 {
+            if !random.next().is_multiple_of(every) {
                 continue;
             }
             let z = random.choose(&heights);

@@ -30,11 +30,11 @@ pub struct Crs {
 /// What the coordinates of a [`Crs`] measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrsKind {
-    /// Longitude and latitude [deg].
+    /// Longitude and latitude \[deg\].
     Geographic,
     /// Easting and northing in a plane.
     Projected {
-        /// Length of one coordinate unit [m].
+        /// Length of one coordinate unit \[m\].
         meters_per_unit: f64,
     },
     /// Neither: geocentric, or of unknown units.
@@ -229,7 +229,7 @@ impl Transformation {
         Ok(Transformation { operation: Some(operation), labels })
     }
 
-    /// Takes one point over: x, y in, x, y out [CRS units; degrees if geographic].
+    /// Takes one point over: x, y in, x, y out \[CRS units; degrees if geographic\].
     ///
     /// # Errors
     /// E310 if the point is not finite or lies outside the domain of the projections.
@@ -271,7 +271,7 @@ pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
     Transformation::new(from, to, xy)?.apply(xy)
 }
 
-/// EPSG code of the WGS 84 / UTM zone of a place [deg], with the wider zones of south-west Norway and Svalbard.
+/// EPSG code of the WGS 84 / UTM zone of a place \[deg\], with the wider zones of south-west Norway and Svalbard.
 ///
 /// # References
 /// NGA.STND.0037 (2014), Universal Grids and Grid Reference Systems: zones 31V, 32V and 31X to 37X.
@@ -300,7 +300,7 @@ pub enum InputKind {
 
 /// The refusal of coordinates in degrees, with the command that fixes the file at `path`.
 ///
-/// `center` is the longitude and latitude of the middle of the data [deg].
+/// `center` is the longitude and latitude of the middle of the data \[deg\].
 pub fn degrees_refusal(path: &str, crs: &Crs, kind: InputKind, center: (f64, f64)) -> Error {
     let text = format!("`{path}` is in degrees ({}); wanted a projected coordinate system in meters", crs.label());
     let on_earth = (-180.0..=360.0).contains(&center.0) && (-90.0..=90.0).contains(&center.1);

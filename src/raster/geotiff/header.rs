@@ -11,7 +11,7 @@ use tiff_reader::ByteOrder;
 use super::tags::{Directory, TiffSource, tag};
 use crate::error::Result;
 
-/// Largest decoded size of one compressed strip or tile [bytes].
+/// Largest decoded size of one compressed strip or tile \[bytes\].
 const MAX_BLOCK_BYTES: u64 = 4 << 30;
 
 /// The type of one sample.
@@ -147,7 +147,7 @@ pub(super) struct Image {
     /// Stored bytes have their lowest bit first.
     pub(super) bits_reversed: bool,
     pub(super) jpeg_tables: Option<Vec<u8>>,
-    /// Offset and length of each block [bytes], length 0 where the block is missing (a sparse file).
+    /// Offset and length of each block \[bytes\], length 0 where the block is missing (a sparse file).
     pub(super) blocks: Vec<(u64, u64)>,
 }
 

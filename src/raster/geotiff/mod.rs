@@ -46,7 +46,7 @@ const MAX_DIRECTORIES: usize = 64;
 #[derive(Debug, Clone)]
 pub struct GeoTiff {
     path: PathBuf,
-    /// Length of the file when its header was read [bytes].
+    /// Length of the file when its header was read \[bytes\].
     len: u64,
     image: Image,
     mask: Option<Image>,

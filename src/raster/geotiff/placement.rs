@@ -16,7 +16,7 @@ const FOOT: f64 = 0.3048;
 const US_FOOT: f64 = 1200.0 / 3937.0;
 /// Value of the key of the raster type for tie points in the middle of cells.
 const PIXEL_IS_POINT: u16 = 2;
-/// Largest shift across the whole raster that still counts as north-up [cells].
+/// Largest shift across the whole raster that still counts as north-up \[cells\].
 const MAX_SHEAR_CELLS: f64 = 1e-3;
 
 /// The place of a raster, and how its rows run.

@@ -44,7 +44,7 @@ pub(super) struct Span<'a> {
 pub(super) struct Samples<'a> {
     /// One decoded row of a block, in the byte order of the machine.
     bytes: &'a [u8],
-    /// Index of the first sample, and distance to the next [samples].
+    /// Index of the first sample, and distance to the next \[samples\].
     first: usize,
     stride: usize,
     /// For each cell whether the codec says that it holds a value.

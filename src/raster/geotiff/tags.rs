@@ -47,7 +47,7 @@ pub(super) mod tag {
     pub(crate) const LERC_PARAMETERS: u16 = 50674;
 }
 
-/// Largest text that a tag may hold [bytes]; color tables, profiles and the like are never read.
+/// Largest text that a tag may hold \[bytes\]; color tables, profiles and the like are never read.
 const MAX_TEXT_BYTES: u64 = 64 << 20;
 
 /// A TIFF file open for random access, with its byte order and pointer size.
@@ -99,7 +99,7 @@ impl TiffSource {
         &self.path
     }
 
-    /// Length of the file [bytes].
+    /// Length of the file \[bytes\].
     pub(super) fn len(&self) -> u64 {
         self.len
     }

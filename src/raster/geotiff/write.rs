@@ -22,9 +22,9 @@ use super::super::crs::CrsKind;
 use super::super::{Crs, GeoRef};
 use crate::error::{Error, Result};
 
-/// Rows and columns of a tile [cells], a multiple of 16 as TIFF demands.
+/// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
 const TILE: usize = 256;
-/// Overviews are made while the next larger level is larger than this [cells] …
+/// Overviews are made while the next larger level is larger than this \[cells\] …
 const LARGEST_WITHOUT_OVERVIEW: usize = 256;
 /// … and up to this reduction.
 const LARGEST_REDUCTION: usize = 16;
@@ -257,10 +257,10 @@ fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec<Tag>> {
 const GDAL_METADATA: u16 = 42112;
 /// GeoKey value: defined by the other keys, not by a code.
 const USER_DEFINED: u16 = 32767;
-/// GeoKey 3077: length of a user-defined unit [m].
+/// GeoKey 3077: length of a user-defined unit \[m\].
 const PROJ_LINEAR_UNIT_SIZE: u16 = 3077;
 
-/// Longest citation taken as a definition [bytes]; GDAL reads up to 2400.
+/// Longest citation taken as a definition \[bytes\]; GDAL reads up to 2400.
 const LONGEST_DEFINITION: usize = 2300;
 
 /// The reference system as GeoKeys.
@@ -457,7 +457,7 @@ fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
     Ok(head.into_inner())
 }
 
-/// Length of [`head`] [bytes].
+/// Length of [`head`] \[bytes\].
 fn head_len(levels: &[Level], is_big: bool) -> Result<u64> {
     let even = |n: u64| n + n % 2;
     let mut len = encoder::header_len(is_big);
@@ -478,7 +478,7 @@ fn write_all(head: &mut Cursor<Vec<u8>>, bytes: &[u8]) -> Result<()> {
 }
 
 impl Level {
-    /// Length of all tiles [bytes].
+    /// Length of all tiles \[bytes\].
     fn n_bytes(&self) -> u64 {
         self.tiles.iter().map(|tile| tile.len() as u64).sum()
     }
