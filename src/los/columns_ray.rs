@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{BOUND_MARGIN, Ceiling, Obstruction};
+use super::obstruction::{Ceiling, Obstruction, surely_binds_less};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 
@@ -45,19 +45,20 @@ pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePo
     if uav.x == receiver.x && uav.y == receiver.y {
         return ceiling;
     }
-    let highest = i64::from(columns.max_top()) - uav.z;
+    let highest = columns.max_top();
+    let highest_is_below = i64::from(highest) <= uav.z;
+    let mut above_uav = ceiling.above_uav();
     let _ = visit_intervals(columns, uav, receiver, |interval| {
         let from_uav = |c: Crossing| Crossing { n: c.d - c.n, d: c.d };
         let (near, far) = (from_uav(interval.near), from_uav(interval.far));
-        if highest <= 0 {
-            // Nothing farther up the ray can bind more than the highest column here would.
-            #[expect(clippy::cast_precision_loss, reason = "compared with a margin")]
-            let at_most = uav.z as f64 + highest as f64 * near.d as f64 / near.n as f64 * BOUND_MARGIN;
-            if at_most + 1.0 < ceiling.height_steps() {
-                return ControlFlow::Break(());
-            }
+        // Nothing farther up the ray can bind more than the highest column here would.
+        if highest_is_below && surely_binds_less(highest, uav.z, near, far, above_uav) {
+            return ControlFlow::Break(());
         }
-        ceiling.raise(Obstruction::new(interval.cell, interval.top, uav, near, far));
+        if !surely_binds_less(interval.top, uav.z, near, far, above_uav) {
+            ceiling.raise(Obstruction::new(interval.cell, interval.top, uav, near, far));
+            above_uav = ceiling.above_uav();
+        }
         ControlFlow::Continue(())
     });
     ceiling
@@ -70,8 +71,12 @@ pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: Latt
     if uav.x == receiver.x && uav.y == receiver.y {
         return least;
     }
+    let mut above_receiver = least.above_uav();
     let _ = visit_intervals(columns, uav, receiver, |interval| {
-        least.raise(Obstruction::new(interval.cell, interval.top, receiver, interval.far, interval.near));
+        if !surely_binds_less(interval.top, receiver.z, interval.far, interval.near, above_receiver) {
+            least.raise(Obstruction::new(interval.cell, interval.top, receiver, interval.far, interval.near));
+            above_receiver = least.above_uav();
+        }
         ControlFlow::Continue(())
     });
     least
@@ -115,79 +120,110 @@ impl Columns {
 }
 
 /// The hot case: the receiver in the raster, the UAV not below it, the ray not along a grid line.
-///
-/// INVARIANT: before each pass `index` is the current cell and `nx`, `ny` the distances \[lattice steps\] along x and y
-/// from the receiver to the grid line that leaves it; `ex = nx·|dy|` and `ey = ny·|dx|` tell which is met first.
 fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> bool {
-    let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
-    let (adx, ady) = (dx.abs(), dy.abs());
     let climb = uav.z - receiver.z;
     let above = i64::from(columns.max_top()) - receiver.z;
-    let (width, height) = (extent(columns.n_cols()), extent(columns.n_rows()));
-
-    // How far along each axis a crossing can still matter: short of the UAV, below the highest column, in the raster.
-    let reach = |length: i64, to_border: i64| {
-        let below_the_highest = if climb > 0 { (above * length + climb - 1) / climb } else { i64::MAX };
-        length.min(below_the_highest).min(to_border)
-    };
-    let reach_x = reach(adx, if dx < 0 { receiver.x } else { width - receiver.x });
-    let reach_y = reach(ady, if dy < 0 { receiver.y } else { height - receiver.y });
-
-    const FAR: i64 = 1 << 32;
-    let to_line = |v: i64, d: i64| match d.signum() {
-        1 => CELL - v.rem_euclid(CELL),
-        -1 => (v - 1).rem_euclid(CELL) + 1,
-        _ => FAR,
-    };
-    let (mut nx, mut ny) = (to_line(receiver.x, dx), to_line(receiver.y, dy));
-    let (mut ex, mut ey) = if adx == 0 {
-        (1, 0)
-    } else if ady == 0 {
-        (0, 1)
-    } else {
-        (nx * ady, ny * adx)
-    };
-    let (grow_ex, grow_ey) = (CELL * ady, CELL * adx);
-    let (grow_ex, grow_ey) = if adx == 0 || ady == 0 { (0, 0) } else { (grow_ex, grow_ey) };
-    let east: isize = if dx < 0 { -1 } else { 1 };
-    #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
-    let north: isize = if dy < 0 { columns.n_cols() as isize } else { -(columns.n_cols() as isize) };
+    // A crossing no longer matters once the ray is above the highest column.
+    let below_the_highest = |length: i64| if climb > 0 { (above * length + climb - 1) / climb } else { i64::MAX };
+    let mut walk = InnerWalk::new(columns, own, uav, receiver);
+    walk.reach.0 = walk.reach.0.min(below_the_highest(walk.length.0));
+    walk.reach.1 = walk.reach.1.min(below_the_highest(walk.length.1));
     let tops = columns.tops();
-    let mut index = own;
-    // EXACT: lengths along an axis are at most 2^26 and heights differ by less than 2^32 (a void cell is 2^31 below the
-    // datum), so every product is below 2^58.
-    loop {
-        let (n, d) = if ex <= ey {
-            if nx >= reach_x {
-                return true;
-            }
-            let crossing = (nx, adx);
-            index = index.wrapping_add_signed(east);
-            nx += CELL;
-            if ex == ey {
-                // A corner: both indices step at once.
-                if ny >= reach_y {
-                    return true;
-                }
-                index = index.wrapping_add_signed(north);
-                ny += CELL;
-                ey += grow_ey;
-            }
-            ex += grow_ex;
-            crossing
-        } else {
-            if ny >= reach_y {
-                return true;
-            }
-            let crossing = (ny, ady);
-            index = index.wrapping_add_signed(north);
-            ny += CELL;
-            ey += grow_ey;
-            crossing
-        };
-        if (i64::from(tops[index]) - receiver.z) * d > n * climb {
+    // EXACT: all factors are at most 2^26, so every product is at most 2^52.
+    while let Some(crossing) = walk.step() {
+        if (i64::from(tops[walk.index]) - receiver.z) * crossing.d > crossing.n * climb {
             return false;
         }
+    }
+    true
+}
+
+/// A walk over the cells of a raster, from a receiver inside it, along a ray that runs along no grid line.
+///
+/// INVARIANT: `index` is the current cell; `next` are the distances \[lattice steps\] along x and y from the receiver to
+/// the grid lines that leave it, and `order = (next.0·|dy|, next.1·|dx|)` tells which is met first.
+///
+/// PERF: the same cells as [`CellWalk`] at a third of its cost, because nothing is multiplied or range checked per step.
+struct InnerWalk {
+    index: usize,
+    next: (i64, i64),
+    order: (i64, i64),
+    growth: (i64, i64),
+    length: (i64, i64),
+    /// How far along each axis a crossing still counts: short of the UAV, and inside the raster.
+    reach: (i64, i64),
+    stride: (isize, isize),
+}
+
+impl InnerWalk {
+    /// A walk that starts in cell `own`, the receiver's.
+    fn new(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> Self {
+        let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
+        let length = (dx.abs(), dy.abs());
+        let (width, height) = (extent(columns.n_cols()), extent(columns.n_rows()));
+        let to_border = |v: i64, d: i64, size: i64| if d < 0 { v } else { size - v };
+        // Farther than any line of the proven range.
+        const FAR: i64 = 1 << 32;
+        let to_line = |v: i64, d: i64| match d.signum() {
+            1 => CELL - v.rem_euclid(CELL),
+            -1 => (v - 1).rem_euclid(CELL) + 1,
+            _ => FAR,
+        };
+        let next = (to_line(receiver.x, dx), to_line(receiver.y, dy));
+        // Along an axis the other line is never met.
+        let (order, growth) = match length {
+            (0, _) => ((1, 0), (0, 0)),
+            (_, 0) => ((0, 1), (0, 0)),
+            _ => ((next.0 * length.1, next.1 * length.0), (CELL * length.1, CELL * length.0)),
+        };
+        #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
+        let row = columns.n_cols() as isize;
+        InnerWalk {
+            index: own,
+            next,
+            order,
+            growth,
+            length,
+            reach: (
+                length.0.min(to_border(receiver.x, dx, width)),
+                length.1.min(to_border(receiver.y, dy, height)),
+            ),
+            stride: (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row }),
+        }
+    }
+
+    /// Steps into the next cell and returns where its border was crossed; `None` once no crossing counts any more.
+    #[inline(always)]
+    fn step(&mut self) -> Option<Crossing> {
+        let by_x = self.order.0 <= self.order.1;
+        let at_corner = self.order.0 == self.order.1;
+        let (n, d) = if by_x { (self.next.0, self.length.0) } else { (self.next.1, self.length.1) };
+        if by_x {
+            if self.next.0 >= self.reach.0 {
+                return None;
+            }
+            self.index = self.index.wrapping_add_signed(self.stride.0);
+            self.next.0 += CELL;
+            self.order.0 += self.growth.0;
+        }
+        // At a corner both indices step at once.
+        if !by_x || at_corner {
+            if self.next.1 >= self.reach.1 {
+                return None;
+            }
+            self.index = self.index.wrapping_add_signed(self.stride.1);
+            self.next.1 += CELL;
+            self.order.1 += self.growth.1;
+        }
+        Some(Crossing { n, d })
+    }
+
+    /// Where the ray leaves the current cell, or its end.
+    #[inline(always)]
+    fn exit(&self) -> Crossing {
+        let by_x = self.order.0 <= self.order.1;
+        let (n, d) = if by_x { (self.next.0, self.length.0) } else { (self.next.1, self.length.1) };
+        if n < d { Crossing { n, d } } else { Crossing { n: 1, d: 1 } }
     }
 }
 
@@ -196,12 +232,28 @@ fn extent(cells: usize) -> i64 {
 }
 
 /// Calls `visit` for every interval of the link over a column, from the receiver on, exempting its own cells.
+#[inline(always)]
 fn visit_intervals(
     columns: &Columns,
     uav: LatticePoint,
     receiver: LatticePoint,
     mut visit: impl FnMut(Interval) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
+    let inner = if runs_along_a_grid_line(uav, receiver) {
+        None
+    } else {
+        columns.cell_towards(receiver, uav.x - receiver.x, uav.y - receiver.y)
+    };
+    if let Some(own) = inner {
+        let mut walk = InnerWalk::new(columns, own, uav, receiver);
+        while let Some(near) = walk.step() {
+            let top = columns.tops()[walk.index];
+            if top > VOID {
+                visit(Interval { cell: walk.index, top, near, far: walk.exit() })?;
+            }
+        }
+        return ControlFlow::Continue(());
+    }
     let along_column_line = uav.x == receiver.x && receiver.x.rem_euclid(CELL) == 0;
     let along_row_line = uav.y == receiver.y && receiver.y.rem_euclid(CELL) == 0;
     let is_own = |(east, north): (i64, i64)| {
