@@ -109,9 +109,13 @@ fn check_clear(
     let inside = field.inside_prisms_below(place).max(if roof.is_some() { in_columns } else { VOID });
     if z < inside {
         let (roof_m, asked) = (meters(inside), site.height.value());
-        let mut hint = format!("`{asked}roof` hovers at {} m, {asked} m above the roof", roof_m + asked.max(0.0));
-        if ground != VOID {
-            hint = format!("the lowest height in the clear is `{}agl`; {hint}", roof_m - meters(ground));
+        let lowest = match ground {
+            VOID => format!("`{roof_m}amsl`"),
+            ground => format!("`{}agl`", roof_m - meters(ground)),
+        };
+        let mut hint = format!("the lowest height in the clear is {lowest}");
+        if asked > 0.0 {
+            hint += &format!("; `{asked}roof` hovers at {} m, {asked} m above the roof", roof_m + asked);
         }
         return Err(Error::site(
             201,
