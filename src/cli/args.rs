@@ -16,7 +16,7 @@ Heights are above ground unless written 150amsl or 30roof; all lengths are in me
 Examples:
   skyshed map itu:urban --uav 500,500,100 -o coverage.png
   skyshed map dsm.tif --terrain dtm.tif --uav 691549.7,5334762.2,60 -o coverage.tif -o coverage.json
-  skyshed link itu:urban --uav 500,500,100 --rx 620,480
+  skyshed link itu:urban --uav 500,500,100 --rx 630,480
   skyshed info buildings.geojson
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,

@@ -195,7 +195,7 @@ pub(super) fn parse_uav(text: &str, id: String) -> Result<Site> {
 pub(super) fn parse_receiver(text: &str) -> Result<(f64, f64, Height)> {
     let wrong = |found: String| {
         Error::usage(103, format!("cannot read `--rx {text}`: {found}"))
-            .with_hint("write X,Y or X,Y,H, for example 620,480 or 620,480,1.5roof")
+            .with_hint("write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof")
     };
     let parts: Vec<&str> = text.split(',').collect();
     let (x, y, h) = match parts[..] {

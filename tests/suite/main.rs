@@ -15,7 +15,9 @@ mod cities; // generated cities: golden hashes, statistics
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer
-mod cli; // the program from outside
+mod cli; // the program from outside: words, exit codes, flags
+mod cli_link; // one link, a city, facts of a scene
+mod cli_map; // maps as files and documents
 mod layering; // data flows one way
 
 mod program; // runs the program from outside
