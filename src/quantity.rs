@@ -130,6 +130,11 @@ impl FromStr for Height {
     }
 }
 
+/// A number of things: `1 cell`, `2 cells`.
+pub(crate) fn counted(n: u64, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// A finite number, or what was found instead.
 pub fn parse_number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {

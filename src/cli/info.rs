@@ -22,7 +22,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let grid = scene.grid.clone();
-    check_memory(&scene.name, &grid, FIELD_BYTES_PER_CELL)?;
+    check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
 

@@ -82,7 +82,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
 
     let n_measures =
         [Layer::Margin, Layer::Ceiling, Layer::LeastHeight].iter().filter(|layer| layers.contains(layer)).count();
-    check_memory(&scene.name, scene.field.grid(), uavs.len().saturating_mul(1 + 4 * n_measures))?;
+    check_memory(&args.scene.scene, scene.field.grid(), uavs.len().saturating_mul(1 + 4 * n_measures))?;
     let control = Control::default();
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;

@@ -138,7 +138,7 @@ pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
     let scene = read_scene(args, &mut warnings)?;
     let read = start.elapsed().as_secs_f64();
     let Scene { name, grid, solids, built_up, sources, attribution } = scene;
-    check_memory(&name, &grid, FIELD_BYTES_PER_CELL)?;
+    check_memory(&args.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result, Warning};
+use crate::quantity::counted;
 
 /// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
 const LOWEST_LIKELY: f64 = -9000.0;
@@ -96,7 +97,8 @@ impl Voids {
             if found.count > 0 {
                 let ((top, bottom), (left, right)) = (found.rows, found.cols);
                 let place = format!("rows {top} to {bottom}, columns {left} to {right}");
-                let text = format!("`{path}` has {} cells with {what} ({place}): {done}", found.count);
+                let cells = counted(found.count, "cell", "cells");
+                let text = format!("`{path}` has {cells} with {what} ({place}): {done}");
                 warnings.push(Warning::new(code, text));
             }
         };
@@ -105,7 +107,8 @@ impl Voids {
         let hint = "kept as heights; declare nodata with `gdal_edit.py -a_nodata VALUE` if they are none";
         warn(328, &self.unlikely, "a height at or below -9000 or at or above 32000", hint);
         if self.n_missing > 0 {
-            let text = format!("`{path}` stores nothing for {} cells (sparse file): read as void", self.n_missing);
+            let cells = counted(self.n_missing, "cell", "cells");
+            let text = format!("`{path}` stores nothing for {cells} (sparse file): read as void");
             warnings.push(Warning::new(321, text));
         }
         Ok(())

@@ -16,7 +16,7 @@ use super::geojson_file::{FoundHeight, RawFootprint, RawFootprints, read_raw_foo
 use super::surface::{SurfaceOptions, ground_steps, read_heights};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, counted, height_steps, meters};
 use crate::raster::{Crs, GeoRef, InputKind, Raster};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
@@ -108,19 +108,50 @@ impl FootprintFaults {
             MissingHeight::Median => "given the median height".to_string(),
         };
         let found = [
-            (350, self.not_areas, "features that are no polygons: left out".to_string()),
-            (351, self.repaired, "polygons with crossing or touching rings: repaired by the even-odd rule".to_string()),
-            (352, self.unclosed, "rings that do not end where they begin: closed".to_string()),
-            (353, self.degenerate, "polygons without area: left out".to_string()),
-            (354, self.missing_height, format!("footprints without a usable height: {treated}")),
-            (355, self.negative_height, "footprints with a negative height: left out".to_string()),
-            (356, self.decimal_comma, "heights with a decimal comma: read as decimals".to_string()),
-            (357, self.no_ground, "footprints over nodata terrain: left out".to_string()),
-            (358, self.too_far, "footprints farther than 65536 m from the grid: left out".to_string()),
+            (350, self.not_areas, ["feature that is no polygon", "features that are no polygons"], "left out"),
+            (
+                351,
+                self.repaired,
+                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"],
+                "repaired by the even-odd rule",
+            ),
+            (
+                352,
+                self.unclosed,
+                ["ring that does not end where it begins", "rings that do not end where they begin"],
+                "closed",
+            ),
+            (353, self.degenerate, ["polygon without area", "polygons without area"], "left out"),
+            (
+                354,
+                self.missing_height,
+                ["footprint without a usable height", "footprints without a usable height"],
+                treated.as_str(),
+            ),
+            (
+                355,
+                self.negative_height,
+                ["footprint with a negative height", "footprints with a negative height"],
+                "left out",
+            ),
+            (
+                356,
+                self.decimal_comma,
+                ["height with a decimal comma", "heights with a decimal comma"],
+                "the comma is read as a point",
+            ),
+            (357, self.no_ground, ["footprint over nodata terrain", "footprints over nodata terrain"], "left out"),
+            (
+                358,
+                self.too_far,
+                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"],
+                "left out",
+            ),
         ];
-        for (code, count, text) in found {
+        for (code, count, [one, many], done) in found {
             if count > 0 {
-                warnings.push(Warning::new(code, format!("{}: {count} {text}", path.display())));
+                let what = counted(count as u64, one, many);
+                warnings.push(Warning::new(code, format!("{}: {what}: {done}", path.display())));
             }
         }
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, counted, height_steps};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
 
 /// How a raster scene is read.
@@ -38,12 +38,16 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
     let n_void = surface.cells().iter().filter(|h| **h == VOID).count();
     if n_void > 0 {
         let effect = match options.nodata_as {
-            NodataAs::Clear => "they block nothing",
-            NodataAs::Block => "they block everything",
+            NodataAs::Clear => "blocks nothing",
+            NodataAs::Block => "blocks everything",
         };
         warnings.push(Warning::new(
             340,
-            format!("{}: {n_void} nodata cells; {effect} and are no receivers (`--nodata-as`)", path.display()),
+            format!(
+                "{}: {} without a height: nodata {effect} and holds no receiver (`--nodata-as`)",
+                path.display(),
+                counted(n_void as u64, "cell", "cells")
+            ),
         ));
     }
 

@@ -388,6 +388,28 @@ fn odd_footprints_are_what_they_mean() {
     // Repeated vertices change nothing.
     let good = map(&folder, "good/buildings.geojson --terrain good/terrain.tif --uav 500032,5000032,60").0;
     assert_eq!(good["sites"][0]["receivers"], 64 * 64 - 140 - 144);
+    // What was mended or left out is counted in words.
+    let warning = |name: &str| {
+        let words = format!("info {name} --terrain good/terrain.tif --json");
+        run_in(&folder, &words.split(' ').collect::<Vec<_>>()).done().err
+    };
+    for (name, text) in [
+        (
+            "bowtie",
+            "warning[W351]: geojson/bowtie.geojson: 1 polygon with crossing or touching rings: repaired by the even-odd rule\n",
+        ),
+        ("empty_coordinates", "warning[W353]: geojson/empty_coordinates.geojson: 2 polygons without area: left out\n"),
+        (
+            "height_comma",
+            "warning[W356]: geojson/height_comma.geojson: 1 height with a decimal comma: the comma is read as a point\n",
+        ),
+    ] {
+        assert_eq!(warning(&format!("geojson/{name}.geojson")), text);
+    }
+    let text = "warning[W320]: `raster/nan_patch.tif` has 16 cells with NaN (rows 5 to 8, columns 5 to 8): read as void\n\
+                warning[W340]: raster/nan_patch.tif: 16 cells without a height: nodata blocks nothing and holds no \
+                receiver (`--nodata-as`)\n";
+    assert_eq!(warning("raster/nan_patch.tif"), text);
     // Without a height a footprint is left out, with a warning; `--missing fail` refuses it.
     let (dropped, warnings) = on("null_properties", "");
     assert_eq!((warnings, &dropped["sites"][0]["receivers"]), (vec!["W354".to_string()], &(64 * 64 - 140).into()));

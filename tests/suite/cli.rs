@@ -263,10 +263,14 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         (
             "map city.geojson --extent 0,0,40000,40000 --uav 1,1,50 -o out.png",
             5,
-            "error[E501]: cannot map city: 40000×",
+            "error[E501]: cannot map city.geojson: 40000×",
         ),
     ];
     for (line, code, first) in refusals {
+        // Only there has every run little memory.
+        if first.starts_with("error[E501]") && !cfg!(target_os = "linux") {
+            continue;
+        }
         let line = line.replace("SMALL", small);
         let answer = folder.type_in(&line);
         let lines = answer.refused(code);
@@ -390,7 +394,7 @@ fn title_and_attribution_are_drawn() {
     folder.type_in(&format!("{base} title.svg --title Downtown")).done();
     folder.type_in(&format!("{base} credit.svg --attribution Surveyors")).done();
     let (plain, title, credit) = (folder.text("plain.svg"), folder.text("title.svg"), folder.text("credit.svg"));
-    assert!(plain.contains("What a UAV sees of city") && !title.contains("What a UAV sees of city<"), "{plain}");
+    assert!(plain.contains("What a UAV sees of City") && !title.contains("What a UAV sees of City<"), "{plain}");
     assert!(title.contains("Downtown</text>") || title.contains(">Downtown<"), "no title");
     assert!(credit.contains(">Surveyors<"), "no attribution");
 }
