@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::map::{pretty, tidy};
+use super::map::{pretty, tidy, unbreakable};
 use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, check_outputs, city_geojson, city_surface, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, city_surface, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters};
 use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
@@ -22,7 +22,15 @@ const FORMATS: [Format; 7] =
 const NODATA: f32 = -9999.0;
 
 pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
-    let outputs = check_outputs(&args.output, &FORMATS, &input_paths(&args.scene), args.out.overwrite)?;
+    let outputs = check_outputs(
+        &args.output,
+        OutputRules {
+            allowed: &FORMATS,
+            inputs: &input_paths(&args.scene),
+            overwrite: args.out.overwrite,
+            bare: false,
+        },
+    )?;
     let mut warnings: Vec<Warning> = Vec::new();
     let scene = read_scene(&args.scene, &mut warnings)?;
     let footprints = match &scene.solids {
@@ -168,7 +176,7 @@ impl City<'_> {
             env!("CARGO_PKG_VERSION")
         ));
         caption.extend(self.args.attribution.clone().or_else(|| self.attribution.clone()));
-        let title = self.args.title.clone().unwrap_or_else(|| capitalized(&self.facts.scene_name));
+        let title = self.args.title.clone().unwrap_or_else(|| title_of(&self.facts.scene_name));
         let picture =
             CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
         let provenance = [("skyshed".to_string(), provenance.to_string())];
@@ -195,9 +203,11 @@ impl City<'_> {
     }
 }
 
-fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+/// A name as a title: capitalized, and no line break inside `β = 500/km²`.
+fn title_of(name: &str) -> String {
+    let mut letters = name.chars();
+    let name: String = letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
+    unbreakable(&name)
 }
 
 /// The polygons of a footprint for drawing, with their roofs cut into triangles.

@@ -6,7 +6,7 @@ use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav
 use super::{interrupt, messages};
 use crate::coverage::Uav;
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, check_outputs};
+use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
 use crate::quantity::{Height, STEPS_PER_UNIT, VOID, height_steps, meters};
@@ -18,7 +18,15 @@ const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::St
 pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let site = parse_uav(&args.uav, "1".into())?;
     let (x, y, height) = parse_receiver(&args.rx)?;
-    let outputs = check_outputs(&args.output, &FORMATS, &input_paths(&args.scene), args.out.overwrite)?;
+    let outputs = check_outputs(
+        &args.output,
+        OutputRules {
+            allowed: &FORMATS,
+            inputs: &input_paths(&args.scene),
+            overwrite: args.out.overwrite,
+            bare: false,
+        },
+    )?;
     let scene = ready(&args.scene)?;
     // The lattice must hold the link, which is shorter than the way to the farthest cell unless the receiver is
     // outside the grid.
@@ -76,7 +84,7 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
         return Err(Error::site(
             201,
             format!(
-                "{what}: {} m above the datum is inside a building with its roof at {} m",
+                "{what}: {:.2} m above the datum is inside a building with its roof at {:.2} m",
                 meters(z),
                 meters(inside)
             ),

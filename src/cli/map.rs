@@ -13,7 +13,7 @@ use crate::coverage::{
     Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MapResult, bare_name, check_outputs, encode_map};
+use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_outputs, encode_map};
 use crate::raster::{Crs, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, SiteFacts, Timing, digest};
@@ -38,7 +38,10 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let rx_height = receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.radius)?;
     let inputs: Vec<PathBuf> = input_paths(&args.scene).into_iter().chain(args.uavs.clone()).collect();
-    let outputs = check_outputs(&args.output, &FORMATS, &inputs, args.out.overwrite)?;
+    let outputs = check_outputs(
+        &args.output,
+        OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: args.bare },
+    )?;
     if outputs.is_empty() && !args.out.json {
         return Err(Error::usage(108, "nothing to write: wanted `-o FILE` or `--json`").with_hint("-o coverage.png"));
     }
@@ -293,7 +296,7 @@ impl Writer<'_> {
         };
         let title = self.args.title.clone().unwrap_or_else(|| {
             let whom = if self.coverages.len() == 1 { "a UAV sees" } else { "the UAVs see" };
-            format!("What {whom} of {}", self.scene.name)
+            unbreakable(&format!("What {whom} of {}", self.scene.name))
         });
         let caption = self.caption(receivers_name);
         let picture = MapPicture {
@@ -388,6 +391,11 @@ pub(super) fn tidy(v: f64) -> String {
     let text = format!("{v:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.to_string() }
+}
+
+/// Text whose equations and units are not broken across lines.
+pub(super) fn unbreakable(text: &str) -> String {
+    text.replace(" = ", "\u{a0}=\u{a0}").replace(" m;", "\u{a0}m;")
 }
 
 /// A document as indented text with a final line break.

@@ -109,17 +109,19 @@ fn check_clear(
     let inside = field.inside_prisms_below(place).max(if roof.is_some() { in_columns } else { VOID });
     if z < inside {
         let (roof_m, asked) = (meters(inside), site.height.value());
+        // Rounded up to a centimeter: a height that is asked for must be in the clear.
+        let centimeters = |m: f64| (m * 100.0).ceil() / 100.0;
         let lowest = match ground {
-            VOID => format!("`{roof_m}amsl`"),
-            ground => format!("`{}agl`", roof_m - meters(ground)),
+            VOID => format!("`{}amsl`", centimeters(roof_m)),
+            ground => format!("`{}agl`", centimeters(roof_m - meters(ground))),
         };
         let mut hint = format!("the lowest height in the clear is {lowest}");
         if asked > 0.0 {
-            hint += &format!("; `{asked}roof` hovers at {} m, {asked} m above the roof", roof_m + asked);
+            hint += &format!("; `{asked}roof` hovers at {:.2} m, {asked} m above the roof", roof_m + asked);
         }
         return Err(Error::site(
             201,
-            format!("{what}: {} m above the datum is inside a building with its roof at {roof_m} m", meters(z)),
+            format!("{what}: {:.2} m above the datum is inside a building with its roof at {roof_m:.2} m", meters(z)),
         )
         .with_hint(hint));
     }

@@ -67,47 +67,84 @@ impl Format {
     }
 }
 
-/// Checks the outputs of a run before any work: formats that `allowed` lists, folders that exist, no file replaced
-/// without leave, no file given twice, no input overwritten.
+/// What the outputs of a run must comply with.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputRules<'a> {
+    /// Formats that the command writes.
+    pub allowed: &'a [Format],
+    /// Files that the run reads.
+    pub inputs: &'a [PathBuf],
+    /// Whether existing files may be replaced.
+    pub overwrite: bool,
+    /// Whether a PNG is bare, with a world file and a sidecar.
+    pub bare: bool,
+}
+
+/// Checks the outputs of a run before any work: formats that the command writes, folders that exist, no file or sidecar
+/// replaced without leave, no file given twice, no input overwritten.
 ///
 /// # Errors
-/// Usage errors E104–E109.
-pub fn check_outputs(
-    outputs: &[PathBuf],
-    allowed: &[Format],
-    inputs: &[PathBuf],
-    overwrite: bool,
-) -> Result<Vec<(PathBuf, Format)>> {
+/// Usage errors E104–E106.
+pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
     let mut checked: Vec<(PathBuf, Format)> = Vec::new();
+    let mut places: Vec<PathBuf> = Vec::new();
     for path in outputs {
         let format = Format::of(path)?;
         let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
-        if !allowed.contains(&format) {
+        if !rules.allowed.contains(&format) {
             return Err(refuse("this command does not write that format"));
         }
-        if checked.iter().any(|(p, _)| p == path) {
+        if format == Format::Stdout {
+            if checked.iter().any(|(_, f)| *f == Format::Stdout) {
+                return Err(refuse("it is named twice"));
+            }
+            checked.push((path.clone(), format));
+            continue;
+        }
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            return Err(refuse(&format!("folder {} does not exist", folder.display())));
+        }
+        if path.is_dir() {
+            return Err(refuse("it is a folder"));
+        }
+        let place = std::fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default());
+        if places.contains(&place) {
             return Err(refuse("it is named twice"));
         }
-        if format != Format::Stdout {
-            let same = |other: &PathBuf| match (std::fs::canonicalize(other), std::fs::canonicalize(path)) {
+        let is_input = |file: &Path| {
+            let same = |input: &PathBuf| match (std::fs::canonicalize(input), std::fs::canonicalize(file)) {
                 (Ok(a), Ok(b)) => a == b,
                 _ => false,
             };
-            if inputs.iter().any(same) {
-                return Err(refuse("it is an input of this run"));
-            }
-            let folder = folder_of(path);
-            if !folder.is_dir() {
-                return Err(refuse(&format!("folder {} does not exist", folder.display())));
-            }
-            if path.is_dir() {
-                return Err(refuse("it is a folder"));
-            }
-            refuse_to_replace(path, overwrite)?;
+            rules.inputs.iter().any(same)
+        };
+        if is_input(path) {
+            return Err(refuse("it is an input of this run"));
         }
+        refuse_to_replace(path, rules.overwrite)?;
+        for sidecar in sidecars(path, format, rules.bare) {
+            if is_input(&sidecar) {
+                return Err(refuse(&format!("its sidecar {} is an input of this run", sidecar.display())));
+            }
+            refuse_to_replace(&sidecar, rules.overwrite)?;
+        }
+        places.push(place);
         checked.push((path.clone(), format));
     }
     Ok(checked)
+}
+
+/// The files that may be written beside an output.
+fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
+    let beside = |suffix: &str| super::with_suffix(path, suffix);
+    match format {
+        Format::GeoTiff => vec![beside(".aux.xml")],
+        Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
+        Format::Csv => vec![beside(".json")],
+        Format::Png if bare => vec![path.with_extension("pgw"), path.with_extension("prj"), beside(".json")],
+        _ => Vec::new(),
+    }
 }
 
 fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {

@@ -140,7 +140,9 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
         ))?;
         let mut files = vec![(path.to_path_buf(), bytes)];
         if single {
-            files.push((with_suffix(path, ".aux.xml"), pam_sidecar(&palette).into_bytes()));
+            // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
+            let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
+            files.push((with_suffix(path, ".aux.xml"), pam_sidecar(&named).into_bytes()));
         }
         return Ok(files);
     }

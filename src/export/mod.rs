@@ -8,6 +8,6 @@ mod files;
 mod map;
 
 pub use city::{city_geojson, city_surface};
-pub use files::{Batch, Format, check_outputs};
+pub use files::{Batch, Format, OutputRules, check_outputs};
 pub(crate) use map::with_suffix;
 pub use map::{Layer, MapResult, bare_name, encode_map};

@@ -184,10 +184,7 @@ impl InnerWalk {
             order,
             growth,
             length,
-            reach: (
-                length.0.min(to_border(receiver.x, dx, width)),
-                length.1.min(to_border(receiver.y, dy, height)),
-            ),
+            reach: (length.0.min(to_border(receiver.x, dx, width)), length.1.min(to_border(receiver.y, dy, height))),
             stride: (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row }),
         }
     }
