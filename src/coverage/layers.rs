@@ -19,8 +19,8 @@ pub fn which_layer(masks: &[&[u8]]) -> Vec<Vec<u32>> {
     masks.chunks(32).map(word).collect()
 }
 
-/// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is in range of one, else as the first says
-/// (nodata before out of range before not a receiver).
+/// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is a receiver of one, not a receiver if it is in
+/// range of one, out of range if it has a height, else nodata.
 pub fn union_mask(masks: &[&[u8]]) -> Vec<u8> {
     let rank = |c: u8| match c {
         class::LOS => 0,
