@@ -4,6 +4,8 @@
 //! footprints, so that rays run along walls, through corners and just at roof height by the thousand. Around every tie
 //! the neighboring lattice points are tried as well.
 
+#![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "small numbers")]
+
 use rayon::prelude::*;
 
 use crate::oracle::{Columns, P3, Prism};
@@ -76,7 +78,7 @@ fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbor
         let points = lattice(0, 6, M / 2);
         for (i, &uav) in points.iter().enumerate() {
             for (j, &receiver) in points.iter().enumerate() {
-                if (i * 49 + j + k) % every != 0 {
+                if !(i * 49 + j + k).is_multiple_of(every) {
                     continue;
                 }
                 let z = heights[random.next() as usize % heights.len()];

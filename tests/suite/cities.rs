@@ -1,5 +1,7 @@
 //! Generated cities: pinned by hashes, the same from every side, and with the statistics that they claim.
 
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};

@@ -1,5 +1,12 @@
 //! What must not change, and what can only change one way: engines and whole maps on random scenes.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::unwrap_used,
+    reason = "small numbers, and a panic is a failed test"
+)]
+
 use rayon::ThreadPoolBuilder;
 use skyshed::coverage::{
     Control, HeightLayers, MapOptions, Placement, Receivers, SiteCoverage, Uav, class, count_layer, map_site,
@@ -160,10 +167,10 @@ fn cutting_a_footprint_in_two_along_a_line_through_lattice_points_changes_nothin
         let (ring, [a, b]) = loop {
             let ring = star(random, 6);
             let at = 2 + random.within(0, 3) as usize;
-            if at + 1 < ring.len() {
-                if let Some(halves) = cut_in_two(&ring, at) {
-                    break (ring, halves);
-                }
+            if at + 1 < ring.len()
+                && let Some(halves) = cut_in_two(&ring, at)
+            {
+                break (ring, halves);
             }
         };
         let top = random.within(1, 5);

@@ -1,5 +1,7 @@
 //! One link, decided by an engine and by the oracle, and a count of the answers.
 
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
 use num_bigint::BigInt;
 use num_rational::Ratio;
 use skyshed::height_field::{Columns, Prisms};

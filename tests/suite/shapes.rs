@@ -1,5 +1,7 @@
 //! Small scenes for the suites, on coarse lattices, so that shared walls, corners and grazing rays are the rule.
 
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
 use std::cmp::Ordering;
 
 use crate::oracle::{Columns, P3, Prism};
