@@ -135,6 +135,13 @@ pub(crate) fn counted(n: u64, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// A number for reading: at most two decimals, no needless zeros.
+pub fn tidy(v: f64) -> String {
+    let text = format!("{v:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_string() }
+}
+
 /// A finite number, or what was found instead.
 pub fn parse_number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::map::{pretty, tidy, unbreakable};
+use super::map::{pretty, unbreakable};
 use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, city_surface, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
-use crate::quantity::{Frame, VOID, meters};
+use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
 use crate::report::RunFacts;

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::args::InfoArgs;
-use super::map::{pretty, tidy};
+use super::map::pretty;
 use super::messages;
 use super::plan::{FIELD_BYTES_PER_CELL, check_memory, is_vector, meters_per_unit, read_scene};
 use crate::error::Result;
 use crate::height_field::{CellKind, HeightField};
-use crate::quantity::{VOID, meters};
+use crate::quantity::{VOID, meters, tidy};
 use crate::raster::Crs;
 use crate::render::grouped;
 use crate::scene::{FootprintFaults, Solids};

@@ -1,7 +1,7 @@
 //! `skyshed link`: one link, decided and explained.
 
 use super::args::LinkArgs;
-use super::map::{pretty, tidy};
+use super::map::pretty;
 use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav, ready};
 use super::{interrupt, messages};
 use crate::coverage::Uav;
@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
-use crate::quantity::{Height, STEPS_PER_UNIT, VOID, height_steps, meters};
+use crate::quantity::{Height, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::render::{self, LinkProfile, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
 
@@ -84,9 +84,9 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
         return Err(Error::site(
             201,
             format!(
-                "{what}: {:.2} m above the datum is inside a building with its roof at {:.2} m",
-                meters(z),
-                meters(inside)
+                "{what}: {} m above the datum is inside a building with its roof at {} m",
+                tidy(meters(z)),
+                tidy(meters(inside))
             ),
         )
         .with_hint(format!("on the roof it is `{}roof`", height.value().max(0.0))));

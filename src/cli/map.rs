@@ -14,6 +14,7 @@ use crate::coverage::{
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_outputs, encode_map};
+use crate::quantity::tidy;
 use crate::raster::{Crs, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, SiteFacts, Timing, digest};
@@ -384,13 +385,6 @@ fn height_words(site: &SiteFacts) -> String {
         Some(agl) => format!("{} m above ground", tidy(agl)),
         None => format!("{} m above the datum", tidy(site.height_amsl_m)),
     }
-}
-
-/// A number without needless digits.
-pub(super) fn tidy(v: f64) -> String {
-    let text = format!("{v:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.to_string() }
 }
 
 /// Text whose equations and units are not broken across lines.

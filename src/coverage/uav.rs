@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::height_field::{HeightField, Station};
-use crate::quantity::{Height, MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::quantity::{Height, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::scene::Site;
 
 /// A UAV that hovers in the clear: not inside a building, not below the ground.
@@ -117,11 +117,15 @@ fn check_clear(
         };
         let mut hint = format!("the lowest height in the clear is {lowest}");
         if asked > 0.0 {
-            hint += &format!("; `{asked}roof` hovers at {:.2} m, {asked} m above the roof", roof_m + asked);
+            hint += &format!("; `{asked}roof` hovers at {} m, {asked} m above the roof", tidy(roof_m + asked));
         }
         return Err(Error::site(
             201,
-            format!("{what}: {:.2} m above the datum is inside a building with its roof at {roof_m:.2} m", meters(z)),
+            format!(
+                "{what}: {} m above the datum is inside a building with its roof at {} m",
+                tidy(meters(z)),
+                tidy(roof_m)
+            ),
         )
         .with_hint(hint));
     }
@@ -129,7 +133,7 @@ fn check_clear(
     if z < floor {
         return Err(Error::site(
             202,
-            format!("{what}: {} m above the datum is below the ground at {} m", meters(z), meters(floor)),
+            format!("{what}: {} m above the datum is below the ground at {} m", tidy(meters(z)), tidy(meters(floor))),
         )
         .with_hint("heights are above ground unless written `150amsl` or `30roof`"));
     }
