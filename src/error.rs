@@ -6,6 +6,20 @@
 //!
 //! Codes are grouped by class and never change their meaning: E1xx usage, E2xx site or zone, E3xx input file, E4xx
 //! output file, E5xx a limit, E6xx a failed check, E9xx a fault of the program; W-codes follow the same hundreds.
+//!
+//! | codes | about |
+//! |---|---|
+//! | E101–E109 | words of the command line, sites and receivers as typed, outputs that cannot be written as asked |
+//! | E110–E117 | generated cities, numbers out of range, flags without meaning for the scene |
+//! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
+//! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
+//! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
+//! | E401–E403 | an output cannot be written, encoded, drawn |
+//! | E501–E502 | memory, extent |
+//! | W201–W202 | flat earth, no receiver |
+//! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
+//! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
+//! | W350–W360 | footprints: what was mended or left out |
 
 use std::fmt;
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::map::{pretty, unbreakable};
 use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
+use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, city_surface, with_suffix};
@@ -201,13 +201,6 @@ impl City<'_> {
         }
         ground
     }
-}
-
-/// A name as a title: capitalized, and no line break inside `β = 500/km²`.
-fn title_of(name: &str) -> String {
-    let mut letters = name.chars();
-    let name: String = letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
-    unbreakable(&name)
 }
 
 /// The polygons of a footprint for drawing, with their roofs cut into triangles.

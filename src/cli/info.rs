@@ -3,15 +3,15 @@
 use serde_json::{Value, json};
 
 use super::args::InfoArgs;
-use super::map::pretty;
 use super::messages;
 use super::plan::{FIELD_BYTES_PER_CELL, check_memory, is_vector, meters_per_unit, read_scene};
+use super::words::pretty;
 use crate::error::Result;
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{VOID, meters, tidy};
 use crate::raster::Crs;
 use crate::render::grouped;
-use crate::scene::{FootprintFaults, Solids};
+use crate::scene::{BuiltUp, FootprintFaults, Solids};
 
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let mut warnings = Vec::new();
@@ -22,12 +22,19 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let grid = scene.grid.clone();
+    let heights: Vec<f64> = match &scene.solids {
+        Solids::Vector { footprints, .. } => footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect(),
+        Solids::Raster { .. } => Vec::new(),
+    };
     check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
 
     let unit = meters_per_unit(&grid);
     let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
+    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
+    let built_up_ratio = counts.building as f64 / (counts.building + counts.open) as f64;
+    let estimate = BuiltUp::estimated(built_up_ratio, &heights, width * height / 1e6);
     let pieces = field.prisms().map(|p| p.pieces().len());
     let document = json!({
         "schema": "skyshed/info/1",
@@ -50,6 +57,9 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         "built_up": scene.built_up.map(|b| json!({
             "alpha": b.built_up_ratio, "beta_per_km2": b.buildings_per_km2, "gamma_m": b.height_scale,
             "building_width_m": b.building_width(), "street_width_m": b.street_width(), "seed": args.scene.seed,
+        })),
+        "estimated_built_up": estimate.map(|b| json!({
+            "alpha": b.built_up_ratio, "beta_per_km2": b.buildings_per_km2, "gamma_m": b.height_scale,
         })),
         "zones": Value::Null,
         "faults": faults.map(faults_json),
@@ -111,6 +121,12 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
             "built-up   {b}: buildings {} m wide, streets {} m wide\n",
             tidy(b.building_width()),
             tidy(b.street_width())
+        );
+    }
+    if let Some(b) = estimate {
+        text += &format!(
+            "estimated  α = {:.3}, β = {:.0}/km², γ = {:.1} m, over the whole extent\n",
+            b.built_up_ratio, b.buildings_per_km2, b.height_scale
         );
     }
     if field.is_surface_only() {

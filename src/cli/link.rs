@@ -1,8 +1,8 @@
 //! `skyshed link`: one link, decided and explained.
 
 use super::args::LinkArgs;
-use super::map::pretty;
 use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav, ready};
+use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::Uav;
 use crate::error::{Error, Result};
@@ -226,7 +226,7 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as
         roof_height_m: o.roof_height_m,
     });
     let verdict = if report.los { "line of sight" } else { "no line of sight" };
-    let title = format!("{}: {verdict}", scene.name);
+    let title = title_of(&format!("{}: {verdict}", scene.name));
     let caption: Vec<String> = in_words(report).lines().map(str::to_string).collect();
     let profile = LinkProfile {
         title: &title,

@@ -8,6 +8,7 @@ use super::plan::{
     Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
     warn_of_flat_earth,
 };
+use super::words::{pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
     Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
@@ -385,16 +386,6 @@ fn height_words(site: &SiteFacts) -> String {
         Some(agl) => format!("{} m above ground", tidy(agl)),
         None => format!("{} m above the datum", tidy(site.height_amsl_m)),
     }
-}
-
-/// Text whose equations and units are not broken across lines.
-pub(super) fn unbreakable(text: &str) -> String {
-    text.replace(" = ", "\u{a0}=\u{a0}").replace(" m;", "\u{a0}m;")
-}
-
-/// A document as indented text with a final line break.
-pub(super) fn pretty(document: &serde_json::Value) -> String {
-    format!("{document:#}\n")
 }
 
 fn say_results(report: &MapReport, timing: Timing, outputs: &[(PathBuf, Format)]) {

@@ -11,6 +11,7 @@ mod link;
 mod map;
 mod messages;
 mod plan;
+mod words;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

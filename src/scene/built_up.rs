@@ -55,6 +55,16 @@ impl BuiltUp {
         Ok(city)
     }
 
+    /// The built-up parameters of an existing city: the share of its cells that are buildings, its buildings per area, and
+    /// the maximum-likelihood scale of a Rayleigh distribution, γ² = ΣH²/(2n). `None` without a building or open ground.
+    ///
+    /// `heights` are those of all buildings \[m above their ground\], `area_km2` is the area that they stand on.
+    pub fn estimated(built_up_ratio: f64, heights: &[f64], area_km2: f64) -> Option<Self> {
+        let n = heights.len() as f64;
+        let squares: f64 = heights.iter().map(|h| h * h).sum();
+        BuiltUp::new(built_up_ratio, n / area_km2, (squares / (2.0 * n)).sqrt()).ok()
+    }
+
     /// The environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`), `high-rise` (or `highrise`).
     ///
     /// # References
@@ -232,6 +242,19 @@ mod tests {
             let city = BuiltUp::named(name).expect("a known name");
             assert!((city.building_width() - w).abs() < 1e-6 && (city.street_width() - s).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_parameters_of_a_generated_city_are_found_again() {
+        let built_up = BuiltUp::named("dense").expect("a known name");
+        let heights: Vec<f64> =
+            (0..100).flat_map(|i| (0..100).map(move |j| built_up.building_height(3, i, j))).collect();
+        let area_km2 = (100.0 * built_up.period() / 1000.0).powi(2);
+        let found = BuiltUp::estimated(0.5, &heights, area_km2).expect("a city");
+        assert!((found.buildings_per_km2 - 300.0).abs() < 1e-6);
+        // The standard error of the scale is γ/(2√n) = 0.1 m.
+        assert!((found.height_scale - 20.0).abs() < 0.4, "{found}");
+        assert_eq!(BuiltUp::estimated(0.0, &[], 1.0), None);
     }
 
     #[test]
