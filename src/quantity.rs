@@ -19,6 +19,9 @@ pub const MAX_EXTENT_UNITS: f64 = 65_536.0;
 /// The height of a cell that holds none (nodata, or outside a raster): below every height, so it blocks nothing.
 pub const VOID: i32 = i32::MIN;
 
+/// The top of a nodata cell that blocks every link: above every height, so no receiver height is enough behind it.
+pub const BLOCKS_ALL: i32 = 1 << 26;
+
 /// A height above the datum in lattice steps of 1/1024 m, or `None` if `meters` is not finite or beyond ±32 768 m.
 ///
 /// Halves are rounded up.

@@ -137,6 +137,18 @@ pub(super) enum Nodata {
     Clear,
 }
 
+/// How links are decided; every command takes these.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Engine")]
+pub(super) struct EngineArgs {
+    /// Largest horizontal distance from the UAV to a receiver [m]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(super) radius: Option<f64>,
+    /// Engine
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(super) method: Method,
+}
+
 /// Where results go and how much is said.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
@@ -203,12 +215,6 @@ pub(super) struct MapArgs {
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
-    /// Largest horizontal distance from the UAV to a receiver [m]
-    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
-    pub(super) radius: Option<f64>,
-    /// Engine
-    #[arg(long, value_enum, default_value = "auto")]
-    pub(super) method: Method,
     /// Layers to make, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
@@ -228,6 +234,8 @@ pub(super) struct MapArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    #[command(flatten)]
     pub(super) out: OutputArgs,
 }
 
@@ -236,14 +244,19 @@ pub(super) struct LinkArgs {
     /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: String,
-    /// The receiver: x, y and height; 1.5 m above ground without one
+    /// The receiver: x, y and height (1.5, 1.5roof, 30amsl); `--rx-height` above ground without one
     #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true)]
     pub(super) rx: String,
+    /// Height of the receiver above ground [m], if `--rx` gives none
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    pub(super) rx_height: f64,
     /// Side view of the link (.png, .svg) or its document (.json)
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
     #[command(flatten)]
     pub(super) out: OutputArgs,
 }
@@ -263,19 +276,19 @@ pub(super) struct CityArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    #[command(flatten)]
     pub(super) out: OutputArgs,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    /// Print one JSON document on standard output
-    #[arg(long)]
-    pub(super) json: bool,
-    /// Say nothing but errors and the answer
-    #[arg(short, long)]
-    pub(super) quiet: bool,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    #[command(flatten)]
+    pub(super) out: OutputArgs,
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -44,6 +44,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         command,
         method: "none",
         scene_name: name,
+        meters_per_unit: meters_per_unit(&grid),
         grid,
         sources,
         seed: built_up.map(|_| args.scene.seed),
@@ -170,7 +171,7 @@ impl City<'_> {
         }];
         let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
         caption.push(format!(
-            "South-west corner at ({}, {}), {crs}; heights above the datum; skyshed {}",
+            "South-west corner at ({}, {}), {crs}; skyshed {}",
             tidy(grid.x_min()),
             tidy(grid.y_min()),
             env!("CARGO_PKG_VERSION")

@@ -66,10 +66,10 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         "sources": scene.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect::<Vec<_>>(),
         "warnings": warnings.iter().map(|w| json!({"code": w.code(), "text": w.text()})).collect::<Vec<_>>(),
     });
-    if !args.quiet {
+    if !args.out.quiet {
         messages::warnings(&warnings);
     }
-    if args.json {
+    if args.out.json {
         return messages::answer(&pretty(&document));
     }
 

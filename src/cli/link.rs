@@ -1,7 +1,9 @@
 //! `skyshed link`: one link, decided and explained.
 
 use super::args::LinkArgs;
-use super::plan::{Ready, input_paths, meters_per_unit, parse_receiver, parse_uav, ready};
+use super::plan::{
+    Ready, checked_radius, input_paths, meters_per_unit, parse_receiver, parse_uav, ready, receiver_height,
+};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::Uav;
@@ -9,15 +11,18 @@ use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
-use crate::quantity::{Height, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
+use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::render::{self, LinkProfile, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
+use crate::scene::Site;
 
 const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let site = parse_uav(&args.uav, "1".into())?;
-    let (x, y, height) = parse_receiver(&args.rx)?;
+    receiver_height(args.rx_height)?;
+    let radius_m = checked_radius(args.engine.radius)?;
+    let (x, y, height) = parse_receiver(&args.rx, args.rx_height)?;
     let outputs = check_outputs(
         &args.output,
         OutputRules {
@@ -28,12 +33,17 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
         },
     )?;
     let scene = ready(&args.scene)?;
-    // The lattice must hold the link, which is shorter than the way to the farthest cell unless the receiver is
-    // outside the grid.
+    check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
     let uav = Uav::place(&site, &scene.field, Some(reach))?;
     let receiver = receiver(&scene, x, y, height)?;
     let report = explain(&scene, &uav, &receiver, command);
+    if let Some(radius) = radius_m.filter(|r| report.distance_m > *r) {
+        return Err(Error::site(
+            208,
+            format!("the receiver is {} m from the UAV, wanted within `--radius {radius}`", tidy(report.distance_m)),
+        ));
+    }
 
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
@@ -55,6 +65,26 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     } else {
         messages::answer(&in_words(&report))
     }
+}
+
+/// The lattice must hold the link.
+fn check_extent(scene: &Ready, site: &Site, (x, y): (f64, f64)) -> Result<()> {
+    let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
+    for frame in frames.into_iter().flatten() {
+        let extent = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
+        if extent > MAX_EXTENT_UNITS {
+            return Err(Error::site(
+                203,
+                format!(
+                    "cannot decide the link from ({}, {}) to ({x}, {y}): it spans {extent:.0} units, wanted at most \
+                     {MAX_EXTENT_UNITS}",
+                    site.x, site.y
+                ),
+            )
+            .with_hint("check the coordinate reference systems of both ends"));
+        }
+    }
+    Ok(())
 }
 
 /// The receiver's end: on ground or roof that is there, not inside a building.
@@ -111,9 +141,14 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
     let (from, to) = (receiver.place, uav.station.place);
     let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
 
-    // The ceiling is never below what the receiver stands on.
+    // The ceiling is never below what the receiver stands on: the roof if it is on or above one, else the ground.
     let ground = field.ground_at(&receiver.place);
-    let floor = if ground == VOID { f64::NEG_INFINITY } else { f64::from(ground) };
+    let roof = field.roof_at(&receiver.place).filter(|roof| receiver.z >= i64::from(*roof));
+    let floor = match (roof, ground) {
+        (Some(roof), _) => f64::from(roof),
+        (None, VOID) => f64::NEG_INFINITY,
+        (None, ground) => f64::from(ground),
+    };
     let ceiling = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
     let margin = receiver_z - ceiling;
     let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
@@ -134,13 +169,17 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
         let piece = field.prisms().filter(|_| of_prisms).map(|p| p.pieces()[o.obstacle]);
         let cell = field.columns().filter(|_| !of_prisms).map(|c| (o.obstacle / c.n_cols(), o.obstacle % c.n_cols()));
         ObstructionReport {
-            kind: if of_prisms { "building" } else { columns_kind },
+            kind: match (o.top, of_prisms) {
+                (BLOCKS_ALL, _) => "nodata",
+                (_, true) => "building",
+                (_, false) => columns_kind,
+            },
             id: piece.map(|p| field.building_id(p.building).to_string()),
             cell,
             x: from.x + t * (to.x - from.x),
             y: from.y + t * (to.y - from.y),
             ray_height_m: receiver_z + t * (uav_z - receiver_z),
-            roof_height_m: meters(o.top),
+            roof_height_m: (o.top != BLOCKS_ALL).then(|| meters(o.top)),
         }
     });
     LinkReport {
@@ -180,12 +219,12 @@ fn in_words(report: &LinkReport) -> String {
             (None, Some((row, col))) => format!("{} at row {row}, column {col}", o.kind),
             (None, None) => o.kind.to_string(),
         };
+        let roof = o.roof_height_m.map_or("which blocks everything".to_string(), |r| format!("roof height {r:.3} m"));
         text += &format!(
-            "obstructed by {name}: obstructing point ({}, {}), ray height {:.3} m, roof height {:.3} m\n",
+            "obstructed by {name}: obstructing point ({}, {}), ray height {:.3} m, {roof}\n",
             tidy(o.x),
             tidy(o.y),
             o.ray_height_m,
-            o.roof_height_m
         );
     }
     text
@@ -196,34 +235,12 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as
     if report.distance_m <= 0.0 {
         return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
     }
-    // Fractions count from the receiver, the picture's distances from the UAV.
-    let step = |(near, far): (f64, f64), top: i32, kind: StepKind| ProfileStep {
-        from_m: (1.0 - far) * report.distance_m,
-        to_m: (1.0 - near) * report.distance_m,
-        height_m: meters(top),
-        kind,
-    };
-    let mut steps: Vec<ProfileStep> = Vec::new();
-    let ground = [field.ground_at(&receiver.place), field.ground_at(&uav.station.place)];
-    let flat = ground.into_iter().filter(|g| *g != VOID).min();
-    if field.columns().is_none() {
-        steps.extend(flat.map(|z| step((0.0, 1.0), z, StepKind::Terrain)));
-    }
-    if let Some(columns) = field.columns() {
-        let kind = if field.prisms().is_some() { StepKind::Terrain } else { StepKind::Building };
-        for (cell, near, far) in columns_crossed(columns, uav.station.on_columns(), receiver.on_columns()) {
-            steps.push(step((near, far), columns.tops()[cell], kind));
-        }
-    }
-    if let Some(prisms) = field.prisms() {
-        for (piece, near, far) in prisms_crossed(prisms, uav.station.on_prisms(), receiver.on_prisms()) {
-            steps.push(step((near, far), prisms.pieces()[piece].top, StepKind::Building));
-        }
-    }
+    let steps = profile(scene, uav, receiver, report.distance_m);
     let obstruction = report.obstruction.as_ref().map(|o| render::Obstruction {
         distance_m: (o.x - report.uav[0]).hypot(o.y - report.uav[1]) * meters_per_unit(field.grid()),
         ray_height_m: o.ray_height_m,
-        roof_height_m: o.roof_height_m,
+        // Nodata that blocks everything is drawn as high as the UAV.
+        roof_height_m: o.roof_height_m.unwrap_or(report.uav[2].max(report.receiver[2])),
     });
     let verdict = if report.los { "line of sight" } else { "no line of sight" };
     let title = title_of(&format!("{}: {verdict}", scene.name));
@@ -245,4 +262,66 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as
         render::draw_link_profile(&profile, &provenance)
     };
     drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
+}
+
+/// Ground and roofs below a link, for its side view.
+fn profile(scene: &Ready, uav: &Uav, receiver: &Station, distance_m: f64) -> Vec<ProfileStep> {
+    let field = &scene.field;
+    // Fractions count from the receiver, the picture's distances from the UAV.
+    let step = |(near, far): (f64, f64), top: i32, kind: StepKind| ProfileStep {
+        from_m: (1.0 - far) * distance_m,
+        to_m: (1.0 - near) * distance_m,
+        height_m: meters(top),
+        kind,
+    };
+    let mut steps: Vec<ProfileStep> = Vec::new();
+    match field.columns() {
+        None => {
+            let ground = [field.ground_at(&receiver.place), field.ground_at(&uav.station.place)];
+            let flat = ground.into_iter().filter(|g| *g != VOID).min();
+            steps.extend(flat.map(|z| step((0.0, 1.0), z, StepKind::Terrain)));
+        }
+        Some(columns) => {
+            let mut crossed = columns_crossed(columns, uav.station.on_columns(), receiver.on_columns());
+            // The receiver's own cell is exempt from blocking, not from being there.
+            let own = columns.cell_at(receiver.on_columns().x, receiver.on_columns().y);
+            let first = crossed.first().map_or(1.0, |c| c.1);
+            crossed.extend(own.map(|cell| (cell, 0.0, first)));
+            for (cell, near, far) in crossed {
+                let top = columns.tops()[cell];
+                if top == VOID || top == BLOCKS_ALL {
+                    continue;
+                }
+                let (ground, roof) = field.column_parts(cell);
+                steps.extend(ground.map(|z| step((near, far), z, StepKind::Terrain)));
+                steps.extend(roof.map(|z| step((near, far), z, StepKind::Building)));
+            }
+        }
+    }
+    if let Some(prisms) = field.prisms() {
+        for (piece, near, far) in prisms_crossed(prisms, uav.station.on_prisms(), receiver.on_prisms()) {
+            steps.push(step((near, far), prisms.pieces()[piece].top, StepKind::Building));
+        }
+    }
+    merged(steps)
+}
+
+/// Joins steps of the same height and kind that follow each other.
+fn merged(mut steps: Vec<ProfileStep>) -> Vec<ProfileStep> {
+    let order = |kind: StepKind| matches!(kind, StepKind::Building);
+    steps.sort_by(|a, b| order(a.kind).cmp(&order(b.kind)).then(a.from_m.total_cmp(&b.from_m)));
+    let mut joined: Vec<ProfileStep> = Vec::with_capacity(steps.len());
+    for step in steps {
+        match joined.last_mut() {
+            Some(last)
+                if last.kind == step.kind
+                    && (last.height_m - step.height_m).abs() < 1e-9
+                    && (last.to_m - step.from_m).abs() < 1e-6 =>
+            {
+                last.to_m = step.to_m;
+            }
+            _ => joined.push(step),
+        }
+    }
+    joined
 }

@@ -38,7 +38,7 @@ const FORMATS: [Format; 10] = [
 pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();
     let rx_height = receiver_height(args.rx_height)?;
-    let radius_m = checked_radius(args.radius)?;
+    let radius_m = checked_radius(args.engine.radius)?;
     let inputs: Vec<PathBuf> = input_paths(&args.scene).into_iter().chain(args.uavs.clone()).collect();
     let outputs = check_outputs(
         &args.output,
@@ -56,9 +56,14 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
     }
     let layers = layers(&args.layers);
+    check_layers(&layers, typed.len(), args.uavs.is_some(), &outputs)?;
 
     let mut scene = ready(&args.scene)?;
     let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
+    if args.bare {
+        check_bare_names(&sites, &outputs, args.out.overwrite)?;
+    }
+    check_layers(&layers, sites.len(), false, &outputs)?;
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     if scene.field.is_surface_only() && args.receivers == ReceiversArg::Roof {
@@ -81,7 +86,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             least_height: layers.contains(&Layer::LeastHeight),
         },
     };
-    let method = match args.method {
+    let method = match args.engine.method {
         Method::Auto | Method::Ray => "ray",
     };
 
@@ -147,13 +152,72 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
 fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec<Site>> {
     let mut sites = typed;
     if let Some(path) = file {
-        sites.extend(read_sites(path, crs)?);
+        let first = sites.len() + 1;
+        sites.extend(read_sites(path, crs, first)?);
     }
     let mut seen = std::collections::HashSet::new();
     match sites.iter().find(|s| !seen.insert(s.id.clone())) {
         Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
         None => Ok(sites),
     }
+}
+
+/// Refuses layers that an output cannot hold, before any work.
+fn check_layers(layers: &[Layer], n_sites: usize, more_to_come: bool, outputs: &[(PathBuf, Format)]) -> Result<()> {
+    for (path, format) in outputs {
+        let n_bands: usize = layers
+            .iter()
+            .map(|layer| match layer {
+                Layer::Count => 1,
+                Layer::Which => n_sites.div_ceil(32),
+                _ => n_sites,
+            })
+            .sum();
+        match format {
+            Format::AsciiGrid if n_bands > 1 || (n_bands == 0 && !more_to_come) => {
+                return Err(Error::usage(
+                    107,
+                    format!(
+                        "cannot write {}: an ASCII grid holds one layer of one site, found {n_bands}",
+                        path.display()
+                    ),
+                )
+                .with_hint("choose one site and one layer, or write .tif"));
+            }
+            Format::GeoTiff
+                if n_sites > 24 && layers.contains(&Layer::Which) && layers.iter().any(|l| l.is_measure()) =>
+            {
+                return Err(Error::usage(
+                    107,
+                    format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
+                )
+                .with_hint("write `which` to a .tif of its own, or to .exr"));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Refuses bare pictures of several sites that would share a name or replace a file, before any work.
+fn check_bare_names(sites: &[Site], outputs: &[(PathBuf, Format)], overwrite: bool) -> Result<()> {
+    let mut names = std::collections::HashMap::new();
+    for (path, _) in outputs.iter().filter(|(_, f)| *f == Format::Png && sites.len() > 1) {
+        for site in sites {
+            let name = bare_name(path, &site.id);
+            if let Some(other) = names.insert(name.clone(), &site.id) {
+                return Err(Error::site(
+                    207,
+                    format!("sites `{other}` and `{}` would share the file {}", site.id, name.display()),
+                ));
+            }
+            if !overwrite && name.exists() {
+                return Err(Error::usage(106, format!("cannot write {}: it exists", name.display()))
+                    .with_hint("`--overwrite` replaces it"));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn report(
@@ -237,27 +301,38 @@ impl Writer<'_> {
     /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
     fn bare(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
         let grid = self.scene.field.grid();
-        let mut pictures: Vec<(PathBuf, std::borrow::Cow<'_, [u8]>)> = Vec::new();
-        match self.coverages {
-            [only] => pictures.push((path.to_path_buf(), only.mask.as_slice().into())),
-            several => {
-                let masks: Vec<&[u8]> = several.iter().map(|s| s.mask.as_slice()).collect();
-                pictures.push((path.to_path_buf(), union_mask(&masks).into()));
-                for site in several {
-                    pictures.push((bare_name(path, &site.uav.id), site.mask.as_slice().into()));
-                }
-            }
-        }
+        let document = |report: &MapReport| report.document(None).to_string();
+        let beside = |path: &Path, document: &str| {
+            let mut files = vec![(path.with_extension("pgw"), world_file(grid).into_bytes())];
+            files.extend(grid.crs().and_then(Crs::wkt).map(|wkt| (path.with_extension("prj"), wkt.into_bytes())));
+            files.push((crate::export::with_suffix(path, ".json"), format!("{document}\n").into_bytes()));
+            files
+        };
+        let software = || ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
+        let all = document(self.report);
+        let provenance = [software(), ("skyshed".to_string(), all.clone())];
         let mut files = Vec::new();
-        for (path, mask) in pictures {
-            let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &mask, &self.provenance()).map_err(undrawable)?;
-            files.push((path.with_extension("pgw"), world_file(grid).into_bytes()));
-            if let Some(wkt) = grid.crs().and_then(Crs::wkt) {
-                files.push((path.with_extension("prj"), wkt.into_bytes()));
+        let [only] = self.coverages else {
+            let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
+            let n_sites = u32::try_from(masks.len()).unwrap_or(u32::MAX);
+            let (count, union) = (count_layer(&masks), union_mask(&masks));
+            let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), &count, &union, n_sites, &provenance);
+            files.push((path.to_path_buf(), png.map_err(undrawable)?));
+            files.extend(beside(path, &all));
+            for (site, facts) in self.coverages.iter().zip(&self.report.sites) {
+                // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
+                let own = document(&self.report.of_site(facts, digest(grid, std::iter::once(site.mask.as_slice()))));
+                let path = bare_name(path, &site.uav.id);
+                let provenance = [software(), ("skyshed".to_string(), own.clone())];
+                let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &site.mask, &provenance);
+                files.push((path.clone(), png.map_err(undrawable)?));
+                files.extend(beside(&path, &own));
             }
-            files.push((crate::export::with_suffix(&path, ".json"), pretty(&self.report.document(None)).into_bytes()));
-            files.push((path, png));
-        }
+            return Ok(files);
+        };
+        let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &only.mask, &provenance).map_err(undrawable)?;
+        files.push((path.to_path_buf(), png));
+        files.extend(beside(path, &all));
         Ok(files)
     }
 
@@ -297,8 +372,16 @@ impl Writer<'_> {
             ReceiversArg::All => ("cells", "Nodata"),
         };
         let title = self.args.title.clone().unwrap_or_else(|| {
-            let whom = if self.coverages.len() == 1 { "a UAV sees" } else { "the UAVs see" };
-            unbreakable(&format!("What {whom} of {}", self.scene.name))
+            let subject = match (&layer, self.coverages.len()) {
+                (render::Layer::Field { .. }, _) => match self.layers.first() {
+                    Some(Layer::Margin) => "Margin of line of sight in",
+                    Some(Layer::Ceiling) => "Least receiver height in line of sight in",
+                    _ => "Least UAV height that sees",
+                },
+                (_, 1) => "What a UAV sees of",
+                _ => "What the UAVs see of",
+            };
+            unbreakable(&format!("{subject} {}", self.scene.name))
         });
         let caption = self.caption(receivers_name);
         let picture = MapPicture {
@@ -329,8 +412,8 @@ impl Writer<'_> {
         let wanted = self.layers.iter().find_map(|layer| match layer {
             Layer::Los | Layer::Count | Layer::Which => Some(render::Layer::Los(mask)),
             Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
-            Layer::Ceiling => field(&site.ceiling, "Ceiling: least receiver height in line of sight"),
-            Layer::LeastHeight => field(&site.least_height, "Least UAV height that sees the receiver"),
+            Layer::Ceiling => field(&site.ceiling, "Ceiling, above the datum"),
+            Layer::LeastHeight => field(&site.least_height, "Least UAV height, above the datum"),
         });
         wanted.unwrap_or(render::Layer::Los(mask))
     }
@@ -339,7 +422,11 @@ impl Writer<'_> {
         let grid = self.scene.field.grid();
         let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
         let share = |t: &Tally| match t.p_los() {
-            Some(p) => format!("P_LoS = {p:.4} of {} {receivers_name}", render::grouped(t.receivers)),
+            Some(p) => format!(
+                "P_LoS = {p:.4} ({} of {} {receivers_name})",
+                render::grouped(t.los),
+                render::grouped(t.receivers)
+            ),
             None => format!("P_LoS undefined: {}", t.reason()),
         };
         let mut lines: Vec<String> = Vec::new();
@@ -353,10 +440,12 @@ impl Writer<'_> {
         if self.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
         }
-        let cell = if (grid.cell_width() - grid.cell_height()).abs() < 1e-9 * grid.cell_width() {
-            format!("{} m", tidy(grid.cell_width()))
+        let unit = meters_per_unit(grid);
+        let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
+        let cell = if (width - height).abs() < 1e-9 * width {
+            format!("{} m", tidy(width))
         } else {
-            format!("{} × {} m", tidy(grid.cell_width()), tidy(grid.cell_height()))
+            format!("{} × {} m", tidy(width), tidy(height))
         };
         let stands = match self.args.receivers {
             _ if self.scene.field.is_surface_only() => "the surface",

@@ -43,7 +43,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Map(args) => in_pool(args.out.threads, || map::run(&args, command)),
         args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
         args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
-        args::Command::Info(args) => info::run(&args, command),
+        args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
     }
 }
 
@@ -76,9 +76,17 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             // Missing arguments are listed on lines of their own; an error is one line.
             let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
             let mut error = Error::usage(101, first);
-            let hints: Vec<&str> = rest.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+            // Of clap's tips only those that name what was probably meant; its usage line names the command.
+            let similar = rest.lines().map(str::trim).find(|l| l.starts_with("tip: a similar"));
+            let command = rest.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
+            let help = command.map(|usage| {
+                let words: Vec<&str> = usage.split(' ').take_while(|w| !w.starts_with(['[', '<', '-'])).collect();
+                format!("{} --help", words.join(" "))
+            });
+            let hints = [similar.map(|tip| tip.replace("tip: ", "")), help];
+            let hints: Vec<String> = hints.into_iter().flatten().collect();
             if !hints.is_empty() {
-                error = error.with_hint(hints.join("; ").replace("tip: ", ""));
+                error = error.with_hint(hints.join("; "));
             }
             fail(&error)
         }

@@ -153,6 +153,7 @@ impl Ready {
             method,
             scene_name: self.name.clone(),
             grid: self.field.grid().clone(),
+            meters_per_unit: meters_per_unit(self.field.grid()),
             sources: self.sources.clone(),
             seed: self.seed,
             warnings: self.warnings.clone(),
@@ -192,7 +193,7 @@ pub(super) fn parse_uav(text: &str, id: String) -> Result<Site> {
 }
 
 /// A receiver as typed: `X,Y[,H]`.
-pub(super) fn parse_receiver(text: &str) -> Result<(f64, f64, Height)> {
+pub(super) fn parse_receiver(text: &str, rx_height_m: f64) -> Result<(f64, f64, Height)> {
     let wrong = |found: String| {
         Error::usage(103, format!("cannot read `--rx {text}`: {found}"))
             .with_hint("write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof")
@@ -205,7 +206,7 @@ pub(super) fn parse_receiver(text: &str) -> Result<(f64, f64, Height)> {
     };
     let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
     let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
-    let height = h.map_or(Ok(Height::AboveGround(1.5)), str::parse).map_err(wrong)?;
+    let height = h.map_or(Ok(Height::AboveGround(rx_height_m)), str::parse).map_err(wrong)?;
     Ok((x, y, height))
 }
 

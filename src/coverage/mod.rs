@@ -26,6 +26,17 @@ pub mod class {
     /// No height is known.
     pub const NODATA: u8 = 255;
 
+    /// The color of a class as red, green, blue, opacity: blue and orange of Okabe & Ito 2008, gray for what is neither.
+    pub fn color(value: u8) -> [u8; 4] {
+        match value {
+            NLOS => [0xE6, 0x9F, 0x00, 0xFF],
+            LOS => [0x00, 0x72, 0xB2, 0xFF],
+            NOT_A_RECEIVER => [0xC3, 0xC6, 0xC9, 0xFF],
+            OUT_OF_RANGE => [0xE9, 0xED, 0xF0, 0xFF],
+            _ => [0xFF, 0xFF, 0xFF, 0x00],
+        }
+    }
+
     /// Every class with its name, in order of value.
     pub const NAMES: [(u8, &str); 5] = [
         (NLOS, "NLoS"),

@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::height_field::{HeightField, Station};
-use crate::quantity::{Height, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
+use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
+use crate::raster::GeoRef;
 use crate::scene::Site;
 
 /// A UAV that hovers in the clear: not inside a building, not below the ground.
@@ -129,6 +130,10 @@ fn check_clear(
         )
         .with_hint(hint));
     }
+    if in_columns == BLOCKS_ALL {
+        return Err(Error::site(204, format!("{what}: it is over a nodata cell, which blocks everything"))
+            .with_hint("`--nodata-as clear` lets nodata cells block nothing"));
+    }
     let floor = if roof.is_some() { ground } else { ground.max(in_columns) };
     if z < floor {
         return Err(Error::site(
@@ -138,6 +143,18 @@ fn check_clear(
         .with_hint("heights are above ground unless written `150amsl` or `30roof`"));
     }
     Ok(())
+}
+
+/// What a position far from the grid probably is.
+fn hint_for_far(site: &Site, grid: &GeoRef) -> String {
+    let in_grid = |x: f64, y: f64| x >= grid.x_min() && x <= grid.x_max() && y >= grid.y_min() && y <= grid.y_max();
+    if in_grid(site.y, site.x) {
+        "x and y are swapped: exchanged, the position lies in the grid".into()
+    } else if site.x.abs() <= 180.0 && site.y.abs() <= 90.0 && grid.crs().is_some() {
+        "this looks like longitude and latitude: give it as a table with the columns `lon,lat,h` to `--uavs`".into()
+    } else {
+        "check the coordinate reference system of the site, or limit the range with `--radius M`".into()
+    }
 }
 
 /// The box of the UAV and the cells in its range must fit the lattice.
@@ -164,7 +181,7 @@ fn check_extent(what: &str, site: &Site, field: &HeightField, radius: Option<f64
                     grid.y_max()
                 ),
             )
-            .with_hint("check the coordinate reference system of the site, or limit the range with `--radius M`"));
+            .with_hint(hint_for_far(site, grid)));
         }
     }
     Ok(())

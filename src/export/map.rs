@@ -44,6 +44,11 @@ impl Layer {
             Layer::Which => "which",
         }
     }
+
+    /// Whether the layer holds meters.
+    pub fn is_measure(self) -> bool {
+        matches!(self, Layer::Margin | Layer::Ceiling | Layer::LeastHeight)
+    }
 }
 
 /// The coverage of a run, ready for files.
@@ -169,7 +174,7 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
             Band::Class(mask) => {
                 mask.iter().map(|c| if *c == class::NODATA { NODATA } else { f32::from(*c) }).collect()
             }
-            Band::Measure(v) => v.iter().map(|v| if v.is_nan() { NODATA } else { *v }).collect(),
+            Band::Measure(v) => v.iter().map(|v| finite(*v)).collect(),
             Band::Count(n) => n.iter().map(|n| if *n == NO_COUNT { NODATA } else { exact_f32(*n) }).collect(),
             Band::Bits(_) if result.sites.len() > 24 => {
                 return Err(Error::usage(
@@ -187,24 +192,26 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
     Ok(vec![(path.to_path_buf(), bytes)])
 }
 
+/// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven
+/// range, for no height that is enough.
+fn finite(v: f32) -> f32 {
+    const END: f32 = 32_768.0;
+    if v.is_nan() { NODATA } else { v.clamp(-END, END) }
+}
+
 #[expect(clippy::cast_precision_loss, reason = "counts of UAVs and sets of at most 24 bits are exact in f32")]
 fn exact_f32(n: u32) -> f32 {
     n as f32
 }
 
-/// The classes with their colors; buildings gray, the rest as in the picture.
+/// The classes with their names and colors.
 fn palette() -> Vec<ClassColor> {
-    let color = |value: u8| match value {
-        class::NLOS => [0xE6, 0x9F, 0x00, 0xFF],
-        class::LOS => [0x00, 0x72, 0xB2, 0xFF],
-        class::NOT_A_RECEIVER => [0x80, 0x80, 0x80, 0xFF],
-        class::OUT_OF_RANGE => [0xE8, 0xE8, 0xE8, 0xFF],
-        _ => [0xFF, 0xFF, 0xFF, 0x00],
+    let color = |(value, name): &(u8, &str)| ClassColor {
+        value: *value,
+        name: (*name).to_string(),
+        rgba: class::color(*value),
     };
-    class::NAMES
-        .iter()
-        .map(|(value, name)| ClassColor { value: *value, name: (*name).to_string(), rgba: color(*value) })
-        .collect()
+    class::NAMES.iter().map(color).collect()
 }
 
 fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
@@ -264,7 +271,7 @@ fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u
     match band {
         Band::Class(mask) => write(f64::from(class::NODATA), &mut mask.iter().map(|c| f64::from(*c)))?,
         Band::Measure(v) => {
-            let value = |v: &f32| if v.is_nan() { f64::from(NODATA) } else { f64::from(*v) };
+            let value = |v: &f32| f64::from(finite(*v));
             write(f64::from(NODATA), &mut v.iter().map(value))?;
         }
         Band::Count(n) => {

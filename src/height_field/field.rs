@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::prisms::{holds_half_open, side};
 use super::{Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
-use crate::quantity::{Frame, LatticePoint, VOID, meters};
+use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, VOID, meters};
 use crate::raster::GeoRef;
 use crate::scene::{Footprint, Ground, Solids};
 
@@ -217,7 +217,7 @@ impl HeightField {
             };
         }
         let top = self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]);
-        if top == VOID || Solids::is_blocking_void(top) {
+        if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
         let above = |ground: i32, threshold: i32| {
@@ -236,11 +236,31 @@ impl HeightField {
         }
     }
 
+    /// The ground and, if it is a building, the roof of a cell of the columns; both `None` where it is void. A surface
+    /// model alone is all ground.
+    pub fn column_parts(&self, cell: usize) -> (Option<i32>, Option<i32>) {
+        let Some(top) = self.columns.as_ref().map(|(c, _)| c.tops()[cell]).filter(|t| *t != VOID && *t != BLOCKS_ALL)
+        else {
+            return (None, None);
+        };
+        let parts = |ground: i32, threshold: i32| {
+            let is_building = ground != VOID && i64::from(top) - i64::from(ground) > i64::from(threshold);
+            (Some(if is_building { ground } else { top }), is_building.then_some(top))
+        };
+        match &self.floor {
+            Floor::Surface | Floor::Columns => (Some(top), None),
+            // Under footprints the columns are the terrain.
+            Floor::Flat { .. } if self.prisms.is_some() => (Some(top), None),
+            Floor::Flat { z, building_threshold } => parts(*z, *building_threshold),
+            Floor::Terrain { tops, building_threshold } => parts(tops[cell], *building_threshold),
+        }
+    }
+
     /// Height of the ground at a place, of the cell to its north-east on an edge; [`VOID`] where none is known.
     pub fn ground_at(&self, place: &Place) -> i32 {
         let cell = || self.columns.as_ref().and_then(|(c, _)| c.cell_at(place.on_columns.0, place.on_columns.1));
         let surface = || match (cell(), &self.columns) {
-            (Some(cell), Some((columns, _))) if !Solids::is_blocking_void(columns.tops()[cell]) => columns.tops()[cell],
+            (Some(cell), Some((columns, _))) if columns.tops()[cell] != BLOCKS_ALL => columns.tops()[cell],
             _ => VOID,
         };
         match &self.floor {

@@ -1,6 +1,8 @@
 //! One link of a scene: both solids together, each on its own lattice.
 
-use super::{Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_los};
+use super::{
+    Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_least_height, prisms_los,
+};
 use crate::height_field::{HeightField, Station};
 
 /// Decides whether a link is LoS: clear of the prisms and clear of the columns.
@@ -21,8 +23,7 @@ pub fn link_ceilings(field: &HeightField, uav: &Station, receiver: &Station) -> 
 /// The least UAV height over the UAV's place that sees the receiver, for each solid, prisms first.
 pub fn link_least_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (Ceiling, Ceiling) {
     (
-        // No prism is exempt, so a link and its reverse are obstructed alike.
-        field.prisms().map_or(Ceiling::Clear, |p| prisms_ceiling(p, receiver.on_prisms(), uav.on_prisms())),
+        field.prisms().map_or(Ceiling::Clear, |p| prisms_least_height(p, uav.on_prisms(), receiver.on_prisms())),
         field.columns().map_or(Ceiling::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
     )
 }

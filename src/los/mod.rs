@@ -32,4 +32,4 @@ mod prisms_ray;
 pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_los};
 pub use link::{link_ceilings, link_least_heights, link_los};
 pub use obstruction::{Ceiling, Obstruction};
-pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_los};
+pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_los};

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::quantity::LatticePoint;
+use crate::quantity::{BLOCKS_ALL, LatticePoint};
 
 use super::cell_walk::Crossing;
 
@@ -94,7 +94,9 @@ impl Obstruction {
         // A roof below the UAV hides the cone behind its far edge (the one towards the receiver); a roof above the UAV
         // hides everything below the plane through its near edge.
         let at = if excess <= 0 { near } else { far };
-        let bound = Bound { uav_z: uav.z, num: i128::from(excess) * i128::from(at.d), den: i128::from(at.n) };
+        // Behind a nodata cell that blocks everything no height is enough.
+        let den = if top == BLOCKS_ALL { 0 } else { i128::from(at.n) };
+        let bound = Bound { uav_z: uav.z, num: i128::from(excess) * i128::from(at.d), den };
         let from_receiver = |c: Crossing| ratio(i128::from(c.d - c.n), i128::from(c.d));
         Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
     }
@@ -107,6 +109,9 @@ impl Obstruction {
 #[inline]
 pub(super) fn surely_binds_less(top: i32, uav_z: i64, near: Crossing, far: Crossing, above_uav: f64) -> bool {
     let excess = i64::from(top) - uav_z;
+    if top == BLOCKS_ALL {
+        return false;
+    }
     let at = if excess <= 0 { near } else { far };
     #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^56, compared with a margin")]
     let (bound, ceiling) = (excess as f64 * at.d as f64, above_uav * at.n as f64);

@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{BOUND_MARGIN, Ceiling, Obstruction};
+use super::obstruction::{Ceiling, Obstruction, surely_binds_less};
 use crate::height_field::{Piece, Prisms};
 use crate::quantity::LatticePoint;
 
@@ -30,7 +30,7 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
     let mut edges: Vec<Edge> = Vec::new();
     let crossed = visit_buckets(
         prisms,
-        &ray,
+        (receiver, uav),
         |max_top, near, far| ray.dips_below(max_top, near, far),
         |_, piece| {
             if i64::from(piece.top) <= lower {
@@ -52,25 +52,57 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and the piece that sets
 /// it. The receiver's own height plays no part.
 pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    // The farther from the UAV, the more an obstacle below it binds, so the walk begins at the receiver.
+    bound_from(prisms, uav, receiver, Walk::TowardsPivot)
+}
+
+/// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
+/// the receiver. The UAV's own height plays no part.
+pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    // No prism is exempt, so a link and its reverse are obstructed alike; the nearer to the receiver, the more an
+    // obstacle above it binds.
+    bound_from(prisms, receiver, uav, Walk::AwayFromPivot)
+}
+
+/// Which way buckets are visited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Walk {
+    TowardsPivot,
+    AwayFromPivot,
+}
+
+/// The least height at `end`'s position that is in line of sight of `pivot`, whatever the order of the visits.
+fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk) -> Ceiling {
     let mut ceiling = Ceiling::Clear;
-    if uav.x == receiver.x && uav.y == receiver.y {
+    if pivot.x == end.x && pivot.y == end.y {
         // Straight below the UAV a receiver sees it unless a roof is between them: from the roof up.
-        if let Some((top, piece)) = prisms.solid_at(uav.x, uav.y) {
+        if let Some((top, piece)) = prisms.solid_at(pivot.x, pivot.y) {
             let here = Crossing { n: 1, d: 1 };
-            let far = if i64::from(top) > uav.z { Crossing { n: 0, d: 1 } } else { here };
-            ceiling.raise(Obstruction::new(piece, top, uav, here, far));
+            let far = if i64::from(top) > pivot.z { Crossing { n: 0, d: 1 } } else { here };
+            ceiling.raise(Obstruction::new(piece, top, pivot, here, far));
         }
         return ceiling;
     }
-    let ray = Ray::new(uav, receiver);
+    let ray = Ray::new(pivot, end);
     let mut edges: Vec<Edge> = Vec::new();
     let ceiling_cell = std::cell::Cell::new(f64::NEG_INFINITY);
-    let may_bind = |max_top: i32, near: Crossing, _far: Crossing| ray.may_raise(ceiling_cell.get(), max_top, near);
-    let _ = visit_buckets(prisms, &ray, may_bind, |index, piece| {
+    // A bucket from `first` to `last` along the walk, told as fractions from the pivot.
+    let may_bind = |max_top: i32, first: Crossing, last: Crossing| {
+        let (from, to) = match walk {
+            Walk::TowardsPivot => (rest(last), rest(first)),
+            Walk::AwayFromPivot => (first, last),
+        };
+        !surely_binds_less(max_top, pivot.z, to, from, ceiling_cell.get())
+    };
+    let start = match walk {
+        Walk::TowardsPivot => (end, pivot),
+        Walk::AwayFromPivot => (pivot, end),
+    };
+    let _ = visit_buckets(prisms, start, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
-                ceiling.raise(interval.obstruction(index, piece.top, uav));
-                ceiling_cell.set(ceiling.height_steps());
+                ceiling.raise(interval.obstruction(index, piece.top, pivot));
+                ceiling_cell.set(ceiling.above_uav());
             }
             Meeting::Edge(side, interval) => {
                 edges.push(Edge { piece: index, top: piece.top, side, interval });
@@ -80,9 +112,14 @@ pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
         ControlFlow::Continue(())
     });
     for (edge, interval) in shared_edges(&edges) {
-        ceiling.raise(interval.obstruction(edge.piece, edge.top, uav));
+        ceiling.raise(interval.obstruction(edge.piece, edge.top, pivot));
     }
     ceiling
+}
+
+/// The way left.
+fn rest(c: Crossing) -> Crossing {
+    Crossing { n: c.d - c.n, d: c.d }
 }
 
 /// The pieces whose interior the link crosses, with the ends of each crossing as fractions from the receiver, in no
@@ -95,7 +132,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
     let mut crossed = Vec::new();
     let _ = visit_buckets(
         prisms,
-        &ray,
+        (receiver, uav),
         |_, _, _| true,
         |index, piece| {
             if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
@@ -259,18 +296,6 @@ impl Ray {
         let fraction = lowest.n as f64 / lowest.d as f64;
         f64::from(top) > self.height_from_receiver(fraction) - 1.0
     }
-
-    /// Whether an obstacle of at most `top`, at `near` or farther from the receiver, may raise the ceiling.
-    fn may_raise(&self, ceiling: f64, top: i32, near: Crossing) -> bool {
-        let excess = i64::from(top) - self.uav.z;
-        if excess > 0 || ceiling == f64::NEG_INFINITY {
-            return true;
-        }
-        // The way left is subtracted in integers: beside the UAV one minus a rounded fraction has few digits left.
-        #[expect(clippy::cast_precision_loss, reason = "compared with a margin")]
-        let (uav_z, bound) = (self.uav.z as f64, excess as f64 * near.d as f64 / (near.d - near.n) as f64);
-        uav_z + bound * BOUND_MARGIN + 1.0 >= ceiling
-    }
 }
 
 /// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.
@@ -290,13 +315,13 @@ fn shared_edges(edges: &[Edge]) -> impl Iterator<Item = (&Edge, Interval)> {
 #[inline]
 fn visit_buckets(
     prisms: &Prisms,
-    ray: &Ray,
+    (from, to): (LatticePoint, LatticePoint),
     matters: impl Fn(i32, Crossing, Crossing) -> bool,
     mut visit: impl FnMut(usize, &Piece) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let buckets = prisms.buckets();
     let relative = |p: &LatticePoint| (p.x - buckets.origin.0, p.y - buckets.origin.1);
-    let mut walk = CellWalk::new(relative(&ray.receiver), relative(&ray.uav), buckets.size);
+    let mut walk = CellWalk::new(relative(&from), relative(&to), buckets.size);
     let mut near = Crossing { n: 0, d: 1 };
     loop {
         let exit = walk.exit();

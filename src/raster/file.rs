@@ -46,6 +46,14 @@ impl RasterFile {
         }
     }
 
+    /// Length of the file's height unit \[m\], if it names one; values are read as they are.
+    pub fn meters_per_height_unit(&self) -> Option<f64> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
+            RasterFile::AsciiGrid(_) => None,
+        }
+    }
+
     /// Where the cells lie.
     pub fn georef(&self) -> &GeoRef {
         match self {

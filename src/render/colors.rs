@@ -241,5 +241,15 @@ mod tests {
     fn class_colors_are_the_fixed_ones() {
         assert_eq!((hex(LOS).as_str(), hex(NLOS).as_str()), ("#0072B2", "#E69F00"));
         assert_eq!(Ramp::Diverging.at(0.75), LOS);
+        // The colors of files are those of pictures.
+        use crate::coverage::class;
+        for (value, color) in [
+            (class::NLOS, NLOS),
+            (class::LOS, LOS),
+            (class::NOT_A_RECEIVER, BUILDING),
+            (class::OUT_OF_RANGE, OUT_OF_RANGE),
+        ] {
+            assert_eq!(class::color(value)[..3], color);
+        }
     }
 }

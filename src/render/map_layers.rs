@@ -53,14 +53,20 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         }
         Layer::Field { values, name, unit, mask } => {
             let field = Field::new(values, mask);
-            let palette: Vec<Rgb> = (0..256).map(|k| field.ramp.at(f64::from(k) / 255.0)).collect();
+            let palette: Vec<Rgb> = (0..=255).map(|k| field.color(k)).collect();
             let index_of =
                 |cell: usize| special(mask[cell], 256).unwrap_or_else(|| field.index(values[cell]).unwrap_or(256 + 2));
             let painted = paint_with(picture, axes, &palette, index_of);
             let n: u64 = painted.histogram[..256].iter().sum();
             let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
             if n > 0 {
-                let along: Vec<Rgb> = palette.iter().step_by(2).copied().collect();
+                if field.flat_above_zero {
+                    let los = painted.histogram[255];
+                    let detail = format!("{} · 0 {unit} or more", percent(los, n));
+                    legend.push(furniture::legend_entry(Swatch::Flat(colors::LOS), "Line of sight", &detail));
+                }
+                let shown = if field.flat_above_zero { 255 } else { 256 };
+                let along: Vec<Rgb> = palette[..shown].iter().step_by(2).copied().collect();
                 legend.push(furniture::color_bar(&title, field.scale, &along, 460.0));
             }
             painted
@@ -135,21 +141,31 @@ fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> 
 struct Field {
     ramp: Ramp,
     scale: Scale,
+    /// Positive values are few and small beside the negative ones, as margins are: they share one color.
+    flat_above_zero: bool,
 }
+
+/// A positive side smaller than this share of the negative one is not worth half of a ramp.
+const SMALL_SIDE: f64 = 0.1;
 
 impl Field {
     /// Spans the middle 98 % of the receivers' values, from a sample of at most about a million.
     fn new(values: &[f32], mask: &[u8]) -> Self {
         let step = (values.len() / 1_000_000).max(1) | 1;
-        let sample: Vec<f32> =
-            (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect();
+        let sample = values_of(values, mask, step);
         let infinite = [f32::NEG_INFINITY, f32::INFINITY].map(|end| sample.iter().any(|v| v.total_cmp(&end).is_eq()));
         let (least, most) = paint::quantiles(sample.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
         let (mut low, mut high) = paint::quantiles(sample, 0.01, 0.99).unwrap_or((0.0, 1.0));
         let signed = least < 0.0 && most > 0.0;
-        if signed {
+        let flat_above_zero = signed && high <= -low * SMALL_SIDE;
+        if flat_above_zero {
+            high = 0.0;
+        } else if signed {
             high = low.abs().max(high.abs());
             low = -high;
+        } else if let Some((_, most_are_below)) = paint::quantiles(values_of(values, mask, step), 0.0, 0.9) {
+            // A few cells beside walls ask for heights that would leave the others one color.
+            high = if high > 3.0 * most_are_below.abs() { most_are_below } else { high };
         }
         if high - low < 1e-6 * (1.0 + high.abs()) {
             (low, high) = (low - 0.5, high + 0.5);
@@ -159,20 +175,50 @@ impl Field {
             low,
             high,
             open_low: infinite[0] || least < low - slack,
-            open_high: infinite[1] || most > high + slack,
+            open_high: !flat_above_zero && (infinite[1] || most > high + slack),
         };
-        Self { ramp: if signed { Ramp::Diverging } else { Ramp::Sequential }, scale }
+        Self { ramp: if signed { Ramp::Diverging } else { Ramp::Sequential }, scale, flat_above_zero }
+    }
+
+    /// One of the 256 colors.
+    fn color(&self, k: u8) -> Rgb {
+        let t = f64::from(k) / 255.0;
+        match (self.flat_above_zero, k) {
+            (false, _) => self.ramp.at(t),
+            (true, 255) => colors::LOS,
+            // The orange half, short of the white in the middle.
+            (true, _) => self.ramp.at(0.46 * t),
+        }
     }
 
     fn index(&self, value: f32) -> Option<usize> {
+        if self.flat_above_zero && value >= 0.0 {
+            return Some(255);
+        }
+        let last = if self.flat_above_zero { 254 } else { 255 };
         let t = (f64::from(value) - self.scale.low) / (self.scale.high - self.scale.low);
-        (!value.is_nan()).then(|| colors::index(t * 255.0 + 0.5, 255))
+        (!value.is_nan()).then(|| colors::index(t * last as f64 + 0.5, last))
     }
+}
+
+/// The receivers' values, every `step`th cell.
+fn values_of(values: &[f32], mask: &[u8], step: usize) -> Vec<f32> {
+    (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn margins_keep_one_color_for_line_of_sight_and_the_ramp_for_what_is_missing() {
+        let mask = [1_u8; 6];
+        let field = Field::new(&[-80.0, -60.0, -40.0, -20.0, 0.0, 1.5], &mask);
+        assert!(field.flat_above_zero);
+        assert_eq!((field.index(0.0), field.index(1.5)), (Some(255), Some(255)));
+        assert!(field.index(-0.1).is_some_and(|k| k < 255));
+        assert_eq!(field.color(255), colors::LOS);
+    }
 
     #[test]
     fn signed_fields_are_centered_on_zero_and_unsigned_are_not() {

@@ -34,7 +34,7 @@ pub use lettering::grouped;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
 pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};
 pub use marks::Mark;
-pub use png::draw_bare;
+pub use png::{draw_bare, draw_bare_count};
 
 /// Refuses an empty raster and an array that does not fit it.
 fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {

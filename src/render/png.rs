@@ -80,6 +80,58 @@ pub fn draw_bare(
     Ok(file)
 }
 
+/// One pixel per cell and nothing else: how many UAVs see it, in the colors of the picture.
+///
+/// `count` and `mask` are `[n_rows, n_cols]`, columns running fastest; `mask` tells which cells are receivers. More than
+/// 252 UAVs share colors.
+///
+/// # Errors
+/// As [`draw_bare`].
+pub fn draw_bare_count(
+    n_cols: usize,
+    n_rows: usize,
+    count: &[u32],
+    mask: &[u8],
+    n_sites: u32,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    super::check_shape("mask", mask.len(), n_cols, n_rows)?;
+    super::check_shape("count", count.len(), n_cols, n_rows)?;
+    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
+    let (Some(width), Some(height)) = (side(n_cols), side(n_rows)) else {
+        return Err(format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"));
+    };
+    // Not a receiver, and nothing to show, come after the counts.
+    const MOST: u32 = 252;
+    let shown = n_sites.min(MOST);
+    let (other, nothing) = (shown + 1, shown + 2);
+    let mut palette: Vec<Rgb> = (0..=shown).map(|k| colors::count_color(k, shown)).collect();
+    palette.extend([colors::BUILDING, colors::WHITE]);
+    let mut opacity = vec![255; palette.len()];
+    opacity[nothing as usize] = 0;
+    let index = |cell: usize| match mask[cell] {
+        0 | 1 if n_sites <= MOST => count[cell].min(shown),
+        0 | 1 if count[cell] == 0 => 0,
+        0 | 1 => 1 + (u64::from(count[cell] - 1) * u64::from(shown - 1) / u64::from(n_sites - 1)) as u32,
+        2 => other,
+        _ => nothing,
+    };
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette.concat());
+    encoder.set_trns(opacity);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::NoFilter);
+    add_provenance(&mut encoder, provenance)?;
+    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
+    let pixels: Vec<u8> = (0..mask.len()).map(|cell| u8::try_from(index(cell)).unwrap_or(u8::MAX)).collect();
+    writer.write_image_data(&pixels).map_err(|e| cannot(&e))?;
+    writer.finish().map_err(|e| cannot(&e))?;
+    Ok(file)
+}
+
 fn add_provenance<W: std::io::Write>(
     encoder: &mut png::Encoder<'_, W>,
     provenance: &[(String, String)],

@@ -21,6 +21,8 @@ pub struct RunFacts {
     pub scene_name: String,
     /// The grid of receivers.
     pub grid: GeoRef,
+    /// Length of a unit of the grid's CRS \[m\].
+    pub meters_per_unit: f64,
     /// The input files.
     pub sources: Vec<Source>,
     /// Seed, for generated cities.
@@ -115,7 +117,7 @@ impl RunFacts {
             "name": self.scene_name,
             "cols": grid.n_cols(),
             "rows": grid.n_rows(),
-            "cell_m": [grid.cell_width(), grid.cell_height()],
+            "cell_m": [grid.cell_width() * self.meters_per_unit, grid.cell_height() * self.meters_per_unit],
             "extent": [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
             "crs": grid.crs().map(crate::raster::Crs::label),
             "seed": self.seed,
@@ -159,6 +161,12 @@ fn tally_json(tally: &Tally) -> Map<String, Value> {
 }
 
 impl MapReport {
+    /// The report of one of the sites alone, with the digest of its mask.
+    #[must_use]
+    pub fn of_site(&self, site: &SiteFacts, digest: String) -> MapReport {
+        MapReport { sites: vec![site.clone()], union: site.tally, digest, ..self.clone() }
+    }
+
     /// The document `skyshed/map/1`; without `timing` it is the same for equal runs.
     pub fn document(&self, timing: Option<Timing>) -> Value {
         let mut document = self.facts.head("skyshed/map/1");
@@ -283,8 +291,8 @@ pub struct ObstructionReport {
     pub y: f64,
     /// Height of the ray there \[m above the datum\].
     pub ray_height_m: f64,
-    /// Height of the obstacle there \[m above the datum\].
-    pub roof_height_m: f64,
+    /// Height of the obstacle there \[m above the datum\]; `None` for nodata that blocks everything.
+    pub roof_height_m: Option<f64>,
 }
 
 /// One link as reported.

@@ -111,6 +111,9 @@ impl fmt::Display for BuiltUp {
     }
 }
 
+/// The most buildings of one generated city; each takes about 300 bytes.
+const MOST_BUILDINGS: f64 = 1e7;
+
 /// A generated city: its parameters, extent, seed and grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuiltUpCity {
@@ -174,6 +177,14 @@ impl BuiltUpCity {
                 format!("cannot generate a city: {n_cells} cells a side, wanted at most {MAX_EXTENT_UNITS}"),
             )
             .with_hint("choose a larger `--cell`"));
+        }
+        let n_buildings = (self.size_m / self.built_up.period()).powi(2);
+        if n_buildings > MOST_BUILDINGS {
+            return Err(Error::limit(
+                502,
+                format!("cannot generate a city: about {n_buildings:.0} buildings, wanted at most {MOST_BUILDINGS}"),
+            )
+            .with_hint("choose a smaller `--size`, or a smaller β"));
         }
         #[expect(
             clippy::cast_possible_truncation,

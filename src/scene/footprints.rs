@@ -13,11 +13,11 @@ use i_overlay::i_float::int::point::IntPoint;
 use rayon::prelude::*;
 
 use super::geojson_file::{FoundHeight, RawFootprint, RawFootprints, read_raw_footprints};
-use super::surface::{SurfaceOptions, ground_steps, read_heights};
-use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
+use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, same_crs};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, VOID, counted, height_steps, meters};
-use crate::raster::{Crs, GeoRef, InputKind, Raster};
+use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -182,7 +182,7 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
             };
             let terrain = read_heights(terrain_path, &surface_options, warnings)?;
             if let (Some(a), Some(b)) = (&file_crs, terrain.georef().crs())
-                && a.epsg() != b.epsg()
+                && !same_crs(a, b)
             {
                 return Err(Error::file(
                     311,
@@ -211,7 +211,10 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
             format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
         ));
     }
-    let grid = receivers_grid(path, options, terrain.as_ref(), bounds)?.with_crs(crs);
+    if let Some(crs) = &crs {
+        warn_of_units(path, crs, warnings);
+    }
+    let grid = receivers_grid(path, options, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
@@ -250,13 +253,18 @@ fn receivers_grid(
     options: &FootprintOptions,
     terrain: Option<&Raster<i32>>,
     bounds: Option<[f64; 4]>,
+    crs: Option<&Crs>,
 ) -> Result<GeoRef> {
     if let Some(cell) = options.cell_m
         && !(cell > 0.0 && cell.is_finite())
     {
         return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
     }
-    let cell = options.cell_m.unwrap_or(1.0);
+    let meters_per_unit = match crs.map(Crs::kind) {
+        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
+        _ => 1.0,
+    };
+    let cell = options.cell_m.unwrap_or(1.0) / meters_per_unit;
     let [west, south, east, north] = match (options.extent, terrain, bounds) {
         (Some(extent), _, _) => {
             let [west, south, east, north] = extent;

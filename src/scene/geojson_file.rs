@@ -108,6 +108,8 @@ pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
             Ok(vec![Value::Object(feature)])
         }
         "" => Err(wrong("an object without `type`".into())),
+        "CityJSON" => Err(wrong("type `CityJSON`".into())
+            .with_hint("convert its footprints, with their heights as a property, to GeoJSON")),
         other => Err(wrong(format!("type `{other}`"))),
     }
 }

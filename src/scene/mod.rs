@@ -131,6 +131,11 @@ impl Source {
     }
 }
 
+/// Whether two CRSs are the same: by EPSG code, or by definition where one has none.
+pub(crate) fn same_crs(a: &Crs, b: &Crs) -> bool {
+    if a.epsg().is_some() || b.epsg().is_some() { a.epsg() == b.epsg() } else { a == b }
+}
+
 /// Refuses a CRS in degrees, with the command that fixes it; `bounds` is `[west, south, east, north]`.
 pub(crate) fn refuse_degrees(what: &Path, crs: &Crs, bounds: [f64; 4], kind: InputKind) -> Result<()> {
     match crs.kind() {

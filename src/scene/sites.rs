@@ -27,15 +27,16 @@ pub struct Site {
 ///
 /// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
 /// `30roof`; optional `h_above` (`ground`, `roof`, `amsl`) and `id` (or `site`). GeoJSON points are longitude and
-/// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names.
+/// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names; `height_amsl_m`, as written
+/// by this program, serves too. Sites without an id are numbered from `first_number`.
 ///
 /// # Errors
 /// File errors naming the line or feature; site errors if a position cannot be brought into the scene's CRS.
-pub fn read_sites(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+pub fn read_sites(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let sites = match extension.as_str() {
-        "geojson" | "json" => read_geojson(path, scene_crs)?,
-        _ => read_csv(path, scene_crs)?,
+        "geojson" | "json" => read_geojson(path, scene_crs, first_number)?,
+        _ => read_csv(path, scene_crs, first_number)?,
     };
     if sites.is_empty() {
         return Err(Error::file(308, format!("cannot use {}: it holds no site", path.display())));
@@ -43,10 +44,10 @@ pub fn read_sites(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
     Ok(sites)
 }
 
-fn read_csv(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
     let refuse = |place: &str, found: String| {
         Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
-            .with_hint("a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
+            .with_hint("a table of sites is separated by commas and has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
     };
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -80,12 +81,17 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
         let id = id_column.map(field).filter(|s| !s.is_empty());
         let xy = (number(x_column)?, number(y_column)?);
         let (x, y) = in_scene(path, &place, xy, wgs84.as_ref(), scene_crs)?;
-        sites.push(Site { id: id.map_or_else(|| (sites.len() + 1).to_string(), str::to_string), x, y, height });
+        sites.push(Site {
+            id: id.map_or_else(|| (first_number + sites.len()).to_string(), str::to_string),
+            x,
+            y,
+            height,
+        });
     }
     Ok(sites)
 }
 
-fn read_geojson(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
+fn read_geojson(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
     let document = read_document(path)?;
     let crs = match named_crs(path, &document)? {
         Some(crs) => crs,
@@ -107,15 +113,20 @@ fn read_geojson(path: &Path, scene_crs: Option<&Crs>) -> Result<Vec<Site>> {
         let property = |names: &[&str]| {
             names.iter().find_map(|n| feature.get("properties")?.get(n)).filter(|v| !v.is_null()).map(text)
         };
-        let h = property(&["h", "h_m", "height", "height_m"]).ok_or_else(|| refuse("found no height `h`".into()))?;
-        let height = height(&h, property(&["h_above"]).as_deref()).map_err(refuse)?;
+        let above = property(&["h_above"]);
+        let height = match (property(&["h", "h_m", "height", "height_m"]), property(&["height_amsl_m"])) {
+            (Some(h), _) => height(&h, above.as_deref()),
+            (None, Some(h)) => height(&h, Some("amsl")),
+            (None, None) => Err("found no height `h`".into()),
+        };
+        let height = height.map_err(refuse)?;
         let id = property(&["id", "site", "name"]).or_else(|| feature.get("id").map(text));
         // Positions far outside the range of degrees cannot be meant as such.
         let named_projected = !matches!(crs.kind(), CrsKind::Geographic);
         let plausible = x.abs() <= 360.0 && y.abs() <= 90.0;
         let from = (named_projected || plausible).then_some(&crs);
         let (x, y) = in_scene(path, &place, (x, y), from, scene_crs)?;
-        sites.push(Site { id: id.unwrap_or_else(|| (number + 1).to_string()), x, y, height });
+        sites.push(Site { id: id.unwrap_or_else(|| (first_number + number).to_string()), x, y, height });
     }
     Ok(sites)
 }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, same_crs};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{MAX_EXTENT_UNITS, VOID, counted, height_steps};
+use crate::quantity::{BLOCKS_ALL, MAX_EXTENT_UNITS, VOID, counted, height_steps};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
 
 /// How a raster scene is read.
@@ -23,9 +23,6 @@ pub struct SurfaceOptions {
     /// Whether to hash inputs of any size.
     pub always_hash: bool,
 }
-
-/// A top that blocks every link of the proven range.
-const BLOCKS_ALL: i32 = 1 << 26;
 
 /// Reads a surface model (GeoTIFF or Esri ASCII grid) and what lies below it.
 ///
@@ -69,7 +66,23 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
             }
             Ground::Terrain(terrain)
         }
-        (None, Some(ground_m)) => Ground::Flat(ground_steps(ground_m)?),
+        (None, Some(ground_m)) => {
+            let z = ground_steps(ground_m)?;
+            // A surface that is flat where it is ground is often a rounding below the ground that was typed.
+            let buried = surface.cells().iter().filter(|s| **s != VOID && **s < z - 1).count();
+            if buried > 0 {
+                warnings.push(Warning::new(
+                    341,
+                    format!(
+                        "{}: the ground at {ground_m} m is above the surface in {buried} of {} cells; the higher one is \
+                         used there",
+                        path.display(),
+                        surface.cells().len()
+                    ),
+                ));
+            }
+            Ground::Flat(z)
+        }
         (None, None) => {
             warnings.push(Warning::new(
                 342,
@@ -115,13 +128,6 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
     })
 }
 
-impl Solids {
-    /// Whether a surface top marks a nodata cell that blocks everything.
-    pub(crate) fn is_blocking_void(top: i32) -> bool {
-        top == BLOCKS_ALL
-    }
-}
-
 pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
     Error::usage(113, format!("`{flag}` is `{value}`, wanted {wanted}"))
 }
@@ -147,7 +153,9 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
     };
     check_crs(path, &georef, warnings)?;
     let mut out_of_range: Option<f64> = None;
+    let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
     let raster = file.read(file.georef().window(), warnings, |v| {
+        let v = v * meters_per_unit;
         if v.is_nan() {
             return VOID;
         }
@@ -172,20 +180,26 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
     Ok(Raster::new(georef, raster.into_cells()))
 }
 
-fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
-    let Some(crs) = georef.crs() else { return Ok(()) };
-    refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
+/// Warns where coordinates are not meters.
+pub(super) fn warn_of_units(path: &Path, crs: &Crs, warnings: &mut Vec<Warning>) {
     if let CrsKind::Projected { meters_per_unit } = crs.kind()
         && (meters_per_unit - 1.0).abs() > 1e-9
     {
         warnings.push(Warning::new(
             343,
             format!(
-                "{}: the CRS unit is {meters_per_unit} m; lengths are in that unit, heights are taken as meters",
+                "{}: coordinates are in units of {meters_per_unit} m; lengths such as `--radius` and `--cell`, and heights, \
+                 are in meters",
                 path.display()
             ),
         ));
     }
+}
+
+fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
+    let Some(crs) = georef.crs() else { return Ok(()) };
+    refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
+    warn_of_units(path, crs, warnings);
     if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
         warnings.push(Warning::new(
             344,
@@ -206,7 +220,7 @@ fn terrain_on_grid(
 ) -> Result<Raster<i32>> {
     let from = terrain.georef();
     if let (Some(x), Some(y)) = (grid.crs(), from.crs())
-        && x.epsg() != y.epsg()
+        && !same_crs(x, y)
     {
         return Err(Error::file(
             311,

@@ -6,7 +6,9 @@
 use num_bigint::BigInt;
 use num_rational::Ratio;
 use skyshed::height_field::{Columns, Prisms};
-use skyshed::los::{Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_los};
+use skyshed::los::{
+    Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_least_height, prisms_los,
+};
 
 use crate::case_file::{CaseKind, N_CASES, all_cases};
 use crate::oracle::{self, P3};
@@ -60,6 +62,9 @@ fn check_prisms(prisms: &Prisms, exact: &[oracle::Prism], uav: P3, receiver: P3,
     }
     let exact_ceiling = oracle::prisms_ceiling(exact, uav, [receiver[0], receiver[1]]);
     assert!(same_height(&ceiling, &exact_ceiling), "ceiling {ceiling:?}, oracle {exact_ceiling:?}: {}", context());
+    let least = prisms_least_height(prisms, u, r);
+    let exact_least = oracle::prisms_least_uav_height(exact, [uav[0], uav[1]], receiver);
+    assert!(same_height(&least, &exact_least), "least height {least:?}, oracle {exact_least:?}: {}", context());
     expected
 }
 

@@ -325,11 +325,9 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
     assert!(folder.text("b.prj").contains("UTM"));
     let file = tif(&folder, "b.tif");
     let masks: Vec<Vec<u8>> = (0..2).map(|k| file.read_band::<u8>(k).unwrap().into_iter().collect()).collect();
-    for (name, class) in [
-        ("b.1.png", &(|cell: usize| masks[0][cell]) as &dyn Fn(usize) -> u8),
-        ("b.2.png", &|cell| masks[1][cell]),
-        ("b.png", &|cell| if masks[0][cell] == 2 { 2 } else { masks[0][cell].max(masks[1][cell]) }),
-    ] {
+    for (name, class) in
+        [("b.1.png", &(|cell: usize| masks[0][cell]) as &dyn Fn(usize) -> u8), ("b.2.png", &|cell| masks[1][cell])]
+    {
         let image = image::load_from_memory(&folder.read(name)).unwrap().to_rgb8();
         assert_eq!(image.dimensions(), (60, 40), "{name}");
         for (cell, pixel) in image.pixels().enumerate() {
@@ -341,6 +339,16 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
             assert_eq!(found, class(cell), "{name}, cell {cell}");
         }
     }
+    // The picture of both shows how many see a cell: one color for each count.
+    let image = image::load_from_memory(&folder.read("b.png")).unwrap().to_rgba8();
+    let mut colors: std::collections::BTreeMap<u8, std::collections::BTreeSet<[u8; 4]>> = Default::default();
+    for (cell, pixel) in image.pixels().enumerate() {
+        let seen = if masks[0][cell] == 2 { 9 } else { masks[0][cell] + masks[1][cell] };
+        colors.entry(seen).or_default().insert(pixel.0);
+    }
+    assert!(colors.values().all(|c| c.len() == 1) && colors.len() == 4, "{colors:?}");
+    assert_eq!(colors.values().collect::<std::collections::BTreeSet<_>>().len(), 4, "{colors:?}");
+    assert!(colors[&0].contains(&[0xE6, 0x9F, 0x00, 0xFF]));
     // A `.prj` that two outputs share is written once.
     folder.type_in(&format!("{MAP} --bare -o d.png -o d.asc")).done();
     assert_eq!(folder.text("d.prj"), folder.text("b.prj"));
@@ -422,7 +430,7 @@ fn points(crs: Option<&str>, west: [f64; 2], east: [f64; 2]) -> String {
 #[test]
 fn bad_site_files_are_refused_with_their_line() {
     let folder = town();
-    let hint = "hint: a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`";
+    let hint = "hint: a table of sites is separated by commas and has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`";
     for (text, code, error, wanted_hint) in [
         ("x,y\n1,2\n", 3, "error[E302]: cannot read s.csv: line 1: found columns `x,y`, wanted a height", hint),
         ("a,b,h\n1,2,3\n", 3, "error[E302]: cannot read s.csv: line 1: found columns `a,b,h`, wanted a position", hint),

@@ -18,6 +18,7 @@ mod bad_inputs; // every bad file gets its documented answer
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
+mod regressions; // one test per bug
 mod layering; // data flows one way
 
 mod program; // runs the program from outside

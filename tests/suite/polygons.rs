@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use rayon::prelude::*;
 use skyshed::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
-use skyshed::scene::{FootprintOptions, MissingHeight, NodataAs, Scene, Solids, read_footprints};
+use skyshed::scene::{FootprintOptions, MissingHeight, NodataAs, Scene, Solids, even_odd, read_footprints};
 
 use crate::shapes::{doubled_area, rectangle, star};
 use crate::support::{Random, slow};
@@ -26,8 +26,13 @@ fn wide(ring: &[[i32; 2]]) -> Vec<[i64; 2]> {
 /// Cuts a polygon and checks that its pieces are convex, counterclockwise, disjoint and add up to `area` (doubled).
 fn check_pieces(rings: &[Vec<[i64; 2]>], area: i64) -> usize {
     let contours: Vec<Ring> = rings.iter().map(|r| narrow(r)).collect();
-    let ConvexPieces::Exact(pieces) = convex_pieces(&contours) else { panic!("{rings:?} fell back to its hull") };
-    let pieces: Vec<Vec<[i64; 2]>> = pieces.iter().map(|p| wide(p)).collect();
+    // Rings in any order become polygons with the shell first, as they do when a file is read.
+    let (polygons, _) = even_odd(&contours);
+    let cut = polygons.iter().flat_map(|polygon| match convex_pieces(polygon) {
+        ConvexPieces::Exact(pieces) => pieces,
+        ConvexPieces::Hull(_) => panic!("{rings:?} fell back to its hull"),
+    });
+    let pieces: Vec<Vec<[i64; 2]>> = cut.map(|p| wide(&p)).collect();
     let turn = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     for piece in &pieces {
         let n = piece.len();

@@ -106,7 +106,7 @@ impl GeoTiff {
             warnings.push(Warning::new(334, text));
         }
         if let Some(size) = self.meters_per_height_unit().filter(|size| (size - 1.0).abs() > 1e-9) {
-            let text = format!("`{path}` gives its heights in units of {size} m");
+            let text = format!("`{path}` gives its heights in units of {size} m; scenes convert them");
             warnings.push(Warning::new(332, text));
         }
     }
