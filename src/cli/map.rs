@@ -16,7 +16,7 @@ use crate::coverage::{
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_outputs, encode_map};
 use crate::quantity::tidy;
-use crate::raster::{Crs, world_file};
+use crate::raster::{CellWindow, Crs, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, SiteFacts, Timing, digest};
 use crate::scene::{Site, read_sites};
@@ -107,9 +107,10 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     let report = report(args, &scene, &coverages, command, method, radius_m);
     let before_write = Instant::now();
+    let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
-    let job = Writer { args, scene: &scene, coverages: &coverages, layers: &layers, report: &report };
+    let job = Writer { args, scene: &scene, coverages: &coverages, layers: &layers, report: &report, timing };
     for (path, format) in &outputs {
         for (file, bytes) in job.encode(path, *format)? {
             interrupt::check()?;
@@ -255,6 +256,7 @@ struct Writer<'a> {
     coverages: &'a [SiteCoverage],
     layers: &'a [Layer],
     report: &'a MapReport,
+    timing: Timing,
 }
 
 impl Writer<'_> {
@@ -275,7 +277,8 @@ impl Writer<'_> {
             Format::Png if self.args.bare => self.bare(path),
             Format::Png => one(self.picture(false)?),
             Format::Svg => one(self.picture(true)?),
-            Format::Json => one(pretty(&self.report.document(None)).into_bytes()),
+            // The time of writing is not known before the file is written.
+            Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
             Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
             Format::Csv => {
                 let mut writer = csv::Writer::from_writer(Vec::new());
@@ -338,6 +341,7 @@ impl Writer<'_> {
 
     fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
         let grid = self.scene.field.grid();
+        let shown = grid.part(self.window_in_range());
         let unit = meters_per_unit(grid);
         let heights: Vec<String> = self.report.sites.iter().map(height_words).collect();
         let labels: Vec<String> = self.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
@@ -349,18 +353,24 @@ impl Writer<'_> {
             .map(|(site, (height, label))| Mark {
                 label,
                 height,
-                col: (site.x - grid.x_min()) / grid.cell_width(),
-                row: (grid.y_max() - site.y) / grid.cell_height(),
+                col: (site.x - shown.x_min()) / shown.cell_width(),
+                row: (shown.y_max() - site.y) / shown.cell_height(),
             })
             .collect();
-        let surface = self.scene.field.above_ground_m();
+        // What is out of range is not drawn.
+        let window = self.window_in_range();
+        let cropped = |values: Vec<f32>| crop(&values, grid.n_cols(), window);
+        let surface = cropped(self.scene.field.above_ground_m());
         let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
-        let (union, count);
+        let (union, count, only);
         let layer = match self.coverages {
-            [only] => self.single_layer(only),
+            [site] => {
+                only = self.cropped(site, window);
+                self.single_layer(&only)
+            }
             _ => {
-                union = union_mask(&masks);
-                count = count_layer(&masks);
+                union = crop(&union_mask(&masks), grid.n_cols(), window);
+                count = crop(&count_layer(&masks), grid.n_cols(), window);
                 let n_sites = u32::try_from(masks.len()).unwrap_or(u32::MAX);
                 render::Layer::Count { count: &count, mask: &union, n_sites }
             }
@@ -387,8 +397,8 @@ impl Writer<'_> {
         let picture = MapPicture {
             title: &title,
             caption: &caption,
-            n_cols: grid.n_cols(),
-            n_rows: grid.n_rows(),
+            n_cols: window.n_cols,
+            n_rows: window.n_rows,
             cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
             layer,
             surface_m: Some(&surface),
@@ -400,6 +410,52 @@ impl Writer<'_> {
             render::draw_map_svg(&picture, &self.provenance()).map(String::into_bytes).map_err(undrawable)
         } else {
             render::draw_map(&picture, &self.provenance()).map_err(undrawable)
+        }
+    }
+
+    /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.
+    fn window_in_range(&self) -> CellWindow {
+        let grid = self.scene.field.grid();
+        let Some(radius) = self.report.radius_m.map(|r| self.scene.crs_units(r) * 1.1) else { return grid.window() };
+        // Rows count from the north, positions from the south.
+        let span = |low: f64, high: f64, n: usize| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+            let (low, high) = (low.floor().clamp(0.0, n as f64) as usize, high.ceil().clamp(0.0, n as f64) as usize);
+            (low < high).then_some(low..high)
+        };
+        let union = |a: Option<std::ops::Range<usize>>, b: std::ops::Range<usize>| match a {
+            Some(a) => a.start.min(b.start)..a.end.max(b.end),
+            None => b,
+        };
+        let (mut cols, mut rows) = (None, None);
+        for site in &self.report.sites {
+            let (west, south) = grid.cells_from_world(site.x - radius, site.y - radius);
+            let (east, north) = grid.cells_from_world(site.x + radius, site.y + radius);
+            let height = grid.n_rows() as f64;
+            let found = span(west, east, grid.n_cols()).zip(span(height - north, height - south, grid.n_rows()));
+            if let Some((c, r)) = found {
+                (cols, rows) = (Some(union(cols, c)), Some(union(rows, r)));
+            }
+        }
+        match (cols, rows) {
+            (Some(c), Some(r)) => {
+                CellWindow { row: r.start, col: c.start, n_rows: r.end - r.start, n_cols: c.end - c.start }
+            }
+            _ => grid.window(),
+        }
+    }
+
+    /// The part of a coverage that a picture shows.
+    fn cropped(&self, site: &SiteCoverage, window: CellWindow) -> SiteCoverage {
+        let n_cols = self.scene.field.grid().n_cols();
+        let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
+        SiteCoverage {
+            uav: site.uav.clone(),
+            mask: crop(&site.mask, n_cols, window),
+            margin: part(&site.margin),
+            ceiling: part(&site.ceiling),
+            least_height: part(&site.least_height),
+            tally: site.tally,
         }
     }
 
@@ -464,6 +520,12 @@ impl Writer<'_> {
         lines.extend(self.args.attribution.clone().or_else(|| self.scene.attribution.clone()));
         lines
     }
+}
+
+/// The cells of a window, row by row.
+fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
+    let rows = cells.chunks_exact(n_cols).skip(window.row).take(window.n_rows);
+    rows.flat_map(|row| row[window.col..window.col + window.n_cols].iter().copied()).collect()
 }
 
 fn undrawable(cause: String) -> Error {

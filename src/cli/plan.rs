@@ -111,7 +111,8 @@ fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Resul
 pub(super) fn check_memory(name: &str, grid: &GeoRef, bytes_per_cell: usize) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
     let bytes = grid.n_cells().saturating_mul(bytes_per_cell);
-    if probe.try_reserve_exact(bytes).is_err() {
+    let too_much = available_memory().is_some_and(|available| bytes as u64 > available);
+    if too_much || probe.try_reserve_exact(bytes).is_err() {
         return Err(Error::limit(
             501,
             format!(
@@ -126,6 +127,14 @@ pub(super) fn check_memory(name: &str, grid: &GeoRef, bytes_per_cell: usize) -> 
     // What is looked at cannot be optimized away.
     std::hint::black_box(&mut probe);
     Ok(())
+}
+
+/// Memory that the system can still give \[bytes\], where it says so: an allocator may promise more than there is.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
 }
 
 /// Bytes that a cell takes in a height field and in what is drawn from it.

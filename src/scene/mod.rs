@@ -6,11 +6,13 @@
 mod built_up;
 mod footprints;
 mod geojson_file;
+mod outline;
 mod sites;
 mod surface;
 
 pub use built_up::{BuiltUp, BuiltUpCity};
-pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, even_odd, read_footprints};
+pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
+pub use outline::even_odd;
 pub use sites::{Site, read_sites};
 pub use surface::{SurfaceOptions, read_surface};
 

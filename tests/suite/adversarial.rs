@@ -67,8 +67,8 @@ fn all_links_between_half_cells_over_all_patterns_of_four_columns() {
 
 #[test]
 fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbors() {
-    let every = if slow() { 1 } else { 16 };
-    let neighbors = if slow() { 729 } else { 6 };
+    let every = if slow() { 4 } else { 16 };
+    let neighbors = if slow() { 26 } else { 6 };
     let heights = [(1, 1), (2, 0), (0, 2), (4, 0), (3, 1), (2, 2)];
     let count = sum((0..512_usize).into_par_iter().map(|k| {
         let columns = pattern(k, 9, &[Some(M), Some(0)]);
@@ -217,7 +217,7 @@ fn sweep_scene(prisms: &[Prism], unit: i64, lift: i64, every: u64, random: &mut 
 #[test]
 fn all_links_on_a_coarse_lattice_over_a_catalogue_of_footprints() {
     // With a unit of 4 m every second line of the lattice is a border between buckets.
-    let units: &[i64] = if slow() { &[2, 512, 1024, 4096, 8192, 1 << 17] } else { &[4096] };
+    let units: &[i64] = if slow() { &[2, 1024, 4096, 1 << 17] } else { &[4096] };
     let every = if slow() { 1 } else { 2 };
     let scenes = catalogue();
     let jobs: Vec<(i64, usize)> = units.iter().flat_map(|&u| (0..scenes.len()).map(move |s| (u, s))).collect();
@@ -245,7 +245,7 @@ fn random_footprints_with_collinear_vertices_and_shared_walls() {
 #[test]
 fn large_offsets_and_heights_at_the_ends_of_the_proven_range_are_exact() {
     // Coordinates within ±2^26, differences up to 2^26, tops and ends near ±2^25, neighbors of every end.
-    let n = if slow() { 40_000 } else { 1_600 };
+    let n = if slow() { 16_000 } else { 1_600 };
     let scenes = catalogue();
     let count = sum((0..n).into_par_iter().map(|seed| {
         let mut random = Random(seed ^ 0xFA2);
@@ -291,7 +291,7 @@ fn needles_slits_and_slivers_one_step_wide() {
         prism(&[[1200, 1200], [1201, 1200], [1200, 1201]], 800), // the smallest triangle
     ];
     let scene = Footprints::new(town);
-    let count = sum((0..if slow() { 400_u64 } else { 24 }).into_par_iter().map(|seed| {
+    let count = sum((0..if slow() { 120_u64 } else { 24 }).into_par_iter().map(|seed| {
         let (mut random, mut count) = (Random(seed), Count::default());
         for _ in 0..1000 {
             let xs = [0, 400, 401, 402, 599, 600, 899, 900, 901, 902, 1200, 1201, 1500, 1800, 2 * unit, -unit];
@@ -344,7 +344,7 @@ fn many_prisms_that_meet_at_one_point_are_told_apart() {
         }
         moved(&wedges, |p| p.map(|c| c * M), |top| top * M)
     };
-    let count = sum((0..if slow() { 4_000_u64 } else { 300 }).into_par_iter().map(|seed| {
+    let count = sum((0..if slow() { 1_500_u64 } else { 300 }).into_par_iter().map(|seed| {
         let (mut random, mut count) = (Random(seed), Count::default());
         let scene = Footprints::new(fan(&mut random));
         for _ in 0..60 {
@@ -397,7 +397,7 @@ fn a_link_without_length_inside_a_building_has_nothing_in_its_way() {
 
 #[test]
 fn a_city_of_stars_is_crossed_by_long_links_over_many_buckets() {
-    let n = if slow() { 200 } else { 12 };
+    let n = if slow() { 60 } else { 12 };
     let count = sum((0..n).into_par_iter().map(|seed| {
         let (mut random, mut count) = (Random(seed ^ 0xC17), Count::default());
         let mut town = Vec::new();
