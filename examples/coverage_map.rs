@@ -6,41 +6,22 @@
 
 use std::path::Path;
 
-use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
+use skyshed::coverage::{Control, MapOptions, Uav, map_site};
 use skyshed::height_field::HeightField;
-use skyshed::quantity::{Height, height_steps};
+use skyshed::quantity::Height;
 use skyshed::render::{Layer, MapPicture, Mark, draw_map};
-use skyshed::scene::{FootprintOptions, MissingHeight, NodataAs, Site, read_footprints};
+use skyshed::scene::{FootprintOptions, Site, read_footprints};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
-    let options = FootprintOptions {
-        height_field: "height".into(),
-        top_field: None,
-        missing: MissingHeight::Drop,
-        terrain: None,
-        ground_m: Some(0.0),
-        extent: None,
-        cell_m: Some(1.0),
-        crs: None,
-        nodata_as: NodataAs::Clear,
-        always_hash: false,
-    };
     let mut warnings = Vec::new();
-    let scene = read_footprints(&file, &options, &mut warnings)?;
+    let scene = read_footprints(&file, &FootprintOptions::default(), &mut warnings)?;
     let (grid, attribution) = (scene.grid.clone(), scene.attribution.clone());
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
 
     let site = Site { id: "1".into(), x: 691_416.0, y: 5_334_517.0, height: Height::AboveGround(90.0) };
     let uav = Uav::place(&site, &field, None)?;
-    let options = MapOptions {
-        rx_height: height_steps(1.5).expect("in range"),
-        receivers: Receivers::Ground,
-        radius: None,
-        meters_per_unit: 1.0,
-        layers: HeightLayers::default(),
-    };
-    let map = map_site(&field, &uav, &options, &Control::default())?;
+    let map = map_site(&field, &uav, &MapOptions::default(), &Control::default())?;
     let p_los = map.tally.p_los().ok_or("no receiver")?;
     println!("P_LoS = {p_los:.4} of {} open-ground cells", map.tally.receivers);
 

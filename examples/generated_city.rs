@@ -5,9 +5,9 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use skyshed::Result;
-use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
+use skyshed::coverage::{Control, MapOptions, Uav, map_site};
 use skyshed::height_field::HeightField;
-use skyshed::quantity::{Height, height_steps};
+use skyshed::quantity::Height;
 use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 
 fn main() -> Result<()> {
@@ -20,14 +20,7 @@ fn main() -> Result<()> {
         let middle = (500.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
         let site = Site { id: "1".into(), x: middle, y: middle, height: Height::AboveGround(100.0) };
         let uav = Uav::place(&site, &field, None)?;
-        let options = MapOptions {
-            rx_height: height_steps(1.5).expect("in range"),
-            receivers: Receivers::Ground,
-            radius: None,
-            meters_per_unit: 1.0,
-            layers: HeightLayers::default(),
-        };
-        let map = map_site(&field, &uav, &options, &Control::default())?;
+        let map = map_site(&field, &uav, &MapOptions::default(), &Control::default())?;
         let share = |los: u64, receivers: u64| match receivers {
             0 => "     –".to_string(),
             n => format!("{:>6.3}", los as f64 / n as f64),

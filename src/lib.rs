@@ -10,9 +10,9 @@
 //! # Examples
 //!
 //! ```
-//! use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, Uav, map_site};
+//! use skyshed::coverage::{Control, MapOptions, Uav, map_site};
 //! use skyshed::height_field::HeightField;
-//! use skyshed::quantity::{Height, height_steps};
+//! use skyshed::quantity::Height;
 //! use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 //!
 //! // 300 m of the ITU urban environment, on a grid of 1 m cells.
@@ -23,14 +23,7 @@
 //! // A UAV 100 m above the crossroad in the south-west.
 //! let site = Site { id: "1".into(), x: 10.0, y: 10.0, height: Height::AboveGround(100.0) };
 //! let uav = Uav::place(&site, &field, None)?;
-//! let options = MapOptions {
-//!     rx_height: height_steps(1.5).expect("in range"),
-//!     receivers: Receivers::Ground,
-//!     radius: None,
-//!     meters_per_unit: 1.0,
-//!     layers: HeightLayers::default(),
-//! };
-//! let map = map_site(&field, &uav, &options, &Control::default())?;
+//! let map = map_site(&field, &uav, &MapOptions::default(), &Control::default())?;
 //! let p_los = map.tally.p_los().expect("there are streets in range");
 //! assert!(p_los > 0.3 && p_los < 0.9);
 //!

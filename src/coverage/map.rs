@@ -37,6 +37,19 @@ pub struct MapOptions {
     pub layers: HeightLayers,
 }
 
+impl Default for MapOptions {
+    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
+    fn default() -> Self {
+        MapOptions {
+            rx_height: 3 * STEPS_PER_UNIT / 2,
+            receivers: Receivers::Ground,
+            radius: None,
+            meters_per_unit: 1.0,
+            layers: HeightLayers::default(),
+        }
+    }
+}
+
 /// The layers of heights of one UAV, beside its mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct HeightLayers {

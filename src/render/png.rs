@@ -112,7 +112,10 @@ pub fn draw_bare_count(
     let index = |cell: usize| match mask[cell] {
         0 | 1 if n_sites <= MOST => count[cell].min(shown),
         0 | 1 if count[cell] == 0 => 0,
-        0 | 1 => 1 + (u64::from(count[cell] - 1) * u64::from(shown - 1) / u64::from(n_sites - 1)) as u32,
+        0 | 1 => {
+            let share = u64::from(count[cell] - 1) * u64::from(shown - 1) / u64::from(n_sites - 1);
+            1 + u32::try_from(share).unwrap_or(shown - 1)
+        }
         2 => other,
         _ => nothing,
     };

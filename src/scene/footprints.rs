@@ -68,6 +68,24 @@ pub struct FootprintOptions {
     pub always_hash: bool,
 }
 
+impl Default for FootprintOptions {
+    /// Heights in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
+    fn default() -> Self {
+        FootprintOptions {
+            height_field: "height".into(),
+            top_field: None,
+            missing: MissingHeight::default(),
+            terrain: None,
+            ground_m: None,
+            extent: None,
+            cell_m: None,
+            crs: None,
+            nodata_as: NodataAs::default(),
+            always_hash: false,
+        }
+    }
+}
+
 /// What was mended or left out while reading footprints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FootprintFaults {

@@ -24,6 +24,20 @@ pub struct SurfaceOptions {
     pub always_hash: bool,
 }
 
+impl Default for SurfaceOptions {
+    /// A surface model alone; with a terrain, cells more than 0.25 m above it are buildings.
+    fn default() -> Self {
+        SurfaceOptions {
+            terrain: None,
+            ground_m: None,
+            building_threshold_m: 0.25,
+            nodata_as: NodataAs::default(),
+            crs: None,
+            always_hash: false,
+        }
+    }
+}
+
 /// Reads a surface model (GeoTIFF or Esri ASCII grid) and what lies below it.
 ///
 /// # Errors
