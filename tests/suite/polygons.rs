@@ -259,7 +259,7 @@ fn read(features: &[String], name: &str) -> Scene {
 
 #[test]
 fn ten_thousand_invalid_polygons_keep_their_even_odd_area_and_are_triangulated() {
-    let n = if slow() { 100_000 } else { 10_000 };
+    let n = if slow() { 30_000 } else { 10_000 };
     let mut random = Random(99);
     // One feature of 130 m first, so that no file looks like degrees.
     let frame: Vec<[f64; 2]> = vec![[0.0, 0.0], [130.0, 0.0], [130.0, 130.0], [0.0, 130.0]];

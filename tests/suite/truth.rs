@@ -323,7 +323,7 @@ fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
         };
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let referee = Referee::new(&field, prisms);
-        let n_links = if crate::support::slow() { 20_000 } else { 600 };
+        let n_links = if crate::support::slow() { 6_000 } else { 600 };
         let mut random = Random(11);
         let (mut n, mut n_los) = (0, 0);
         while n < n_links {
