@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
+use super::plan::{
+    FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene, refuse_words_without_picture,
+};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, city_surface, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
@@ -31,6 +33,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
             bare: false,
         },
     )?;
+    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
     let mut warnings: Vec<Warning> = Vec::new();
     let scene = read_scene(&args.scene, &mut warnings)?;
     let footprints = match &scene.solids {
@@ -98,7 +101,7 @@ impl City<'_> {
         let provenance = self.facts.provenance("skyshed/city/1", None);
         let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
         let heights = || {
-            let surface = city_surface(self.field);
+            let surface = self.field.surface_m();
             surface.iter().map(|z| if z.is_nan() { NODATA } else { *z }).collect::<Vec<f32>>()
         };
         match format {

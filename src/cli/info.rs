@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::args::InfoArgs;
 use super::messages;
-use super::plan::{FIELD_BYTES_PER_CELL, check_memory, is_vector, meters_per_unit, read_scene};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene};
 use super::words::pretty;
 use crate::error::Result;
 use crate::height_field::{CellKind, HeightField};
@@ -16,7 +16,10 @@ use crate::scene::{BuiltUp, FootprintFaults, Solids};
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let mut warnings = Vec::new();
     let scene = read_scene(&args.scene, &mut warnings)?;
-    let kind = if is_vector(&scene.solids) { "footprints" } else { "raster" };
+    let kind = match &scene.solids {
+        Solids::Vector { .. } => "footprints",
+        Solids::Raster { .. } => "raster",
+    };
     let faults = match &scene.solids {
         Solids::Vector { faults, .. } => Some(*faults),
         Solids::Raster { .. } => None,

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs, Method, ReceiversArg};
 use super::plan::{
     Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
-    warn_of_flat_earth,
+    refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::words::{pretty, unbreakable};
 use super::{interrupt, messages};
@@ -14,7 +14,7 @@ use crate::coverage::{
     Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_outputs, encode_map};
+use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_layers, check_outputs, encode_map};
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, world_file};
 use crate::render::{self, MapPicture, Mark};
@@ -50,20 +50,22 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
         return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
     }
+    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
     let typed: Vec<Site> =
         args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
     if typed.is_empty() && args.uavs.is_none() {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
     }
     let layers = layers(&args.layers);
-    check_layers(&layers, typed.len(), args.uavs.is_some(), &outputs)?;
 
     let mut scene = ready(&args.scene)?;
     let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
     if args.bare {
         check_bare_names(&sites, &outputs, args.out.overwrite)?;
     }
-    check_layers(&layers, sites.len(), false, &outputs)?;
+    for (path, format) in &outputs {
+        check_layers(&layers, sites.len(), path, *format)?;
+    }
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     if scene.field.is_surface_only() && args.receivers == ReceiversArg::Roof {
@@ -161,43 +163,6 @@ fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec
         Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
         None => Ok(sites),
     }
-}
-
-/// Refuses layers that an output cannot hold, before any work.
-fn check_layers(layers: &[Layer], n_sites: usize, more_to_come: bool, outputs: &[(PathBuf, Format)]) -> Result<()> {
-    for (path, format) in outputs {
-        let n_bands: usize = layers
-            .iter()
-            .map(|layer| match layer {
-                Layer::Count => 1,
-                Layer::Which => n_sites.div_ceil(32),
-                _ => n_sites,
-            })
-            .sum();
-        match format {
-            Format::AsciiGrid if n_bands > 1 || (n_bands == 0 && !more_to_come) => {
-                return Err(Error::usage(
-                    107,
-                    format!(
-                        "cannot write {}: an ASCII grid holds one layer of one site, found {n_bands}",
-                        path.display()
-                    ),
-                )
-                .with_hint("choose one site and one layer, or write .tif"));
-            }
-            Format::GeoTiff
-                if n_sites > 24 && layers.contains(&Layer::Which) && layers.iter().any(|l| l.is_measure()) =>
-            {
-                return Err(Error::usage(
-                    107,
-                    format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
-                )
-                .with_hint("write `which` to a .tif of its own, or to .exr"));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 /// Refuses bare pictures of several sites that would share a name or replace a file, before any work.

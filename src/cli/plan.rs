@@ -6,13 +6,14 @@ use std::time::Instant;
 use super::args::{Missing, Nodata, SceneArgs};
 use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
+use crate::export::Format;
 use crate::height_field::HeightField;
 use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions,
-    read_footprints, read_surface,
+    BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions, read_footprints,
+    read_surface,
 };
 
 /// A scene ready for rays, and what is known about where it came from.
@@ -259,7 +260,17 @@ pub(super) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64
     }
 }
 
-/// Whether any solid is a generated or vector one, for captions.
-pub(super) fn is_vector(solids: &Solids) -> bool {
-    matches!(solids, Solids::Vector { .. })
+/// A title or an attribution goes into a picture; where none is made, it would be lost in silence.
+pub(super) fn refuse_words_without_picture(
+    title: &Option<String>,
+    attribution: &Option<String>,
+    outputs: &[(PathBuf, Format)],
+) -> Result<()> {
+    let has_picture = outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg));
+    match [("--title", title), ("--attribution", attribution)].iter().find(|(_, words)| words.is_some()) {
+        Some((flag, _)) if !has_picture => {
+            Err(Error::usage(116, format!("`{flag}` has no meaning without a .png or .svg output")))
+        }
+        _ => Ok(()),
+    }
 }

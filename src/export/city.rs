@@ -1,16 +1,10 @@
-//! A city as files: its surface as heights per cell, its footprints as GeoJSON.
+//! A city as a file: its footprints as GeoJSON.
 
 use serde_json::{Map, Value, json};
 
-use crate::height_field::HeightField;
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 use crate::scene::Footprint;
-
-/// The surface seen from above at each cell center \[m above the datum\], NaN where void.
-pub fn city_surface(field: &HeightField) -> Vec<f32> {
-    field.surface_m()
-}
 
 /// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` \[m\]; shells counterclockwise, holes
 /// clockwise (RFC 7946), coordinates in the grid's CRS and named so if that has an EPSG code.

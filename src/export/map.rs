@@ -112,11 +112,46 @@ impl<'a> MapResult<'a> {
     }
 }
 
+/// The most sites whose set fits the 24 bits that an f32 holds exactly.
+const MOST_SITES_AS_F32: usize = 24;
+
+/// Refuses layers that a format cannot hold; to be asked before any work, too.
+///
+/// # Errors
+/// Usage error (E107).
+pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Format) -> Result<()> {
+    let n_bands: usize = layers
+        .iter()
+        .map(|layer| match layer {
+            Layer::Count => 1,
+            Layer::Which => n_sites.div_ceil(32),
+            _ => n_sites,
+        })
+        .sum();
+    if format == Format::AsciiGrid && n_bands != 1 {
+        return Err(Error::usage(
+            107,
+            format!("cannot write {}: an ASCII grid holds one layer of one site, found {n_bands}", path.display()),
+        )
+        .with_hint("choose one site and one layer, or write .tif"));
+    }
+    let has_sets = layers.contains(&Layer::Which) && n_sites > MOST_SITES_AS_F32;
+    if format == Format::GeoTiff && has_sets && layers.iter().any(|l| l.is_measure()) {
+        return Err(Error::usage(
+            107,
+            format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
+        )
+        .with_hint("write `which` to a .tif of its own, or to .exr"));
+    }
+    Ok(())
+}
+
 /// The bytes of a raster file of a map, and of the files that go beside it.
 ///
 /// # Errors
 /// Usage error (E107) if the layers do not fit the format; internal errors from the encoders.
 pub fn encode_map(result: &MapResult<'_>, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    check_layers(result.layers, result.sites.len(), path, format)?;
     match format {
         Format::GeoTiff => geotiff(result, path),
         Format::Exr => exr(result, path),
@@ -176,13 +211,6 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
             }
             Band::Measure(v) => v.iter().map(|v| finite(*v)).collect(),
             Band::Count(n) => n.iter().map(|n| if *n == NO_COUNT { NODATA } else { exact_f32(*n) }).collect(),
-            Band::Bits(_) if result.sites.len() > 24 => {
-                return Err(Error::usage(
-                    107,
-                    format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
-                )
-                .with_hint("write `which` to a .tif of its own, or to .exr"));
-            }
             Band::Bits(bits) => bits.iter().map(|n| exact_f32(*n)).collect(),
         };
         values.push((name, band));
@@ -253,15 +281,7 @@ fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
 fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let bands = result.bands();
     let [(_, band)] = bands.as_slice() else {
-        return Err(Error::usage(
-            107,
-            format!(
-                "cannot write {}: an ASCII grid holds one layer of one site, found {}",
-                path.display(),
-                bands.len()
-            ),
-        )
-        .with_hint("choose one site and one layer, or write .tif"));
+        return Err(Error::internal(902, "an ASCII grid of several bands passed its check"));
     };
     let mut bytes = Vec::new();
     let failed = |e: std::io::Error| Error::internal(402, format!("cannot encode {}: {e}", path.display()));

@@ -7,7 +7,7 @@ mod city;
 mod files;
 mod map;
 
-pub use city::{city_geojson, city_surface};
+pub use city::city_geojson;
 pub use files::{Batch, Format, OutputRules, check_outputs};
 pub(crate) use map::with_suffix;
-pub use map::{Layer, MapResult, bare_name, encode_map};
+pub use map::{Layer, MapResult, bare_name, check_layers, encode_map};

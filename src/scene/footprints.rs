@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::geojson_file::{FoundHeight, RawFootprints, read_raw_footprints};
 use super::outline::{Shaped, polygon_area, shape};
 use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
-use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, same_crs};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, counted, height_steps, meters};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster};
@@ -196,25 +196,9 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
                 always_hash: options.always_hash,
             };
             let terrain = read_heights(terrain_path, &surface_options, warnings)?;
-            if let (Some(a), Some(b)) = (&file_crs, terrain.georef().crs())
-                && !same_crs(a, b)
-            {
-                return Err(Error::file(
-                    311,
-                    format!(
-                        "cannot combine {} in {} with {} in {}: wanted one CRS",
-                        path.display(),
-                        a.label(),
-                        terrain_path.display(),
-                        b.label()
-                    ),
-                )
-                .with_hint(format!(
-                    "ogr2ogr -t_srs {} reprojected.geojson {}",
-                    b.label(),
-                    path.display()
-                )));
-            }
+            refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
+                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
+            })?;
             sources.push(Source::of(terrain_path, options.always_hash)?);
             Some(terrain)
         }

@@ -133,9 +133,21 @@ impl Source {
     }
 }
 
-/// Whether two CRSs are the same: by EPSG code, or by definition where one has none.
-pub(crate) fn same_crs(a: &Crs, b: &Crs) -> bool {
-    if a.epsg().is_some() || b.epsg().is_some() { a.epsg() == b.epsg() } else { a == b }
+/// Refuses to combine files in different CRSs, told apart by EPSG code, or by definition where neither has one; `remedy`
+/// is the command that reprojects one of them. A CRS that is not known is taken for the other's.
+pub(crate) fn refuse_two_crs(
+    (a_path, a): (&Path, Option<&Crs>),
+    (b_path, b): (&Path, Option<&Crs>),
+    remedy: impl Fn(&Crs, &Crs) -> String,
+) -> Result<()> {
+    let (Some(a), Some(b)) = (a, b) else { return Ok(()) };
+    let same = if a.epsg().is_some() || b.epsg().is_some() { a.epsg() == b.epsg() } else { a == b };
+    if same {
+        return Ok(());
+    }
+    let (a_path, b_path, a_label, b_label) = (a_path.display(), b_path.display(), a.label(), b.label());
+    let text = format!("cannot combine {a_path} in {a_label} with {b_path} in {b_label}: wanted one CRS");
+    Err(Error::file(311, text).with_hint(remedy(a, b)))
 }
 
 /// Refuses a CRS in degrees, with the command that fixes it; `bounds` is `[west, south, east, north]`.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, same_crs};
+use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{BLOCKS_ALL, MAX_EXTENT_UNITS, VOID, counted, height_steps};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
@@ -233,21 +233,9 @@ fn terrain_on_grid(
     warnings: &mut Vec<Warning>,
 ) -> Result<Raster<i32>> {
     let from = terrain.georef();
-    if let (Some(x), Some(y)) = (grid.crs(), from.crs())
-        && !same_crs(x, y)
-    {
-        return Err(Error::file(
-            311,
-            format!(
-                "cannot combine {} in {} with {} in {}: wanted one CRS",
-                surface_path.display(),
-                x.label(),
-                terrain_path.display(),
-                y.label()
-            ),
-        )
-        .with_hint(format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", x.label(), terrain_path.display())));
-    }
+    refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
+        format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
+    })?;
     if grid.same_grid(from) {
         return Ok(terrain);
     }

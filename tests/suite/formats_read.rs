@@ -6,23 +6,7 @@ use std::time::Instant;
 use skyshed::raster::{AsciiGrid, CellWindow, GeoTiff, RasterFile, write_ascii_grid};
 use skyshed::{Error, ErrorClass, Warning};
 
-/// The folder of the shared test data; `None` (and a line that says so) where it is not at hand and was not asked for.
-fn truth() -> Option<PathBuf> {
-    if let Some(folder) = std::env::var_os("SKYSHED_TRUTH") {
-        let folder = PathBuf::from(folder);
-        assert!(folder.is_dir(), "SKYSHED_TRUTH is `{}`, which is no folder", folder.display());
-        return Some(folder);
-    }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !folder.is_dir() {
-        #[expect(clippy::print_stderr, reason = "a test that does not run must say so")]
-        {
-            eprintln!("SKIPPED: no test data in `{}`", folder.display());
-        }
-        return None;
-    }
-    Some(folder)
-}
+use crate::support::truth;
 
 /// What a file is read as: its heights (NaN: void), and what was odd.
 struct Read {

@@ -4,6 +4,7 @@
 
 mod oracle; // line of sight in exact rational arithmetic, sharing no geometry code with the crate
 mod oracle_proof; // the oracle proves itself on cases computed by hand
+mod oracle_twins; // and against brute-force twins on random scenes
 mod case_file; // reads tests/cases/*.txt
 
 mod agreement; // every engine against the text cases and the oracle

@@ -134,3 +134,27 @@ fn every_command_takes_the_common_flags() {
     let far = folder.type_in("link itu:urban --uav 10,10,50 --rx 10,60 --radius 20");
     assert!(far.refused(4)[0].starts_with("error[E208]"));
 }
+
+/// A title without a picture was lost in silence.
+#[test]
+fn words_for_a_picture_that_is_not_made_are_refused() {
+    let folder = small();
+    for line in [
+        "map small.asc --ground 0 --uav 0.5,0.5,9 -o o.tif --title Title",
+        "city small.asc --ground 0 -o o.tif --attribution Somebody",
+    ] {
+        assert!(folder.type_in(line).refused(2)[0].contains("has no meaning without a .png or .svg output"), "{line}");
+    }
+}
+
+/// What a raster format cannot hold was refused after the rays had run, and in two places.
+#[test]
+fn layers_that_a_format_cannot_hold_are_refused() {
+    let folder = small();
+    let two = folder.type_in("map small.asc --ground 0 --uav 0.5,0.5,9 --uav 4.5,0.5,9 -o o.asc");
+    assert_eq!(
+        two.refused(2)[0],
+        "error[E107]: cannot write o.asc: an ASCII grid holds one layer of one site, found 2"
+    );
+    folder.type_in("map small.asc --ground 0 --uav 0.5,0.5,9 --uav 4.5,0.5,9 --layers count -o o.asc").done();
+}

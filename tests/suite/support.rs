@@ -1,5 +1,7 @@
 //! Random numbers and scenes for the suites: small lattices, so that ties and shared walls are frequent.
 
+use std::path::{Path, PathBuf};
+
 use skyshed::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
 use skyshed::quantity::{LatticePoint, VOID};
 use skyshed::scene::even_odd;
@@ -63,4 +65,22 @@ pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
         let (top, building) = (narrow(prism.top), u32::try_from(building).unwrap());
         pieces.map(move |ring| (ring, top, building)).collect::<Vec<_>>()
     }))
+}
+
+/// The folder of the shared test data; `None` (and a line that says so) where it is not at hand and was not asked for.
+pub(crate) fn truth() -> Option<PathBuf> {
+    if let Some(folder) = std::env::var_os("SKYSHED_TRUTH") {
+        let folder = PathBuf::from(folder);
+        assert!(folder.is_dir(), "SKYSHED_TRUTH is `{}`, which is no folder", folder.display());
+        return Some(folder);
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if !folder.is_dir() {
+        #[expect(clippy::print_stderr, reason = "a test that does not run must say so")]
+        {
+            eprintln!("SKIPPED: no test data in `{}`", folder.display());
+        }
+        return None;
+    }
+    Some(folder)
 }

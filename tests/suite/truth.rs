@@ -36,21 +36,6 @@ fn maps() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")
 }
 
-/// The shared data; absent by default is said, asked for and absent is a failure.
-fn shared() -> Option<PathBuf> {
-    let asked = std::env::var_os("SKYSHED_TRUTH").map(PathBuf::from);
-    let folder = asked.clone().unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
-    let present = folder.join("truth").is_dir();
-    assert!(present || asked.is_none(), "SKYSHED_TRUTH is {}, which holds no truth", folder.display());
-    if !present {
-        #[expect(clippy::print_stderr, reason = "a test that does not run says so")]
-        {
-            eprintln!("SKIPPED: no truth data at {}; set SKYSHED_TRUTH", folder.display());
-        }
-    }
-    present.then_some(folder)
-}
-
 fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> Scene {
     let options = SurfaceOptions {
         terrain: Some(terrain.to_path_buf()),
@@ -278,7 +263,7 @@ fn the_footprints_of_munich_agree_with_an_independent_engine() {
 
 #[test]
 fn rasters_and_footprints_of_the_other_cities_agree_with_an_independent_engine() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = crate::support::truth() else { return };
     for city in ["etoile", "simple_street_canyon"] {
         let folder = shared.join("cities").join(city);
         let files = City {
@@ -295,7 +280,7 @@ fn rasters_and_footprints_of_the_other_cities_agree_with_an_independent_engine()
 
 #[test]
 fn lidar_rasters_agree_with_an_independent_engine() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = crate::support::truth() else { return };
     for (city, dsm, terrain, n_cells) in [
         ("bilbao", "dsm_2.5m.tif", "terrain_2.5m.tif", 6 * 521_908),
         ("delft", "dsm_1m.tif", "terrain_1m.tif", 6 * 34_868),
