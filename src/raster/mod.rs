@@ -4,6 +4,7 @@
 //! holds for the whole of it. Formats know nothing of line of sight; each is known in exactly one file.
 
 mod ascii_grid;
+mod bit_grid;
 mod crs;
 mod exr_file;
 mod file;
@@ -14,6 +15,7 @@ mod voids;
 mod world_file;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
+pub use bit_grid::BitGrid;
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;

@@ -1,0 +1,85 @@
+//! One bit per cell, 64 cells to a word: sets of cells that are combined and counted word by word.
+
+/// A set of cells of a grid of shape `[n_rows, n_cols]`, row 0 north.
+///
+/// Bit `col % 64` of word `col / 64` of a row is cell `col`. Bits beyond the last column are 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BitGrid {
+    n_rows: usize,
+    n_cols: usize,
+    words_per_row: usize,
+    words: Vec<u64>,
+}
+
+impl BitGrid {
+    /// The empty set.
+    pub fn new(n_rows: usize, n_cols: usize) -> Self {
+        let words_per_row = n_cols.div_ceil(64);
+        BitGrid { n_rows, n_cols, words_per_row, words: vec![0; n_rows * words_per_row] }
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    /// Number of columns.
+    pub fn n_cols(&self) -> usize {
+        self.n_cols
+    }
+
+    /// Words that hold one row.
+    pub fn words_per_row(&self) -> usize {
+        self.words_per_row
+    }
+
+    /// The words of a row.
+    #[inline]
+    pub fn row(&self, row: usize) -> &[u64] {
+        &self.words[row * self.words_per_row..(row + 1) * self.words_per_row]
+    }
+
+    /// All words, row by row: `words_per_row` each.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// All words, row by row, for writing. Bits beyond the last column must stay 0.
+    pub fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
+    }
+
+    /// Whether a cell is in the set.
+    #[inline]
+    pub fn contains(&self, row: usize, col: usize) -> bool {
+        self.words[row * self.words_per_row + col / 64] >> (col % 64) & 1 == 1
+    }
+
+    /// Puts a cell into the set.
+    #[inline]
+    pub fn insert(&mut self, row: usize, col: usize) {
+        self.words[row * self.words_per_row + col / 64] |= 1 << (col % 64);
+    }
+
+    /// Number of cells in the set.
+    pub fn count(&self) -> u64 {
+        self.words.iter().map(|w| u64::from(w.count_ones())).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_across_word_borders_are_kept_apart() {
+        let mut set = BitGrid::new(3, 65);
+        assert_eq!(set.words_per_row(), 2);
+        for (row, col) in [(0, 0), (1, 63), (1, 64), (2, 64)] {
+            set.insert(row, col);
+        }
+        assert_eq!(set.count(), 4);
+        assert!(set.contains(1, 64) && !set.contains(0, 64) && !set.contains(1, 0));
+        assert_eq!(set.row(1), [1 << 63, 1]);
+    }
+}
