@@ -8,6 +8,7 @@ mod oracle_twins; // and against brute-force twins on random scenes
 mod case_file; // reads tests/cases/*.txt
 
 mod agreement; // every engine against the text cases and the oracle
+mod sweep; // the bracketed sweep equals ray on every scene, at every width of vectors
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks

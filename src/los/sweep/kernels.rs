@@ -1,0 +1,261 @@
+//! The inner loops of the sweep, in vectors of whatever width the machine has.
+//!
+//! Every lane does the same few IEEE operations in the same order at every width, nothing is fused and nothing is
+//! summed across lanes, so all instruction sets give the same bits.
+
+use fearless_simd::prelude::*;
+
+use crate::quantity::VOID;
+
+/// A height that blocks nothing, and a slope below every slope: far below −2^27, and finite so that no product with it
+/// is undefined.
+pub(super) const NOTHING: f32 = -1e30;
+
+/// Room that vectors may read or write before and after the part of a buffer that is in use.
+pub(super) const PAD: usize = 64;
+
+/// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.
+const DOUBT: f32 = 1.0 / (1 << 20) as f32;
+
+/// How the edges of bins lie over the cells of a line: edge `b` is at `(shift_of_uav + b·y) / 2^shift` cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EdgeMap {
+    /// Lateral position of the UAV, times 2^level \[lattice steps\].
+    pub(super) uav: i64,
+    /// Bits below the cell index: those of the lattice and of the level of the bins.
+    pub(super) shift: u32,
+    /// Lateral index of the first cell of the line buffer, which lies at [`PAD`] there.
+    pub(super) first_cell: i64,
+}
+
+impl EdgeMap {
+    /// The cell under edge `b` at distance `y`.
+    #[inline]
+    pub(super) fn cell(&self, b: i64, y: i64) -> i64 {
+        (self.uav + b * y) >> self.shift
+    }
+}
+
+/// Heights of a line above the UAV, as floats: `line` holds them from [`PAD`] on, [`NOTHING`] where `raw` is void.
+#[inline(always)]
+pub(super) fn heights_above_uav<S: Simd>(simd: S, raw: &[i32], uav_z: i32, line: &mut [f32]) {
+    let n = S::f32s::LEN;
+    let (void, nothing, uav) = (S::i32s::splat(simd, VOID), S::f32s::splat(simd, NOTHING), S::i32s::splat(simd, uav_z));
+    let mut chunks = raw.chunks_exact(n);
+    let mut out = line.chunks_exact_mut(n);
+    for (tops, line) in (&mut chunks).zip(&mut out) {
+        let tops = S::i32s::from_slice(simd, tops);
+        // A void wraps around and is replaced.
+        let above: S::f32s = (tops - uav).to_float();
+        tops.simd_eq(void).select(nothing, above).store_slice(line);
+    }
+    let tail = chunks.remainder();
+    let done = raw.len() - tail.len();
+    for (top, line) in tail.iter().zip(&mut line[done..]) {
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let above = top.wrapping_sub(uav_z) as f32;
+        *line = if *top == VOID { NOTHING } else { above };
+    }
+}
+
+/// Looks up the cells under the edges `first..first + count` at distances `a` and `e`: `highest` gets the larger of both
+/// heights of each edge, `exits` the height at `e`; both from index 0 on.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a kernel: everything it reads and writes")]
+pub(super) fn look_up_edges<S: Simd>(
+    simd: S,
+    map: EdgeMap,
+    line: &[f32],
+    first: i64,
+    count: usize,
+    (a, e): (i64, i64),
+    highest: &mut [f32],
+    exits: &mut [f32],
+) {
+    let n = S::f32s::LEN;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ a < e ≤ 2^26, lanes ≤ 16")]
+    let steps = |y: i64| S::u32s::from_fn(simd, |i| i as u32 * y as u32);
+    let (steps_a, steps_e) = (steps(a), steps(e));
+    let mask = (1_i64 << map.shift) - 1;
+    let lanes = i64::try_from(n).unwrap_or(16);
+    let (mut at_a, mut at_e) = (map.uav + first * a, map.uav + first * e);
+    for i in (0..count).step_by(n) {
+        // EXACT: a bin is narrower than a cell, so a < 2^shift ≤ 2^27 and all lanes stay below 2^31.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
+        let look = |at: i64, steps: S::u32s| {
+            let base = (at >> map.shift) - map.first_cell + PAD as i64;
+            let cells = (S::u32s::splat(simd, (at & mask) as u32) + steps) >> map.shift;
+            table(simd, line, base as usize, cells)
+        };
+        let (near, far) = (look(at_a, steps_a), look(at_e, steps_e));
+        near.max(far).store_slice(&mut highest[i..i + n]);
+        far.store_slice(&mut exits[i..i + n]);
+        at_a += lanes * a;
+        at_e += lanes * e;
+    }
+}
+
+/// Values `table[base + index]` for lanes of `index` below twice the width.
+#[inline(always)]
+fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
+    let n = S::f32s::LEN;
+    let window = &table[base..base + 2 * n];
+    let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
+    // Each lane index becomes the indices of its four bytes.
+    let bytes = index * 0x0404_0404 + 0x0302_0100;
+    low.concat_swizzle_dyn(high, bytes.to_bytes())
+}
+
+/// Raises the bounds of bins by one line: `highest[i]`, `highest[i + 1]` belong to the edges of bin `i`.
+#[inline(always)]
+pub(super) fn raise_bounds<S: Simd>(
+    simd: S,
+    highest: &[f32],
+    exits: &[f32],
+    (per_a, per_e): (f32, f32),
+    upper: &mut [f32],
+    lower: &mut [f32],
+) {
+    let n = S::f32s::LEN;
+    let (per_a, per_e) = (S::f32s::splat(simd, per_a), S::f32s::splat(simd, per_e));
+    for i in (0..upper.len()).step_by(n) {
+        let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
+        let high = load(highest, i).max(load(highest, i + 1));
+        let low = load(exits, i).min(load(exits, i + 1));
+        // Below the UAV a height binds at the far end of the row, above it at the near end: the larger of both slopes.
+        let steepest = (high * per_a).max(high * per_e);
+        load(upper, i).max(steepest).store_slice(&mut upper[i..i + n]);
+        load(lower, i).max(low * per_e).store_slice(&mut lower[i..i + n]);
+    }
+}
+
+/// The bounds of some bins as receivers look them up: bin `b` is at `b − first_bin + PAD`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds<'a> {
+    pub(super) upper: &'a [f32],
+    pub(super) lower: &'a [f32],
+    pub(super) first_bin: i64,
+    /// The last bin that a receiver may be given.
+    pub(super) last_bin: i64,
+}
+
+/// Receivers of one line: cell `c` is `c·pitch + offset` bins·distance from the UAV, so its bin is
+/// `⌊(c·pitch + offset − bias) / distance⌋`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ReceiverMap {
+    /// `1024 · 2^level`.
+    pub(super) pitch: i64,
+    /// Of the center of cell 0 from the UAV, times 2^level; less 1 where a receiver on an edge belongs to the bin before.
+    pub(super) offset: i64,
+    /// Of the line's cell centers from the UAV \[lattice steps\].
+    pub(super) distance: i64,
+}
+
+/// How high the receivers of a line are above the UAV.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum LineReceivers<'a> {
+    /// All alike \[1/1024 m\].
+    Flat(i32),
+    /// `base[c − first] + above`.
+    Over { base: &'a [i32], first: i64, above: i32 },
+}
+
+/// What is known of up to 64 receivers: a bit each.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Decided {
+    pub(super) los: u64,
+    pub(super) undecided: u64,
+}
+
+/// Decides the receivers `cells` of a line, calling `word(index, decided)` for each run of 64 that holds one.
+#[inline(always)]
+pub(super) fn decide_line<S: Simd>(
+    simd: S,
+    bounds: &Bounds<'_>,
+    map: &ReceiverMap,
+    receivers: &LineReceivers<'_>,
+    cells: std::ops::Range<i64>,
+    word: &mut impl FnMut(usize, Decided),
+) {
+    let n = S::f32s::LEN;
+    let lanes = i64::try_from(n).unwrap_or(16);
+    let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "distances are at most 2^26")]
+    let (distance, rest, whole, per_distance) =
+        (map.distance as i32, rest as i32, whole as i32, 1.0 / map.distance as f32);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "lanes ≤ 16")]
+    let (steps, wholes) = (S::i32s::from_fn(simd, |i| i as i32 * rest), S::i32s::from_fn(simd, |i| i as i32 * whole));
+    let (distances, one, zero) = (S::i32s::splat(simd, distance), S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
+    let per_distance = S::f32s::splat(simd, per_distance);
+    let doubt = S::f32s::splat(simd, DOUBT);
+    #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+    let flat = match receivers {
+        LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
+        LineReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
+    };
+    let mut found = Decided::default();
+    let mut c = cells.start.div_euclid(lanes) * lanes;
+    while c < cells.end {
+        let numerator = c * map.pitch + map.offset;
+        // On the axis itself a receiver is one bin past the last.
+        let bin = numerator.div_euclid(map.distance).min(bounds.last_bin);
+        // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay within 2^30. The
+        // quotient is guessed in floats to within one and put right in integers.
+        #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
+        let numerators = S::i32s::splat(simd, (numerator - bin * map.distance) as i32) + steps;
+        let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance).to_int();
+        let left = numerators - guess * distances;
+        let guess = guess - left.simd_lt(zero).select(one, zero);
+        let guess = guess + left.simd_ge(distances).select(one, zero);
+        #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
+        let last = S::i32s::splat(simd, (bounds.last_bin - bin).min(64) as i32);
+        let index: S::u32s = (guess + wholes).min(last).bitcast();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bins lie within the padding")]
+        let base = (bin - bounds.first_bin + PAD as i64) as usize;
+        let upper = table(simd, bounds.upper, base, index);
+        let lower = table(simd, bounds.lower, base, index);
+
+        let slope = match receivers {
+            LineReceivers::Flat(_) => flat,
+            LineReceivers::Over { base, first, above } => {
+                let heights = load_or_pad::<S>(simd, base, c - first) + S::i32s::splat(simd, *above);
+                heights.to_float::<S::f32s>() * per_distance
+            }
+        };
+        let size = slope.abs();
+        let los = slope.simd_gt(upper + (size + upper.abs()) * doubt);
+        let nlos = slope.simd_lt(lower - (size + lower.abs()) * doubt);
+        let wanted = lane_range(cells.start - c, cells.end - c, lanes);
+        let (los, nlos) = (los.to_bitmask() & wanted, nlos.to_bitmask() & wanted);
+        let within = c.rem_euclid(64);
+        found.los |= los << within;
+        found.undecided |= (wanted & !los & !nlos) << within;
+        c += lanes;
+        if c.rem_euclid(64) == 0 || c >= cells.end {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of the raster")]
+            word(((c - lanes) / 64) as usize, found);
+            found = Decided::default();
+        }
+    }
+}
+
+/// Bits `from..to` of a vector of `lanes`, where either may lie outside.
+#[inline(always)]
+fn lane_range(from: i64, to: i64, lanes: i64) -> u64 {
+    let below = |end: i64| (1_u64 << end.clamp(0, lanes)) - 1;
+    below(to) & !below(from)
+}
+
+/// A vector of `values` from `at` on; lanes outside are 0.
+#[inline(always)]
+fn load_or_pad<S: Simd>(simd: S, values: &[i32], at: i64) -> S::i32s {
+    let n = S::i32s::LEN;
+    let whole = usize::try_from(at).ok().and_then(|at| values.get(at..at + n));
+    match whole {
+        Some(whole) => S::i32s::from_slice(simd, whole),
+        None => S::i32s::from_fn(simd, |i| {
+            let index = usize::try_from(at + i64::try_from(i).unwrap_or(0)).ok();
+            index.and_then(|index| values.get(index)).copied().unwrap_or(0)
+        }),
+    }
+}

@@ -1,0 +1,290 @@
+//! The bins of one wedge of a quadrant, and how a line of cells passes over them.
+
+use fearless_simd::prelude::*;
+
+use super::kernels::{
+    Bounds, Decided, EdgeMap, LineReceivers, NOTHING, PAD, ReceiverMap, decide_line, heights_above_uav, look_up_edges,
+    raise_bounds,
+};
+use crate::quantity::STEPS_PER_UNIT;
+
+const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Bits of a lattice position below the cell.
+const CELL_BITS: u32 = 10;
+
+/// There are `2^level` bins to each side of the axis; this many at least.
+const FIRST_LEVEL: u32 = 4;
+
+/// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
+pub(super) const NEAR: i64 = 16 * CELL;
+
+/// Bins that retire together.
+const RETIREES: usize = 64;
+
+/// One line of cells across the direction of the sweep, as it is passed over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<'a> {
+    /// Tops of its cells.
+    pub(super) tops: &'a [i32],
+    /// Lateral index of the first of them.
+    pub(super) first: i64,
+    /// Distances from the UAV of its nearer edge (0 if the UAV is beyond it), of its centers, and of its farther edge
+    /// \[lattice steps\].
+    pub(super) near: i64,
+    pub(super) center: i64,
+    pub(super) far: i64,
+}
+
+/// What is the same for all lines of a wedge.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WedgeFrame {
+    /// Height of the UAV \[1/1024 m\].
+    pub(super) uav_z: i32,
+    /// Lateral position of the UAV \[lattice steps\].
+    pub(super) uav_lateral: i64,
+    /// Lateral indices of the receivers.
+    pub(super) window: (i64, i64),
+    /// Number of cells along a line.
+    pub(super) n_lateral: i64,
+    /// The highest receiver above the UAV \[1/1024 m\].
+    pub(super) highest_receiver: i64,
+    /// Distance of the last line's centers \[lattice steps\].
+    pub(super) last_center: i64,
+}
+
+/// Bins of the azimuths from `first / 2^level` on, and their bounds.
+#[derive(Debug)]
+pub(super) struct Wedge {
+    level: u32,
+    first: i64,
+    len: usize,
+    /// Bounds of bin `i` at `i + PAD`.
+    upper: Vec<f32>,
+    lower: Vec<f32>,
+    /// Intervals of bins that may still change.
+    active: Vec<(usize, usize)>,
+    line: Vec<f32>,
+    highest: Vec<f32>,
+    exits: Vec<f32>,
+    n_lines: u32,
+}
+
+impl Wedge {
+    /// Part `part` of `parts` (a power of two, at most 2^4) to one side of the axis; negative to the other side.
+    pub(super) fn new(part: i64, parts: i64) -> Self {
+        let len = (1_i64 << FIRST_LEVEL) / parts;
+        let mut wedge = Wedge {
+            level: FIRST_LEVEL,
+            first: part * len,
+            len: usize::try_from(len).unwrap_or(1),
+            upper: Vec::new(),
+            lower: Vec::new(),
+            active: Vec::new(),
+            line: Vec::new(),
+            highest: Vec::new(),
+            exits: Vec::new(),
+            n_lines: 0,
+        };
+        wedge.upper = vec![NOTHING; wedge.len + 2 * PAD];
+        wedge.lower = wedge.upper.clone();
+        wedge.active.push((0, wedge.len));
+        wedge
+    }
+
+    /// Whether every bin is dark for good.
+    pub(super) fn is_done(&self) -> bool {
+        self.active.is_empty()
+    }
+
+    /// Lateral indices of the cells that the active bins can reach between two distances, from the first to after the
+    /// last; empty if there are none in the raster.
+    pub(super) fn reach(&self, frame: &WedgeFrame, near: i64, far: i64) -> (i64, i64) {
+        let (Some(first), Some(last)) = (self.active.first(), self.active.last()) else { return (0, 0) };
+        let map = self.edge_map(frame);
+        let (b0, b1) = (self.first + as_i64(first.0), self.first + as_i64(last.1));
+        let low = map.cell(b0, near).min(map.cell(b0, far)).max(0);
+        let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).min(frame.n_lateral);
+        (low, high.max(low))
+    }
+
+    fn edge_map(&self, frame: &WedgeFrame) -> EdgeMap {
+        EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level, first_cell: 0 }
+    }
+
+    /// Makes bins narrower than a cell at distance `far`: each splits in two that inherit its bounds.
+    fn refine(&mut self, far: i64) {
+        while far >= CELL << self.level {
+            let split = |bounds: &[f32], len: usize| {
+                let mut finer = vec![NOTHING; 2 * len + 2 * PAD];
+                for (i, bound) in bounds[PAD..PAD + len].iter().enumerate() {
+                    finer[PAD + 2 * i] = *bound;
+                    finer[PAD + 2 * i + 1] = *bound;
+                }
+                finer
+            };
+            self.upper = split(&self.upper, self.len);
+            self.lower = split(&self.lower, self.len);
+            self.level += 1;
+            self.first *= 2;
+            self.len *= 2;
+            self.active.iter_mut().for_each(|(a, b)| (*a, *b) = (2 * *a, 2 * *b));
+        }
+    }
+
+    /// Decides the receivers of a line by what lies before it, then adds the line to the bounds.
+    #[inline(always)]
+    pub(super) fn pass<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &WedgeFrame,
+        line: &Line<'_>,
+        receivers: &LineReceivers<'_>,
+        word: &mut impl FnMut(usize, Decided),
+    ) {
+        self.refine(line.far);
+        self.n_lines += 1;
+        if self.n_lines.is_multiple_of(8) {
+            self.retire(frame, line.center);
+        }
+        let mut k = 0;
+        while k < self.active.len() {
+            let interval = self.active[k];
+            if line.far > NEAR {
+                self.decide(simd, frame, line, receivers, interval, word);
+            }
+            self.advance(simd, frame, line, interval);
+            k += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn decide<S: Simd>(
+        &self,
+        simd: S,
+        frame: &WedgeFrame,
+        line: &Line<'_>,
+        receivers: &LineReceivers<'_>,
+        (from, to): (usize, usize),
+        word: &mut impl FnMut(usize, Decided),
+    ) {
+        let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
+        let pitch = CELL << self.level;
+        // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
+        // to each lattice line from inside (see the module).
+        let bias = i64::from(self.first >= 0);
+        let offset = ((CELL / 2 - frame.uav_lateral) << self.level) - bias;
+        let first_from = |b: i64| -(offset - b * line.center).div_euclid(pitch);
+        let mut cells = (first_from(b0).max(frame.window.0), first_from(b1).min(frame.window.1));
+        if b1 == 0 {
+            // The axis itself belongs to the last bin of this side as well.
+            cells.1 = (-offset).div_euclid(pitch) + 1;
+            cells.1 = cells.1.min(frame.window.1);
+        }
+        if cells.0 >= cells.1 {
+            return;
+        }
+        let bounds = Bounds {
+            upper: &self.upper,
+            lower: &self.lower,
+            first_bin: self.first,
+            last_bin: self.first + as_i64(self.len) - 1,
+        };
+        let map = ReceiverMap { pitch, offset, distance: line.center };
+        decide_line(simd, &bounds, &map, receivers, cells.0..cells.1, word);
+    }
+
+    #[inline(always)]
+    fn advance<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, line: &Line<'_>, (from, to): (usize, usize)) {
+        let mut map = self.edge_map(frame);
+        let (mut b0, mut b1) = (self.first + as_i64(from), self.first + as_i64(to));
+        // Bins that pass beside the raster meet nothing here.
+        let edge_at = |cell: i64, y: i64| (((cell << self.level) * CELL) - map.uav).div_euclid(y.max(1));
+        let (y_a, y_e) = (line.near, line.far);
+        let end = line.first + as_i64(line.tops.len());
+        if y_a > 0 {
+            b0 = b0.max(edge_at(line.first, y_a).min(edge_at(line.first, y_e)) - 1);
+            b1 = b1.min(edge_at(end, y_a).max(edge_at(end, y_e)) + 2);
+        }
+        if b0 >= b1 {
+            return;
+        }
+        let low = map.cell(b0, y_a).min(map.cell(b0, y_e));
+        let high = map.cell(b1, y_a).max(map.cell(b1, y_e)) + 1;
+        map.first_cell = low;
+        let used = usize::try_from(high - low).unwrap_or(0);
+        let n_bins = usize::try_from(b1 - b0).unwrap_or(0);
+        // Vectors run over the ends.
+        let room = used + 2 * PAD;
+        if self.line.len() < room {
+            self.line.resize(room, NOTHING);
+        }
+        let n_edges = n_bins + 1 + 2 * PAD;
+        if self.highest.len() < n_edges {
+            self.highest.resize(n_edges, NOTHING);
+            self.exits.resize(n_edges, NOTHING);
+        }
+        let inside = (low.clamp(line.first, end), high.clamp(line.first, end));
+        let at = |cell: i64| usize::try_from(cell - low).unwrap_or(0) + PAD;
+        let source = |cell: i64| usize::try_from(cell - line.first).unwrap_or(0);
+        self.line[PAD..at(inside.0)].fill(NOTHING);
+        heights_above_uav(
+            simd,
+            &line.tops[source(inside.0)..source(inside.1)],
+            frame.uav_z,
+            &mut self.line[at(inside.0)..at(inside.1)],
+        );
+        self.line[at(inside.1)..at(high) + PAD].fill(NOTHING);
+
+        look_up_edges(simd, map, &self.line, b0, n_bins + 1, (y_a, y_e), &mut self.highest, &mut self.exits);
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
+        let start = usize::try_from(b0 - self.first).unwrap_or(0) + PAD;
+        // Whole vectors first; what they would do past the last bin is done for it alone.
+        let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
+        let per = (per(y_a), per(y_e));
+        raise_bounds(
+            simd,
+            &self.highest,
+            &self.exits,
+            per,
+            &mut self.upper[start..start + vectors],
+            &mut self.lower[start..start + vectors],
+        );
+        for i in vectors..n_bins {
+            let high = self.highest[i].max(self.highest[i + 1]);
+            let low = self.exits[i].min(self.exits[i + 1]);
+            let (upper, lower) = (&mut self.upper[start + i], &mut self.lower[start + i]);
+            *upper = upper.max((high * per.0).max(high * per.1));
+            *lower = lower.max(low * per.1);
+        }
+    }
+
+    /// Drops the bins in which no receiver at or beyond distance `center` can be in line of sight.
+    fn retire(&mut self, frame: &WedgeFrame, center: i64) {
+        // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
+        let at = if frame.highest_receiver <= 0 { frame.last_center } else { center };
+        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
+        let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
+        let bar = steepest + steepest.abs() * 1e-5 + f32::MIN_POSITIVE;
+        let mut left: Vec<(usize, usize)> = Vec::with_capacity(self.active.len());
+        for &(from, to) in &self.active {
+            for start in (from..to).step_by(RETIREES) {
+                let end = (start + RETIREES).min(to);
+                let lowest = self.lower[PAD + start..PAD + end].iter().fold(f32::INFINITY, |a, b| a.min(*b));
+                if lowest > bar {
+                    continue;
+                }
+                match left.last_mut() {
+                    Some(last) if last.1 == start => last.1 = end,
+                    _ => left.push((start, end)),
+                }
+            }
+        }
+        self.active = left;
+    }
+}
+
+fn as_i64(n: usize) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
+}

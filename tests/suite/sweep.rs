@@ -1,0 +1,169 @@
+//! The bracketed sweep equals `ray`, cell for cell, on every scene, at every width of vectors, with any threads.
+
+use rayon::prelude::*;
+use skyshed::height_field::Columns;
+use skyshed::los::{ReceiverHeights, SimdLevel, columns_los, simd_levels, sweep_los};
+use skyshed::quantity::{BLOCKS_ALL, LatticePoint, VOID};
+use skyshed::raster::{BitGrid, CellWindow};
+
+use crate::support::{Random, slow};
+
+/// All cells of a shape.
+fn every_cell(n_rows: usize, n_cols: usize) -> BitGrid {
+    let mut all = BitGrid::new(n_rows, n_cols);
+    (0..n_rows).for_each(|row| (0..n_cols).for_each(|col| all.insert(row, col)));
+    all
+}
+
+fn whole(columns: &Columns) -> CellWindow {
+    CellWindow { row: 0, col: 0, n_rows: columns.n_rows(), n_cols: columns.n_cols() }
+}
+
+/// What `ray` says of the wanted cells in a window.
+fn ray(
+    columns: &Columns,
+    uav: LatticePoint,
+    height: &(impl Fn(usize) -> i64 + Sync),
+    wanted: &BitGrid,
+    window: CellWindow,
+) -> BitGrid {
+    let mut los = BitGrid::new(columns.n_rows(), columns.n_cols());
+    for row in window.row..window.row + window.n_rows {
+        for col in window.col..window.col + window.n_cols {
+            let (x, y) = columns.center(row, col);
+            let z = height(row * columns.n_cols() + col);
+            if wanted.contains(row, col) && columns_los(columns, uav, LatticePoint { x, y, z }) {
+                los.insert(row, col);
+            }
+        }
+    }
+    los
+}
+
+/// Compares one scene at one level; returns the number of receivers and of those left to `ray`.
+fn compare(
+    columns: &Columns,
+    uav: LatticePoint,
+    receivers: ReceiverHeights<'_>,
+    wanted: &BitGrid,
+    window: CellWindow,
+    level: SimdLevel,
+) -> (u64, u64) {
+    let height = |cell: usize| match receivers {
+        ReceiverHeights::Flat(z) => i64::from(z),
+        ReceiverHeights::Over { base, above, .. } => i64::from(base[cell]) + i64::from(above),
+    };
+    let expected = ray(columns, uav, &height, wanted, window);
+    let found = sweep_los(columns, uav, receivers, wanted, window, level);
+    if found.los != expected {
+        let n_cols = columns.n_cols();
+        for cell in 0..columns.n_rows() * n_cols {
+            let (row, col) = (cell / n_cols, cell % n_cols);
+            let (f, e) = (found.los.contains(row, col), expected.contains(row, col));
+            assert_eq!(
+                f,
+                e,
+                "row {row}, column {col} of {}×{n_cols}, UAV {uav:?}, receivers {}, {level:?}, window {window:?}",
+                columns.n_rows(),
+                height(cell)
+            );
+        }
+    }
+    (wanted.count(), found.undecided)
+}
+
+/// A small raster with heights around the UAV's, few distinct values so that ties are frequent.
+fn small_raster(random: &mut Random, n_rows: usize, n_cols: usize) -> (Columns, i64) {
+    let spread = random.choose(&[1, 3, 20, 3000, 1 << 20]);
+    let uav_z = random.choose(&[0, 512, 1024, 40 * 1024, -7 * 1024]);
+    let block = random.choose(&[1, 1, 2, 3, 5]);
+    let open = u64::try_from(random.within(0, 95)).unwrap();
+    let seed = random.next();
+    let tops = (0..n_rows * n_cols)
+        .map(|cell| {
+            let at = u64::try_from((cell / n_cols / block) << 20 | (cell % n_cols / block)).unwrap();
+            let mut own = Random(seed ^ at.wrapping_mul(0x2545_F491_4F6C_DD1D));
+            if own.chance(open) {
+                return -20 * 1024;
+            }
+            match own.within(0, 99) {
+                0..=1 => VOID,
+                2 => BLOCKS_ALL,
+                _ => i32::try_from(uav_z + own.within(-spread, spread)).unwrap(),
+            }
+        })
+        .collect();
+    (Columns::new(n_rows, n_cols, tops), uav_z)
+}
+
+#[test]
+fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
+    let n = if slow() { 200_000 } else { 6_000 };
+    let levels = simd_levels();
+    let totals: Vec<(u64, u64)> = (0..n)
+        .into_par_iter()
+        .map(|seed| {
+            let mut random = Random(seed);
+            let (n_rows, n_cols) = (random.within(1, 48) as usize, random.within(1, 48) as usize);
+            let (columns, uav_z) = small_raster(&mut random, n_rows, n_cols);
+            // Over cell centers, corners, edges and anywhere, inside and outside.
+            let place = |random: &mut Random, n: usize| {
+                let span = i64::try_from(n).unwrap();
+                let cell = random.within(-40, span + 40);
+                cell * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
+            };
+            let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z: uav_z };
+            let mut wanted = every_cell(n_rows, n_cols);
+            if random.chance(20) {
+                wanted = BitGrid::new(n_rows, n_cols);
+                for cell in 0..n_rows * n_cols {
+                    if random.chance(70) {
+                        wanted.insert(cell / n_cols, cell % n_cols);
+                    }
+                }
+            }
+            let mut window = whole(&columns);
+            if random.chance(20) {
+                // A window must hold what lies between its cells and the UAV.
+                let clip = |v: i64, n: usize| usize::try_from(v.div_euclid(1024).clamp(0, n as i64 - 1)).unwrap();
+                let (col, row) = (clip(uav.x, n_cols), n_rows - 1 - clip(uav.y, n_rows));
+                let row0 = random.within(0, row as i64) as usize;
+                let col0 = random.within(0, col as i64) as usize;
+                let row1 = random.within(row as i64, n_rows as i64 - 1) as usize;
+                let col1 = random.within(col as i64, n_cols as i64 - 1) as usize;
+                window = CellWindow { row: row0, col: col0, n_rows: row1 - row0 + 1, n_cols: col1 - col0 + 1 };
+            }
+            let level = random.choose(&levels);
+            let base: Vec<i32>;
+            let receivers = match random.within(0, 3) {
+                0 => ReceiverHeights::Flat(i32::try_from(uav_z + random.within(-30_000, 3000)).unwrap()),
+                1 => ReceiverHeights::Flat(-18 * 1024),
+                2 => ReceiverHeights::Over {
+                    base: columns.tops(),
+                    above: i32::try_from(random.choose(&[0, 1, 1536])).unwrap(),
+                    highest: columns.max_top(),
+                },
+                _ => {
+                    base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
+                    ReceiverHeights::Over { base: &base, above: 1536, highest: *base.iter().max().unwrap() }
+                }
+            };
+            let mut known = wanted.clone();
+            if matches!(receivers, ReceiverHeights::Over { .. }) {
+                // Nobody stands on a void.
+                known = BitGrid::new(n_rows, n_cols);
+                for cell in 0..n_rows * n_cols {
+                    let (row, col) = (cell / n_cols, cell % n_cols);
+                    if wanted.contains(row, col) && ![VOID, BLOCKS_ALL].contains(&columns.tops()[cell]) {
+                        known.insert(row, col);
+                    }
+                }
+            }
+            compare(&columns, uav, receivers, &known, window, level)
+        })
+        .collect();
+    let receivers: u64 = totals.iter().map(|t| t.0).sum();
+    let undecided: u64 = totals.iter().map(|t| t.1).sum();
+    assert!(receivers > n * 200, "{receivers} receivers");
+    assert!(undecided * 4 < receivers, "{undecided} of {receivers} left to ray: the sweep decides nothing");
+}
