@@ -141,11 +141,17 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                 2 => ReceiverHeights::Over {
                     base: columns.tops(),
                     above: i32::try_from(random.choose(&[0, 1, 1536])).unwrap(),
+                    lowest: lowest_of(columns.tops()),
                     highest: columns.max_top(),
                 },
                 _ => {
                     base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
-                    ReceiverHeights::Over { base: &base, above: 1536, highest: *base.iter().max().unwrap() }
+                    ReceiverHeights::Over {
+                        base: &base,
+                        above: 1536,
+                        lowest: lowest_of(&base),
+                        highest: *base.iter().max().unwrap(),
+                    }
                 }
             };
             let mut known = wanted.clone();
@@ -166,4 +172,8 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
     let undecided: u64 = totals.iter().map(|t| t.1).sum();
     assert!(receivers > n * 200, "{receivers} receivers");
     assert!(undecided * 4 < receivers, "{undecided} of {receivers} left to ray: the sweep decides nothing");
+}
+
+fn lowest_of(base: &[i32]) -> i32 {
+    base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0)
 }

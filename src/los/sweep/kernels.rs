@@ -17,6 +17,9 @@ pub(super) const PAD: usize = 64;
 /// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.
 const DOUBT: f32 = 1.0 / (1 << 20) as f32;
 
+/// Relative slack of slopes that tell which lines are worth asking `ray` about: wider than any doubt.
+pub(super) const SLACK: f32 = 1e-5;
+
 /// How the edges of bins lie over the cells of a line: edge `b` is at `(shift_of_uav + b·y) / 2^shift` cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeMap {
@@ -106,26 +109,60 @@ fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32
     low.concat_swizzle_dyn(high, bytes.to_bytes())
 }
 
-/// Raises the bounds of bins by one line: `highest[i]`, `highest[i + 1]` belong to the edges of bin `i`.
+/// One line as its bins see it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineSlopes {
+    /// One over the distances of its nearer and its farther edge.
+    pub(super) per_near: f32,
+    pub(super) per_far: f32,
+    /// No receiver beyond this line has a lower slope.
+    pub(super) lowest: f32,
+    /// Its number.
+    pub(super) number: i32,
+}
+
+/// What is known of some bins, a value each.
+#[derive(Debug)]
+pub(super) struct BinRows<'a> {
+    pub(super) upper: &'a mut [f32],
+    pub(super) lower: &'a mut [f32],
+    pub(super) first_line: &'a mut [i32],
+    pub(super) last_line: &'a mut [i32],
+}
+
+/// Raises the bounds of bins by one line: `highest[i]`, `highest[i + 1]` belong to the edges of bin `i`. The number of
+/// bins is a multiple of the width.
 #[inline(always)]
 pub(super) fn raise_bounds<S: Simd>(
     simd: S,
     highest: &[f32],
     exits: &[f32],
-    (per_a, per_e): (f32, f32),
-    upper: &mut [f32],
-    lower: &mut [f32],
+    line: &LineSlopes,
+    bins: &mut BinRows<'_>,
 ) {
     let n = S::f32s::LEN;
-    let (per_a, per_e) = (S::f32s::splat(simd, per_a), S::f32s::splat(simd, per_e));
+    let (per_a, per_e) = (S::f32s::splat(simd, line.per_near), S::f32s::splat(simd, line.per_far));
+    let (lowest, number) = (S::f32s::splat(simd, line.lowest), S::i32s::splat(simd, line.number));
+    let slack = S::f32s::splat(simd, SLACK);
+    let BinRows { upper, lower, first_line, last_line } = bins;
     for i in (0..upper.len()).step_by(n) {
         let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
+        let load_line = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
         let high = load(highest, i).max(load(highest, i + 1));
         let low = load(exits, i).min(load(exits, i + 1));
         // Below the UAV a height binds at the far end of the row, above it at the near end: the larger of both slopes.
         let steepest = (high * per_a).max(high * per_e);
-        load(upper, i).max(steepest).store_slice(&mut upper[i..i + n]);
-        load(lower, i).max(low * per_e).store_slice(&mut lower[i..i + n]);
+        let before = load(upper, i);
+        before.max(steepest).store_slice(&mut upper[i..i + n]);
+        let proven = load(lower, i).max(low * per_e);
+        proven.store_slice(&mut lower[i..i + n]);
+        // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so this line may hide it
+        // only if it is as steep as both, and no line before it can any more if none is.
+        let bar = lowest.max(proven - proven.abs() * slack);
+        let may_hide = steepest.simd_ge(bar);
+        let is_first = may_hide & before.simd_lt(bar);
+        is_first.select(number, load_line(first_line)).store_slice(&mut first_line[i..i + n]);
+        may_hide.select(number, load_line(last_line)).store_slice(&mut last_line[i..i + n]);
     }
 }
 
@@ -149,6 +186,14 @@ pub(super) struct ReceiverMap {
     pub(super) offset: i64,
     /// Of the line's cell centers from the UAV \[lattice steps\].
     pub(super) distance: i64,
+}
+
+impl ReceiverMap {
+    /// The bin of cell `c`, before the last one is given those on the axis.
+    #[inline]
+    pub(super) fn bin(&self, c: i64) -> i64 {
+        (c * self.pitch + self.offset).div_euclid(self.distance)
+    }
 }
 
 /// How high the receivers of a line are above the UAV.

@@ -11,8 +11,9 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::kernels::{Decided, LineReceivers};
-use self::wedge::{Line, NEAR, Wedge, WedgeFrame};
+use self::wedge::{Line, NEAR, Suspects, Wedge, WedgeFrame};
 use super::columns_los;
+use super::columns_ray::{Across, columns_los_over_lines};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow};
@@ -36,6 +37,8 @@ pub enum ReceiverHeights<'a> {
         base: &'a [i32],
         /// How high they are above it.
         above: i32,
+        /// The lowest of `base`, or anything lower.
+        lowest: i32,
         /// The highest of `base`, or anything higher.
         highest: i32,
     },
@@ -136,7 +139,6 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    #[inline(always)]
     fn run<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, part: i64) {
         let mut wedge = Wedge::new(part, PARTS);
         match quadrant {
@@ -153,21 +155,23 @@ impl Sweep<'_> {
     }
 
     fn frame(&self, uav_lateral: i64, window: (usize, usize), n_lateral: usize, last_center: i64) -> WedgeFrame {
-        let highest = match self.receivers {
-            ReceiverHeights::Flat(z) => i64::from(z),
-            ReceiverHeights::Over { highest, above, .. } => i64::from(highest) + i64::from(above),
+        let (lowest, highest) = match self.receivers {
+            ReceiverHeights::Flat(z) => (i64::from(z), i64::from(z)),
+            ReceiverHeights::Over { lowest, highest, above, .. } => {
+                (i64::from(lowest) + i64::from(above), i64::from(highest) + i64::from(above))
+            }
         };
         WedgeFrame {
             uav_z: i32::try_from(self.uav.z).unwrap_or(i32::MAX),
             uav_lateral,
             window: (as_i64(window.0), as_i64(window.1)),
             n_lateral: as_i64(n_lateral),
+            lowest_receiver: lowest - self.uav.z,
             highest_receiver: highest - self.uav.z,
             last_center,
         }
     }
 
-    #[inline(always)]
     fn run_rows<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, wedge: &mut Wedge) {
         let (n_rows, n_cols) = (self.columns.n_rows(), self.columns.n_cols());
         let window = self.window;
@@ -190,9 +194,9 @@ impl Sweep<'_> {
                 }
             };
             let wanted = self.wanted.row(row);
-            wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided| {
+            wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
                 let open = decided.undecided & wanted[word];
-                let los = decided.los | self.ask_each(open, |bit| (row, 64 * word + bit));
+                let los = decided.los | self.ask_each(open, 64 * word, suspects, Across::Row, |lateral| (row, lateral));
                 if los != 0 {
                     self.rows.add(row, word, los);
                 }
@@ -205,7 +209,6 @@ impl Sweep<'_> {
         };
     }
 
-    #[inline(always)]
     fn run_columns<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, wedge: &mut Wedge) {
         let (n_rows, n_cols) = (self.columns.n_rows(), self.columns.n_cols());
         let window = self.window;
@@ -251,8 +254,10 @@ impl Sweep<'_> {
                         LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
-                wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided| {
-                    let los = decided.los | self.ask_each(decided.undecided, |bit| (64 * word + bit, col));
+                wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
+                    let los = decided.los
+                        | self
+                            .ask_each(decided.undecided, 64 * word, suspects, Across::Column, |lateral| (lateral, col));
                     if los != 0 {
                         self.cols.add(col, word, los);
                     }
@@ -270,19 +275,36 @@ impl Sweep<'_> {
         };
     }
 
-    /// Of the undecided receivers of a word, those that `ray` finds in line of sight.
-    fn ask_each(&self, undecided: u64, cell: impl Fn(usize) -> (usize, usize)) -> u64 {
+    /// Of the undecided receivers from lateral cell `first` on, those that `ray` finds in line of sight.
+    fn ask_each(
+        &self,
+        undecided: u64,
+        first: usize,
+        suspects: &Suspects<'_>,
+        across: Across,
+        cell: impl Fn(usize) -> (usize, usize),
+    ) -> u64 {
         let mut los = 0;
         let mut left = undecided;
         let mut asked = 0;
         while left != 0 {
             let bit = left.trailing_zeros() as usize;
             left &= left - 1;
-            let (row, col) = cell(bit);
-            if self.wanted.contains(row, col) {
-                asked += 1;
-                los |= u64::from(self.ask(row, col)) << bit;
+            let (row, col) = cell(first + bit);
+            if !self.wanted.contains(row, col) {
+                continue;
             }
+            asked += 1;
+            let (x, y) = self.columns.center(row, col);
+            let own = row * self.columns.n_cols() + col;
+            let receiver = LatticePoint { x, y, z: self.receivers.at(own) };
+            let is_los = if receiver.z <= self.uav.z {
+                let lines = suspects.of(as_i64(first + bit));
+                columns_los_over_lines(self.columns, self.uav, (own, receiver), across, lines)
+            } else {
+                columns_los(self.columns, self.uav, receiver)
+            };
+            los |= u64::from(is_los) << bit;
         }
         if asked > 0 {
             self.undecided.fetch_add(asked, Ordering::Relaxed);

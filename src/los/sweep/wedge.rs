@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 
 use super::kernels::{
-    Bounds, Decided, EdgeMap, LineReceivers, NOTHING, PAD, ReceiverMap, decide_line, heights_above_uav, look_up_edges,
-    raise_bounds,
+    BinRows, Bounds, Decided, EdgeMap, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverMap, SLACK, decide_line,
+    heights_above_uav, look_up_edges, raise_bounds,
 };
 use crate::quantity::STEPS_PER_UNIT;
 
@@ -47,7 +47,8 @@ pub(super) struct WedgeFrame {
     pub(super) window: (i64, i64),
     /// Number of cells along a line.
     pub(super) n_lateral: i64,
-    /// The highest receiver above the UAV \[1/1024 m\].
+    /// The lowest and the highest receiver above the UAV \[1/1024 m\].
+    pub(super) lowest_receiver: i64,
     pub(super) highest_receiver: i64,
     /// Distance of the last line's centers \[lattice steps\].
     pub(super) last_center: i64,
@@ -62,12 +63,37 @@ pub(super) struct Wedge {
     /// Bounds of bin `i` at `i + PAD`.
     upper: Vec<f32>,
     lower: Vec<f32>,
+    /// Numbers of the first and of the last line that may hide a receiver from here on.
+    first_line: Vec<i32>,
+    last_line: Vec<i32>,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
     line: Vec<f32>,
     highest: Vec<f32>,
     exits: Vec<f32>,
-    n_lines: u32,
+    n_lines: i32,
+}
+
+/// The lines that may hide a receiver which the bounds leave undecided.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Suspects<'a> {
+    wedge: &'a Wedge,
+    map: ReceiverMap,
+    last_bin: i64,
+    /// Distance of the farther edge of line 0 \[lattice steps\].
+    far_of_line_0: i64,
+}
+
+impl Suspects<'_> {
+    /// The distances between which lie the lines that may hide the receiver of lateral cell `c` \[lattice steps\].
+    #[inline]
+    pub(super) fn of(&self, c: i64) -> (i64, i64) {
+        let bin = self.map.bin(c).min(self.last_bin);
+        let i = usize::try_from(bin - self.wedge.first).unwrap_or(0) + PAD;
+        let (first, last) = (i64::from(self.wedge.first_line[i]), i64::from(self.wedge.last_line[i]));
+        let far = |line: i64| self.far_of_line_0 + line * CELL;
+        ((far(first) - CELL).max(0), far(last))
+    }
 }
 
 impl Wedge {
@@ -80,6 +106,8 @@ impl Wedge {
             len: usize::try_from(len).unwrap_or(1),
             upper: Vec::new(),
             lower: Vec::new(),
+            first_line: Vec::new(),
+            last_line: Vec::new(),
             active: Vec::new(),
             line: Vec::new(),
             highest: Vec::new(),
@@ -88,6 +116,8 @@ impl Wedge {
         };
         wedge.upper = vec![NOTHING; wedge.len + 2 * PAD];
         wedge.lower = wedge.upper.clone();
+        wedge.first_line = vec![0; wedge.upper.len()];
+        wedge.last_line = wedge.first_line.clone();
         wedge.active.push((0, wedge.len));
         wedge
     }
@@ -115,16 +145,10 @@ impl Wedge {
     /// Makes bins narrower than a cell at distance `far`: each splits in two that inherit its bounds.
     fn refine(&mut self, far: i64) {
         while far >= CELL << self.level {
-            let split = |bounds: &[f32], len: usize| {
-                let mut finer = vec![NOTHING; 2 * len + 2 * PAD];
-                for (i, bound) in bounds[PAD..PAD + len].iter().enumerate() {
-                    finer[PAD + 2 * i] = *bound;
-                    finer[PAD + 2 * i + 1] = *bound;
-                }
-                finer
-            };
-            self.upper = split(&self.upper, self.len);
-            self.lower = split(&self.lower, self.len);
+            self.upper = split(&self.upper, self.len, NOTHING);
+            self.lower = split(&self.lower, self.len, NOTHING);
+            self.first_line = split(&self.first_line, self.len, 0);
+            self.last_line = split(&self.last_line, self.len, 0);
             self.level += 1;
             self.first *= 2;
             self.len *= 2;
@@ -133,18 +157,34 @@ impl Wedge {
     }
 
     /// Decides the receivers of a line by what lies before it, then adds the line to the bounds.
-    #[inline(always)]
+    ///
+    /// PERF: everything below is inlined into one function compiled for the instruction set of `simd`.
     pub(super) fn pass<S: Simd>(
         &mut self,
         simd: S,
         frame: &WedgeFrame,
         line: &Line<'_>,
         receivers: &LineReceivers<'_>,
-        word: &mut impl FnMut(usize, Decided),
+        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.pass_inlined(simd, frame, line, receivers, word),
+        );
+    }
+
+    #[inline(always)]
+    fn pass_inlined<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &WedgeFrame,
+        line: &Line<'_>,
+        receivers: &LineReceivers<'_>,
+        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
     ) {
         self.refine(line.far);
         self.n_lines += 1;
-        if self.n_lines.is_multiple_of(8) {
+        if self.n_lines % 8 == 0 {
             self.retire(frame, line.center);
         }
         let mut k = 0;
@@ -166,7 +206,7 @@ impl Wedge {
         line: &Line<'_>,
         receivers: &LineReceivers<'_>,
         (from, to): (usize, usize),
-        word: &mut impl FnMut(usize, Decided),
+        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
     ) {
         let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
         let pitch = CELL << self.level;
@@ -191,7 +231,15 @@ impl Wedge {
             last_bin: self.first + as_i64(self.len) - 1,
         };
         let map = ReceiverMap { pitch, offset, distance: line.center };
-        decide_line(simd, &bounds, &map, receivers, cells.0..cells.1, word);
+        let suspects = Suspects {
+            wedge: self,
+            map,
+            last_bin: bounds.last_bin,
+            far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
+        };
+        decide_line(simd, &bounds, &map, receivers, cells.0..cells.1, &mut |index, decided| {
+            word(index, decided, &suspects);
+        });
     }
 
     #[inline(always)]
@@ -239,25 +287,56 @@ impl Wedge {
         look_up_edges(simd, map, &self.line, b0, n_bins + 1, (y_a, y_e), &mut self.highest, &mut self.exits);
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
+        let slopes = LineSlopes {
+            per_near: per(y_a),
+            per_far: per(y_e),
+            lowest: self.lowest_slope(frame, line.center),
+            number: self.n_lines,
+        };
         let start = usize::try_from(b0 - self.first).unwrap_or(0) + PAD;
         // Whole vectors first; what they would do past the last bin is done for it alone.
         let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
-        let per = (per(y_a), per(y_e));
+        let whole = start..start + vectors;
         raise_bounds(
             simd,
             &self.highest,
             &self.exits,
-            per,
-            &mut self.upper[start..start + vectors],
-            &mut self.lower[start..start + vectors],
+            &slopes,
+            &mut BinRows {
+                upper: &mut self.upper[whole.clone()],
+                lower: &mut self.lower[whole.clone()],
+                first_line: &mut self.first_line[whole.clone()],
+                last_line: &mut self.last_line[whole],
+            },
         );
         for i in vectors..n_bins {
             let high = self.highest[i].max(self.highest[i + 1]);
             let low = self.exits[i].min(self.exits[i + 1]);
-            let (upper, lower) = (&mut self.upper[start + i], &mut self.lower[start + i]);
-            *upper = upper.max((high * per.0).max(high * per.1));
-            *lower = lower.max(low * per.1);
+            let steepest = (high * slopes.per_near).max(high * slopes.per_far);
+            let bin = start + i;
+            let proven = self.lower[bin].max(low * slopes.per_far);
+            let bar = slopes.lowest.max(proven - proven.abs() * SLACK);
+            if steepest >= bar {
+                if self.upper[bin] < bar {
+                    self.first_line[bin] = slopes.number;
+                }
+                self.last_line[bin] = slopes.number;
+            }
+            self.upper[bin] = self.upper[bin].max(steepest);
+            self.lower[bin] = proven;
         }
+    }
+
+    /// A slope that no receiver beyond the line at distance `center` is below.
+    fn lowest_slope(&self, frame: &WedgeFrame, center: i64) -> f32 {
+        // Slopes of receivers below the UAV grow with the distance, those of others fall.
+        let at = if frame.lowest_receiver <= 0 { center } else { frame.last_center.max(center) };
+        if at <= 0 {
+            return NOTHING;
+        }
+        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
+        let lowest = (frame.lowest_receiver as f64 / at as f64) as f32;
+        lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
     }
 
     /// Drops the bins in which no receiver at or beyond distance `center` can be in line of sight.
@@ -266,7 +345,7 @@ impl Wedge {
         let at = if frame.highest_receiver <= 0 { frame.last_center } else { center };
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
         let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
-        let bar = steepest + steepest.abs() * 1e-5 + f32::MIN_POSITIVE;
+        let bar = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
         let mut left: Vec<(usize, usize)> = Vec::with_capacity(self.active.len());
         for &(from, to) in &self.active {
             for start in (from..to).step_by(RETIREES) {
@@ -283,6 +362,16 @@ impl Wedge {
         }
         self.active = left;
     }
+}
+
+/// Values of bins for bins of half their width.
+fn split<T: Copy>(values: &[T], len: usize, padding: T) -> Vec<T> {
+    let mut finer = vec![padding; 2 * len + 2 * PAD];
+    for (i, value) in values[PAD..PAD + len].iter().enumerate() {
+        finer[PAD + 2 * i] = *value;
+        finer[PAD + 2 * i + 1] = *value;
+    }
+    finer
 }
 
 fn as_i64(n: usize) -> i64 {
