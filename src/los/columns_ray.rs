@@ -48,8 +48,8 @@ pub(super) enum Across {
 }
 
 /// Whether the part of a link over some whole lines of cells is clear: over the lines from `near` to `far` \[lattice
-/// steps from the UAV\], none of them the receiver's own. The receiver is the center of cell `own` of the raster, not above
-/// the UAV, and farther from it across the lines than along them.
+/// steps from the UAV\], none of them the receiver's own. The receiver is the center of cell `own` of the raster, and not
+/// farther from the UAV along the lines than across them.
 pub(super) fn columns_los_over_lines(
     columns: &Columns,
     uav: LatticePoint,
@@ -58,7 +58,14 @@ pub(super) fn columns_los_over_lines(
     (near, far): (i64, i64),
 ) -> bool {
     let mut walk = InnerWalk::new(columns, own, uav, receiver);
-    !walk.start_and_stop(across, near, far) || rising_walk_is_clear(columns, walk, uav, receiver)
+    if !walk.start_and_stop(across, near, far) {
+        return true;
+    }
+    if uav.z >= receiver.z {
+        rising_walk_is_clear(columns, walk, uav, receiver)
+    } else {
+        falling_walk_is_clear(columns, walk, uav, receiver)
+    }
 }
 
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and what sets it.
@@ -158,6 +165,19 @@ fn rising_walk_is_clear(columns: &Columns, mut walk: InnerWalk, uav: LatticePoin
     // EXACT: all factors are at most 2^26, so every product is at most 2^52.
     while let Some(crossing) = walk.step() {
         if (i64::from(tops[walk.index]) - receiver.z) * crossing.d > crossing.n * climb {
+            return false;
+        }
+    }
+    true
+}
+
+/// From a receiver above the UAV a cell binds where the ray leaves it.
+fn falling_walk_is_clear(columns: &Columns, mut walk: InnerWalk, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let climb = uav.z - receiver.z;
+    let tops = columns.tops();
+    while walk.step().is_some() {
+        let exit = walk.exit();
+        if (i64::from(tops[walk.index]) - receiver.z) * exit.d > exit.n * climb {
             return false;
         }
     }

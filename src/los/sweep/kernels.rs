@@ -12,7 +12,7 @@ use crate::quantity::VOID;
 pub(super) const NOTHING: f32 = -1e30;
 
 /// Room that vectors may read or write before and after the part of a buffer that is in use.
-pub(super) const PAD: usize = 64;
+pub(super) const PAD: usize = 128;
 
 /// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.
 const DOUBT: f32 = 1.0 / (1 << 20) as f32;
@@ -79,23 +79,26 @@ pub(super) fn look_up_edges<S: Simd>(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ a < e ≤ 2^26, lanes ≤ 16")]
     let steps = |y: i64| S::u32s::from_fn(simd, |i| i as u32 * y as u32);
     let (steps_a, steps_e) = (steps(a), steps(e));
-    let mask = (1_i64 << map.shift) - 1;
     let lanes = i64::try_from(n).unwrap_or(16);
     let (mut at_a, mut at_e) = (map.uav + first * a, map.uav + first * e);
     for i in (0..count).step_by(n) {
-        // EXACT: a bin is narrower than a cell, so a < 2^shift ≤ 2^27 and all lanes stay below 2^31.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
-        let look = |at: i64, steps: S::u32s| {
-            let base = (at >> map.shift) - map.first_cell + PAD as i64;
-            let cells = (S::u32s::splat(simd, (at & mask) as u32) + steps) >> map.shift;
-            table(simd, line, base as usize, cells)
-        };
-        let (near, far) = (look(at_a, steps_a), look(at_e, steps_e));
+        let near = look_up_cells(simd, map, line, at_a, steps_a);
+        let far = look_up_cells(simd, map, line, at_e, steps_e);
         near.max(far).store_slice(&mut highest[i..i + n]);
         far.store_slice(&mut exits[i..i + n]);
         at_a += lanes * a;
         at_e += lanes * e;
     }
+}
+
+/// Values of the cells under edges, the first of them at `at` and each a step farther.
+#[inline(always)]
+fn look_up_cells<S: Simd>(simd: S, map: EdgeMap, line: &[f32], at: i64, steps: S::u32s) -> S::f32s {
+    let base = (at >> map.shift) - map.first_cell + PAD as i64;
+    // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27 and all lanes stay below 2^31.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
+    let within = (at & ((1_i64 << map.shift) - 1)) as u32;
+    table(simd, line, to_index(base), (S::u32s::splat(simd, within) + steps) >> map.shift)
 }
 
 /// Values `table[base + index]` for lanes of `index` below twice the width.
@@ -128,6 +131,48 @@ pub(super) struct BinRows<'a> {
     pub(super) lower: &'a mut [f32],
     pub(super) first_line: &'a mut [i32],
     pub(super) last_line: &'a mut [i32],
+}
+
+/// Values `values[base + index]`.
+#[inline(always)]
+fn look_up_bins<S: Simd>(
+    simd: S,
+    bins_per_receiver: BinsPerReceiver,
+    values: &[f32],
+    base: i64,
+    index: S::u32s,
+) -> S::f32s {
+    match bins_per_receiver {
+        BinsPerReceiver::Two => table(simd, values, to_index(base), index),
+        BinsPerReceiver::Four => {
+            let n = S::f32s::LEN;
+            #[expect(clippy::cast_possible_truncation, reason = "lanes ≤ 16")]
+            let (base, half) = (to_index(base), S::u32s::splat(simd, 2 * n as u32));
+            let (low, high) = (table(simd, values, base, index), table(simd, values, base + 2 * n, index - half));
+            index.simd_lt(half).select(low, high)
+        }
+        BinsPerReceiver::Many => gather(simd, values, base, index),
+    }
+}
+
+/// Values `table[base + index]` for any lanes of `index`; anything for lanes outside.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, table: &[f32], base: i64, index: S::u32s) -> S::f32s {
+    let index = index.as_slice();
+    S::f32s::from_fn(simd, |i| table.get(to_index(base + i64::from(index[i]))).copied().unwrap_or(NOTHING))
+}
+
+#[inline(always)]
+fn to_index(at: i64) -> usize {
+    usize::try_from(at).unwrap_or(usize::MAX)
+}
+
+/// How many bins there are to a receiver, at most: as many vectors of bins hold those of a vector of receivers.
+#[derive(Debug, Clone, Copy)]
+enum BinsPerReceiver {
+    Two,
+    Four,
+    Many,
 }
 
 /// Raises the bounds of bins by one line: `highest[i]`, `highest[i + 1]` belong to the edges of bin `i`. The number of
@@ -224,6 +269,13 @@ pub(super) fn decide_line<S: Simd>(
 ) {
     let n = S::f32s::LEN;
     let lanes = i64::try_from(n).unwrap_or(16);
+    let bins_per_receiver = if map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1) {
+        BinsPerReceiver::Two
+    } else if map.pitch * (lanes - 1) < map.distance * (4 * lanes - 1) {
+        BinsPerReceiver::Four
+    } else {
+        BinsPerReceiver::Many
+    };
     let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
     #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "distances are at most 2^26")]
     let (distance, rest, whole, per_distance) =
@@ -253,12 +305,11 @@ pub(super) fn decide_line<S: Simd>(
         let guess = guess - left.simd_lt(zero).select(one, zero);
         let guess = guess + left.simd_ge(distances).select(one, zero);
         #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
-        let last = S::i32s::splat(simd, (bounds.last_bin - bin).min(64) as i32);
+        let last = S::i32s::splat(simd, (bounds.last_bin - bin).min(1 << 20) as i32);
         let index: S::u32s = (guess + wholes).min(last).bitcast();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bins lie within the padding")]
-        let base = (bin - bounds.first_bin + PAD as i64) as usize;
-        let upper = table(simd, bounds.upper, base, index);
-        let lower = table(simd, bounds.lower, base, index);
+        let base = bin - bounds.first_bin + PAD as i64;
+        let upper = look_up_bins(simd, bins_per_receiver, bounds.upper, base, index);
+        let lower = look_up_bins(simd, bins_per_receiver, bounds.lower, base, index);
 
         let slope = match receivers {
             LineReceivers::Flat(_) => flat,

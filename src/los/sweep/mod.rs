@@ -11,7 +11,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::kernels::{Decided, LineReceivers};
-use self::wedge::{Line, NEAR, Suspects, Wedge, WedgeFrame};
+use self::wedge::{Line, MAX_PARTS, NEAR, Suspects, Wedge, WedgeFrame};
 use super::columns_los;
 use super::columns_ray::{Across, columns_los_over_lines};
 use crate::height_field::Columns;
@@ -19,9 +19,6 @@ use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
-
-/// Wedges to each side of the axis of a quadrant.
-const PARTS: i64 = 4;
 
 /// Columns that are turned into lines together.
 const STRIP: usize = 64;
@@ -87,14 +84,21 @@ pub fn sweep_los(
         undecided: AtomicU64::new(0),
     };
     let quadrants = [Quadrant::North, Quadrant::South, Quadrant::East, Quadrant::West];
+    let parts = parts();
     let wedges: Vec<(Quadrant, i64)> =
-        quadrants.iter().flat_map(|q| (-PARTS..PARTS).map(move |part| (*q, part))).collect();
+        quadrants.iter().flat_map(|q| (-parts..parts).map(move |part| (*q, part))).collect();
     wedges.into_par_iter().for_each(|(quadrant, part)| {
-        dispatch!(level, simd => sweep.run(simd, quadrant, part));
+        dispatch!(level, simd => sweep.run(simd, quadrant, Wedge::new(part, parts)));
     });
     sweep.near_box();
     let undecided = sweep.undecided.load(Ordering::Relaxed);
     Swept { los: sweep.into_los(), undecided }
+}
+
+/// Wedges to each side of the axis of a quadrant: enough for every thread, and no more, since long lines are read faster
+/// than short ones.
+fn parts() -> i64 {
+    as_i64((rayon::current_num_threads() / 2).next_power_of_two()).clamp(1, MAX_PARTS)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,8 +143,7 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    fn run<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, part: i64) {
-        let mut wedge = Wedge::new(part, PARTS);
+    fn run<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, mut wedge: Wedge) {
         match quadrant {
             Quadrant::North | Quadrant::South => self.run_rows(simd, quadrant, &mut wedge),
             Quadrant::East | Quadrant::West => self.run_columns(simd, quadrant, &mut wedge),
@@ -298,12 +301,8 @@ impl Sweep<'_> {
             let (x, y) = self.columns.center(row, col);
             let own = row * self.columns.n_cols() + col;
             let receiver = LatticePoint { x, y, z: self.receivers.at(own) };
-            let is_los = if receiver.z <= self.uav.z {
-                let lines = suspects.of(as_i64(first + bit));
-                columns_los_over_lines(self.columns, self.uav, (own, receiver), across, lines)
-            } else {
-                columns_los(self.columns, self.uav, receiver)
-            };
+            let lines = suspects.of(as_i64(first + bit));
+            let is_los = columns_los_over_lines(self.columns, self.uav, (own, receiver), across, lines);
             los |= u64::from(is_los) << bit;
         }
         if asked > 0 {

@@ -16,6 +16,14 @@ const CELL_BITS: u32 = 10;
 /// There are `2^level` bins to each side of the axis; this many at least.
 const FIRST_LEVEL: u32 = 4;
 
+/// The most wedges that one side of a quadrant can be cut into.
+pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
+
+/// How much finer bins are than the line that they pass over asks for, as a power of two.
+///
+/// PERF: 1 leaves two thirds of the undecided receivers that 0 does, and more costs more than it saves.
+const EXTRA_LEVELS: u32 = 1;
+
 /// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
 pub(super) const NEAR: i64 = 16 * CELL;
 
@@ -97,7 +105,7 @@ impl Suspects<'_> {
 }
 
 impl Wedge {
-    /// Part `part` of `parts` (a power of two, at most 2^4) to one side of the axis; negative to the other side.
+    /// Part `part` of `parts` (a power of two, at most [`MAX_PARTS`]) to one side of the axis; negative to the other side.
     pub(super) fn new(part: i64, parts: i64) -> Self {
         let len = (1_i64 << FIRST_LEVEL) / parts;
         let mut wedge = Wedge {
@@ -142,9 +150,14 @@ impl Wedge {
         EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level, first_cell: 0 }
     }
 
-    /// Makes bins narrower than a cell at distance `far`: each splits in two that inherit its bounds.
-    fn refine(&mut self, far: i64) {
-        while far >= CELL << self.level {
+    /// Makes bins narrower than a cell at distance `far`, and nearer lines finer still, though never finer than the last
+    /// one: a bin that splits in two hands its bounds down to both, so what is loose stays loose.
+    fn refine(&mut self, frame: &WedgeFrame, far: i64) {
+        // Bins as narrow as a cell at some distance.
+        let level_for = |far: i64| (far.max(0) / CELL + 1).ilog2() + 1;
+        let finest = level_for(frame.last_center + CELL / 2);
+        let level = (level_for(far) + EXTRA_LEVELS).min(finest).max(FIRST_LEVEL);
+        while self.level < level {
             self.upper = split(&self.upper, self.len, NOTHING);
             self.lower = split(&self.lower, self.len, NOTHING);
             self.first_line = split(&self.first_line, self.len, 0);
@@ -182,7 +195,7 @@ impl Wedge {
         receivers: &LineReceivers<'_>,
         word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
     ) {
-        self.refine(line.far);
+        self.refine(frame, line.far);
         self.n_lines += 1;
         if self.n_lines % 8 == 0 {
             self.retire(frame, line.center);
