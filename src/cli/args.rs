@@ -201,6 +201,14 @@ pub(super) enum LayerArg {
     Which,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum TifLayoutArg {
+    /// Tiles, deflated, with overviews
+    Cog,
+    /// Strips of rows, uncompressed, without overviews: for simple readers, and for timing
+    Plain,
+}
+
 #[derive(Debug, Args)]
 pub(super) struct MapArgs {
     /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
@@ -225,6 +233,9 @@ pub(super) struct MapArgs {
     /// PNG with one pixel per cell, a world file and a .prj, instead of a picture
     #[arg(long)]
     pub(super) bare: bool,
+    /// Arrangement of the cells in .tif files
+    #[arg(long, value_enum, default_value = "cog")]
+    pub(super) tif_layout: TifLayoutArg,
     /// Title of the picture
     #[arg(long, value_name = "TEXT")]
     pub(super) title: Option<String>,

@@ -12,7 +12,7 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
-use crate::raster::{Bands, Crs, GeoTiffImage, encode_geotiff, write_ascii_grid};
+use crate::raster::{Bands, Crs, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
 use crate::report::RunFacts;
 use crate::scene::{Footprint, Scene, Solids};
@@ -113,6 +113,7 @@ impl City<'_> {
                     nodata: Some(f64::from(NODATA)),
                     palette: None,
                     metadata: &[("SKYSHED".into(), provenance.to_string())],
+                    layout: TiffLayout::Cog,
                 })?)
             }
             Format::AsciiGrid => {

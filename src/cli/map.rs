@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{LayerArg, MapArgs, Method, ReceiversArg};
+use super::args::{LayerArg, MapArgs, Method, ReceiversArg, TifLayoutArg};
 use super::plan::{
     Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
     refuse_words_without_picture, warn_of_flat_earth,
@@ -16,7 +16,7 @@ use crate::coverage::{
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_layers, check_outputs, encode_map};
 use crate::quantity::tidy;
-use crate::raster::{CellWindow, Crs, world_file};
+use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, SiteFacts, Timing, digest};
 use crate::scene::{Site, read_sites};
@@ -49,6 +49,10 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
         return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
+    }
+    let names_layout = args.scene.typed.iter().any(|typed| typed == "tif_layout");
+    if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
+        return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
     }
     refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
     let typed: Vec<Site> =
@@ -236,6 +240,10 @@ impl Writer<'_> {
                     sites: self.coverages,
                     layers: self.layers,
                     provenance: &provenance,
+                    tif_layout: match self.args.tif_layout {
+                        TifLayoutArg::Cog => TiffLayout::Cog,
+                        TifLayoutArg::Plain => TiffLayout::Plain,
+                    },
                 };
                 encode_map(&result, path, format)
             }

@@ -6,8 +6,8 @@ use super::Format;
 use crate::coverage::{SiteCoverage, class, count_layer, union_mask, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
-    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, encode_geotiff, pam_sidecar, write_ascii_grid,
-    write_exr, write_npz,
+    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
+    write_ascii_grid, write_exr, write_npz,
 };
 
 /// Nodata of float rasters in GeoTIFF and ASCII grids.
@@ -62,6 +62,8 @@ pub struct MapResult<'a> {
     pub layers: &'a [Layer],
     /// Provenance as one JSON text.
     pub provenance: &'a str,
+    /// Arrangement of the cells in GeoTIFF files.
+    pub tif_layout: TiffLayout,
 }
 
 /// One band: a name and its values.
@@ -164,8 +166,10 @@ pub fn encode_map(result: &MapResult<'_>, path: &Path, format: Format) -> Result
 fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let bands = result.bands();
     let metadata = vec![("SKYSHED".to_string(), result.provenance.to_string())];
-    let image =
-        |bands, nodata, palette| GeoTiffImage { georef: result.georef, bands, nodata, palette, metadata: &metadata };
+    let image = |bands, nodata, palette| {
+        let layout = result.tif_layout;
+        GeoTiffImage { georef: result.georef, bands, nodata, palette, metadata: &metadata, layout }
+    };
     if bands.iter().all(|(_, b)| matches!(b, Band::Class(_))) {
         let masks = bands.iter().filter_map(|(name, b)| match b {
             Band::Class(mask) => Some((name.clone(), *mask)),

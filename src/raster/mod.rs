@@ -20,7 +20,7 @@ pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transfor
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
 pub use georef::{CellWindow, GeoRef};
-pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, encode_geotiff, pam_sidecar, write_geotiff};
+pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 pub use npz::{NpyArray, write_npz};
 pub use world_file::world_file;
 

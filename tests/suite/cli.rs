@@ -92,6 +92,7 @@ fn help_names_defaults_with_their_units() {
         ("--nodata-as <NODATA_AS>", "nodata", "clear"),
         ("--method <METHOD>", "", "auto"),
         ("--layers <LAYERS>", "", "los"),
+        ("--tif-layout <TIF_LAYOUT>", ".tif", "cog"),
     ] {
         let text = &help[help.find(flag).unwrap_or_else(|| panic!("{flag}: {help}"))..];
         let text = &text[..text[2..].find("\n      --").map_or(text.len(), |end| end + 2)];
@@ -174,6 +175,8 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("map dsm.asc --uav 1,1,50 -o out.png --ground 0 --terrain slope.asc", 2, "error[E101]: the argument"),
         ("map dsm.asc --uav 1,1,50 -o out.png --receivers roof", 2, "error[E117]: `--receivers roof` with a surface"),
         ("map dsm.asc --uav 1,1,50 -o out.tif --bare", 2, "error[E116]: `--bare` has no meaning without a .png output"),
+        ("SMALL --uav 10,10,50 --tif-layout plain", 2, "error[E116]: `--tif-layout` has no meaning without a .tif out"),
+        ("SMALL --uav 10,10,50 --tif-layout strips", 2, "error[E101]: invalid value 'strips' for '--tif-layout"),
         // Outputs.
         ("map itu:urban --uav 10,10,50 -o out.xyz", 2, "error[E104]: cannot write out.xyz: unknown extension `.xyz`"),
         (
@@ -331,9 +334,10 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 11] = [
+const OTHER_FLAGS: [(&str, &str); 12] = [
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),
+    ("--tif-layout", "a_plain_geotiff_of_a_map_differs_in_its_layout_alone"),
     ("--bare", "a_bare_picture_has_a_pixel_per_cell_and_knows_its_place"),
     ("--title", "title_and_attribution_are_drawn"),
     ("--attribution", "title_and_attribution_are_drawn"),

@@ -272,6 +272,26 @@ fn layers_become_bands_named_after_their_site() {
 }
 
 #[test]
+fn a_plain_geotiff_of_a_map_differs_in_its_layout_alone() {
+    let folder = town();
+    folder.type_in(&format!("{MAP} -o cog.tif")).done();
+    folder.type_in(&format!("{MAP} -o typed.tif --tif-layout cog")).done();
+    folder.type_in(&format!("{MAP} -o plain.tif --tif-layout plain")).done();
+    assert_eq!(mask_of(&folder, "cog.tif"), mask_of(&folder, "typed.tif"));
+    assert_eq!(mask_of(&folder, "cog.tif"), mask_of(&folder, "plain.tif"));
+    let layout = |name: &str| {
+        let file = tif(&folder, name);
+        let ifd = file.tiff().ifd(0).unwrap();
+        (ifd.is_tiled(), ifd.compression())
+    };
+    assert_eq!((layout("cog.tif"), layout("typed.tif"), layout("plain.tif")), ((true, 8), (true, 8), (false, 1)));
+    assert_eq!(folder.text("cog.tif.aux.xml"), folder.text("plain.tif.aux.xml"));
+    // Layers of heights and of sets are plain too.
+    folder.type_in(&format!("{MAP} --layers margin,count -o heights.tif --tif-layout plain")).done();
+    assert_eq!((layout("heights.tif"), tif(&folder, "heights.tif").band_count()), ((false, 1), 2));
+}
+
+#[test]
 fn the_classes_of_a_mask_are_those_of_the_contract() {
     let folder = Folder::new();
     // One row of 10 m cells: UAV over the first; a hole, a building, what it hides, and what is out of range.

@@ -10,8 +10,8 @@ use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
 use skyshed::raster::{
-    Bands, ClassColor, Crs, ExrChannel, GeoRef, GeoTiffImage, NpyArray, encode_geotiff, pam_sidecar, world_file,
-    write_exr, write_geotiff, write_npz,
+    Bands, ClassColor, Crs, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
+    world_file, write_exr, write_geotiff, write_npz,
 };
 
 const SHAPE: (usize, usize) = (300, 700);
@@ -59,8 +59,14 @@ fn ascii_tag(file: &GeoTiffFile, code: u16) -> Option<String> {
 fn a_mask_comes_back_from_geotiff_with_place_colors_and_names() {
     let (georef, mask, palette, metadata) = (grid(Some(25832)), classes(), palette(), metadata());
     let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image =
-        GeoTiffImage { georef: &georef, bands, nodata: Some(255.0), palette: Some(&palette), metadata: &metadata };
+    let image = GeoTiffImage {
+        georef: &georef,
+        bands,
+        nodata: Some(255.0),
+        palette: Some(&palette),
+        metadata: &metadata,
+        layout: TiffLayout::Cog,
+    };
     let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
 
     assert_eq!((file.height() as usize, file.width() as usize, file.band_count()), (SHAPE.0, SHAPE.1, 1));
@@ -88,7 +94,8 @@ fn overviews_of_a_mask_show_the_most_frequent_class() {
     mask[SHAPE.1 + 1] = 3;
     let georef = grid(None);
     let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image = GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[] };
+    let image =
+        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
     let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
     assert_eq!(file.overview_count(), 2);
     let half = file.read_overview::<u8>(0).unwrap();
@@ -102,7 +109,14 @@ fn overviews_of_a_mask_show_the_most_frequent_class() {
 fn bands_of_numbers_come_back_from_geotiff() {
     let (georef, margins, bits) = (grid(Some(32632)), margins(), bit_sets());
     let bands = Bands::Float(vec![("1.margin".to_string(), &margins), ("2.margin".to_string(), &margins)]);
-    let image = GeoTiffImage { georef: &georef, bands, nodata: Some(-9999.0), palette: None, metadata: &[] };
+    let image = GeoTiffImage {
+        georef: &georef,
+        bands,
+        nodata: Some(-9999.0),
+        palette: None,
+        metadata: &[],
+        layout: TiffLayout::Cog,
+    };
     let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
     assert_eq!((file.band_count(), file.nodata()), (2, Some("-9999")));
     for band in 0..2 {
@@ -120,12 +134,72 @@ fn bands_of_numbers_come_back_from_geotiff() {
 }
 
 #[test]
+fn a_plain_geotiff_is_strips_of_bare_numbers_that_hold_the_same() {
+    let (georef, mask, palette, metadata) = (grid(Some(25832)), classes(), palette(), metadata());
+    let image = GeoTiffImage {
+        georef: &georef,
+        bands: Bands::Byte(vec![("los".to_string(), &mask)]),
+        nodata: Some(255.0),
+        palette: Some(&palette),
+        metadata: &metadata,
+        layout: TiffLayout::Plain,
+    };
+    let bytes = encode_geotiff(&image).unwrap();
+    // A band is one stretch of bytes at the end of the file, north row first: no codec is needed to read it.
+    assert_eq!(&bytes[bytes.len() - n_cells()..], &mask);
+    let plain = GeoTiffFile::from_bytes(bytes).unwrap();
+    let cog = GeoTiffFile::from_bytes(encode_geotiff(&GeoTiffImage { layout: TiffLayout::Cog, ..image }).unwrap());
+    let cog = cog.unwrap();
+    let ifd = plain.tiff().ifd(0).unwrap();
+    assert_eq!((ifd.is_tiled(), ifd.compression(), ifd.photometric_interpretation()), (false, 1, Some(3)));
+    assert_eq!((plain.overview_count(), plain.tiff().ifd_count()), (0, 1));
+    // 700 cells a row: strips of 12 rows reach 8192 bytes.
+    assert_eq!(ifd.tag(278).unwrap().value.as_u32(), Some(12));
+    assert_eq!(plain.read_raster::<u8>().unwrap().into_iter().collect::<Vec<_>>(), mask);
+    // Everything that is said about the cells is said in both layouts.
+    assert_eq!((plain.epsg(), plain.nodata(), plain.geo_bounds()), (cog.epsg(), cog.nodata(), cog.geo_bounds()));
+    for code in [320, 33550, 33922, 34735, 34737, 42112, 42113] {
+        let of = |file: &GeoTiffFile| file.tiff().ifd(0).unwrap().tag(code).unwrap().value.clone();
+        assert_eq!(of(&plain), of(&cog), "tag {code}");
+    }
+
+    let (margins, bits) = (margins(), bit_sets());
+    let bands = Bands::Float(vec![("1.margin".to_string(), &margins), ("2.margin".to_string(), &margins)]);
+    let floats = GeoTiffImage {
+        georef: &georef,
+        bands,
+        nodata: Some(-9999.0),
+        palette: None,
+        metadata: &[],
+        layout: TiffLayout::Plain,
+    };
+    let bytes = encode_geotiff(&floats).unwrap();
+    let numbers: Vec<u8> = margins.iter().flat_map(|value| value.to_le_bytes()).collect();
+    assert_eq!(&bytes[bytes.len() - numbers.len()..], &numbers);
+    let file = GeoTiffFile::from_bytes(bytes).unwrap();
+    for band in 0..2 {
+        let found: Vec<u32> = file.read_band::<f32>(band).unwrap().iter().map(|value| value.to_bits()).collect();
+        assert_eq!(found, margins.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
+    }
+    let image = GeoTiffImage { bands: Bands::UInt32(vec![("which.0".to_string(), &bits)]), nodata: None, ..floats };
+    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
+    assert_eq!(file.read_raster::<u32>().unwrap().into_iter().collect::<Vec<_>>(), bits);
+}
+
+#[test]
 fn geokeys_say_what_is_known_of_the_reference_system() {
     let cells = vec![0_u8; n_cells()];
     let written = |crs: Option<Crs>| {
         let georef = grid(None).with_crs(crs);
         let bands = Bands::Byte(vec![("los".to_string(), &cells)]);
-        let image = GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[] };
+        let image = GeoTiffImage {
+            georef: &georef,
+            bands,
+            nodata: None,
+            palette: None,
+            metadata: &[],
+            layout: TiffLayout::Cog,
+        };
         GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap()
     };
     for code in [4326, 3857, 2056, 4647, 2263] {
@@ -147,7 +221,14 @@ fn geokeys_say_what_is_known_of_the_reference_system() {
 fn files_do_not_depend_on_the_number_of_threads() {
     let (georef, margins, bits, metadata) = (grid(Some(2056)), margins(), bit_sets(), metadata());
     let bands = Bands::Float(vec![("a".to_string(), &margins), ("b".to_string(), &margins)]);
-    let image = GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &metadata };
+    let image = GeoTiffImage {
+        georef: &georef,
+        bands,
+        nodata: None,
+        palette: None,
+        metadata: &metadata,
+        layout: TiffLayout::Cog,
+    };
     let files = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -253,7 +334,8 @@ fn a_full_disk_is_an_error_of_the_output() {
     }
     let (georef, mask, bits) = (grid(None), classes(), bit_sets());
     let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image = GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[] };
+    let image =
+        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
     assert_eq!(write_geotiff(&mut Full, &image).unwrap_err().code(), "E401");
     let channels = [("a".to_string(), ExrChannel::UInt(&bits))];
     assert_eq!(write_exr(&mut Full, &georef, &channels, &[]).unwrap_err().code(), "E401");

@@ -25,7 +25,7 @@ mod read;
 mod tags;
 mod write;
 
-pub use write::{Bands, ClassColor, GeoTiffImage, encode_geotiff, pam_sidecar, write_geotiff};
+pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,9 @@
-//! GeoTIFF out: tiled, deflated, with overviews, laid out as a cloud optimized GeoTIFF.
+//! GeoTIFF out: tiled, deflated, with overviews, laid out as a cloud optimized GeoTIFF; or plain strips for readers that
+//! know no more, and for comparing how long programs take without their codecs.
 //!
-//! All tiles are compressed in parallel and held in memory, so that every offset is known before the first byte is
-//! written: header, directories (full resolution first), tiles of the smallest overview, …, tiles of the full
-//! resolution. The bytes depend on the input alone, not on the number of threads or the time of day.
+//! All blocks (tiles or strips) are compressed in parallel and held in memory, so that every offset is known before the
+//! first byte is written: header, directories (full resolution first), blocks of the smallest overview, …, blocks of the
+//! full resolution. The bytes depend on the input alone, not on the number of threads or the time of day.
 //!
 //! The codecs and the byte layout of tags are those of `tiff-writer`; GDAL's conventions on top of TIFF (tags 42112 and
 //! 42113, the PAM sidecar) are written here.
@@ -28,6 +29,20 @@ const TILE: usize = 256;
 const LARGEST_WITHOUT_OVERVIEW: usize = 256;
 /// … and up to this reduction.
 const LARGEST_REDUCTION: usize = 16;
+
+/// Least length of a strip of more than one row \[bytes\]; TIFF 6.0 asks for about 8 KB, as does GDAL.
+const STRIP_BYTES: usize = 8192;
+
+/// How the cells of a file are arranged and compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TiffLayout {
+    /// Tiles of 256 × 256 cells, deflated, with overviews: a cloud optimized GeoTIFF.
+    #[default]
+    Cog,
+    /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other without gaps, north
+    /// first, so a band is one stretch of little-endian numbers.
+    Plain,
+}
 
 /// The bands of an image: name and values row by row from the north-west cell, all of one type.
 #[derive(Debug, Clone)]
@@ -64,6 +79,8 @@ pub struct GeoTiffImage<'a> {
     pub palette: Option<&'a [ClassColor]>,
     /// Items of GDAL's metadata: key and value.
     pub metadata: &'a [(String, String)],
+    /// Arrangement of the cells.
+    pub layout: TiffLayout,
 }
 
 /// The file as bytes.
@@ -100,8 +117,8 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
     let failed = |cause: std::io::Error| Error::internal(401, format!("cannot write a GeoTIFF: {cause}"));
     out.write_all(&head).map_err(failed)?;
     for level in levels.iter().rev() {
-        for tile in &level.tiles {
-            out.write_all(tile).map_err(failed)?;
+        for block in &level.blocks {
+            out.write_all(block).map_err(failed)?;
         }
     }
     Ok(())
@@ -131,10 +148,11 @@ struct Block {
 /// The value of an overview cell, from all cells of the full resolution, the number of columns and the block.
 type Reduce<T> = fn(&[T], usize, Block) -> T;
 
-/// One resolution: its tags except for the places of the tiles, and its compressed tiles band by band.
+/// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
 struct Level {
+    layout: TiffLayout,
     tags: Vec<Tag>,
-    tiles: Vec<Vec<u8>>,
+    blocks: Vec<Vec<u8>>,
 }
 
 /// All resolutions, the full one first.
@@ -166,8 +184,13 @@ fn levels<T: TiffWriteSample + Send + Sync>(
             1 => tags.extend(place_tags(image, &names)?),
             _ => tags.push(Tag::new(tiff_core::TAG_NEW_SUBFILE_TYPE, TagValue::Long(vec![1]))),
         }
-        levels.push(Level { tags, tiles: compressed_tiles(&cells, shape, predictor)? });
-        if reduction >= LARGEST_REDUCTION || shape.0.max(shape.1) <= LARGEST_WITHOUT_OVERVIEW {
+        let blocks = match image.layout {
+            TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?,
+            TiffLayout::Plain => plain_strips(&cells, shape.1)?,
+        };
+        levels.push(Level { layout: image.layout, tags, blocks });
+        let is_last = reduction >= LARGEST_REDUCTION || shape.0.max(shape.1) <= LARGEST_WITHOUT_OVERVIEW;
+        if is_last || image.layout == TiffLayout::Plain {
             return Ok(levels);
         }
         reduction *= 2;
@@ -187,7 +210,6 @@ fn picture_tags<T: TiffWriteSample>(
         return Err(Error::internal(402, "cannot write a GeoTIFF without bands"));
     }
     let palette = image.palette.filter(|_| n_bands == 1 && matches!(image.bands, Bands::Byte(_)));
-    let tile = count(TILE)?;
     // 1: zero is black, 3: colors from the map. 2: one plane per band.
     let photometric = if palette.is_some() { 3 } else { 1 };
     let planes = if n_bands > 1 { 2 } else { 1 };
@@ -195,15 +217,24 @@ fn picture_tags<T: TiffWriteSample>(
         Tag::new(tiff_core::TAG_IMAGE_WIDTH, TagValue::Long(vec![count(n_cols)?])),
         Tag::new(tiff_core::TAG_IMAGE_LENGTH, TagValue::Long(vec![count(n_rows)?])),
         Tag::new(tiff_core::TAG_BITS_PER_SAMPLE, TagValue::Short(vec![T::BITS_PER_SAMPLE; n_bands])),
-        Tag::new(tiff_core::TAG_COMPRESSION, TagValue::Short(vec![Compression::Deflate.to_code()])),
         Tag::new(tiff_core::TAG_PHOTOMETRIC_INTERPRETATION, TagValue::Short(vec![photometric])),
         Tag::new(tiff_core::TAG_SAMPLES_PER_PIXEL, TagValue::Short(vec![n_samples])),
         Tag::new(tiff_core::TAG_PLANAR_CONFIGURATION, TagValue::Short(vec![planes])),
-        Tag::new(tiff_core::TAG_PREDICTOR, TagValue::Short(vec![predictor.to_code()])),
-        Tag::new(tiff_core::TAG_TILE_WIDTH, TagValue::Long(vec![tile])),
-        Tag::new(tiff_core::TAG_TILE_LENGTH, TagValue::Long(vec![tile])),
         Tag::new(tiff_core::TAG_SAMPLE_FORMAT, TagValue::Short(vec![T::SAMPLE_FORMAT; n_bands])),
     ];
+    let codec = |codec: Compression| Tag::new(tiff_core::TAG_COMPRESSION, TagValue::Short(vec![codec.to_code()]));
+    match image.layout {
+        TiffLayout::Cog => tags.extend([
+            codec(Compression::Deflate),
+            Tag::new(tiff_core::TAG_PREDICTOR, TagValue::Short(vec![predictor.to_code()])),
+            Tag::new(tiff_core::TAG_TILE_WIDTH, TagValue::Long(vec![count(TILE)?])),
+            Tag::new(tiff_core::TAG_TILE_LENGTH, TagValue::Long(vec![count(TILE)?])),
+        ]),
+        TiffLayout::Plain => tags.extend([
+            codec(Compression::None),
+            Tag::new(tiff_core::TAG_ROWS_PER_STRIP, TagValue::Long(vec![count(rows_per_strip::<T>(n_cols))?])),
+        ]),
+    }
     if n_bands > 1 {
         // Bands after the first are data of no color.
         tags.push(Tag::new(tiff_core::TAG_EXTRA_SAMPLES, TagValue::Short(vec![0; n_bands - 1])));
@@ -386,22 +417,25 @@ fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
     (0..=u8::MAX).find(|&class| counts[usize::from(class)] == most).unwrap_or(0)
 }
 
+/// How tiles are encoded, but for their predictor.
+const TILE_ENCODING: BlockEncodingOptions<'static> = BlockEncodingOptions {
+    byte_order: ByteOrder::LittleEndian,
+    compression: Compression::Deflate,
+    predictor: Predictor::None,
+    samples_per_pixel: 1,
+    row_width_pixels: TILE,
+    jpeg_options: None,
+    jpeg_sampling: None,
+    deflate_level: None,
+};
+
 /// The tiles of all bands, band by band, row by row; tiles at the margin repeat the last row and column.
 fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
     bands: &[&[T]],
     (n_rows, n_cols): (usize, usize),
     predictor: Predictor,
 ) -> Result<Vec<Vec<u8>>> {
-    let options = BlockEncodingOptions {
-        byte_order: ByteOrder::LittleEndian,
-        compression: Compression::Deflate,
-        predictor,
-        samples_per_pixel: 1,
-        row_width_pixels: TILE,
-        jpeg_options: None,
-        jpeg_sampling: None,
-        deflate_level: None,
-    };
+    let options = BlockEncodingOptions { predictor, ..TILE_ENCODING };
     let (down, across) = (n_rows.div_ceil(TILE), n_cols.div_ceil(TILE));
     (0..bands.len() * down * across)
         .into_par_iter()
@@ -420,13 +454,31 @@ fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
         .collect()
 }
 
-/// Header and all directories: everything before the tiles.
+fn rows_per_strip<T: TiffWriteSample>(n_cols: usize) -> usize {
+    STRIP_BYTES.div_ceil(n_cols * T::BYTES_PER_SAMPLE)
+}
+
+/// The strips of all bands, band by band, from the north; the last one of a band holds the rows that are left.
+fn plain_strips<T: TiffWriteSample + Send + Sync>(bands: &[&[T]], n_cols: usize) -> Result<Vec<Vec<u8>>> {
+    let options = BlockEncodingOptions {
+        compression: Compression::None,
+        predictor: Predictor::None,
+        row_width_pixels: n_cols,
+        ..TILE_ENCODING
+    };
+    let strip = rows_per_strip::<T>(n_cols) * n_cols;
+    let strips: Vec<&[T]> = bands.iter().flat_map(|band| band.chunks(strip)).collect();
+    let encoded = |(index, cells): (usize, &&[T])| compress_block(cells, options, index).map_err(refused);
+    strips.par_iter().enumerate().map(encoded).collect()
+}
+
+/// Header and all directories: everything before the blocks.
 fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
     let data: u64 = levels.iter().map(Level::n_bytes).sum();
     let is_big = force_big || data + head_len(levels, false)? > u64::from(u32::MAX);
     let head_len = head_len(levels, is_big)?;
 
-    // Tiles begin after the head, those of the smallest level first.
+    // Blocks begin after the head, those of the smallest level first.
     let mut starts = vec![0; levels.len()];
     let mut next = head_len;
     for (level, start) in levels.iter().zip(&mut starts).rev() {
@@ -441,9 +493,9 @@ fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
     for (level, &start) in levels.iter().zip(&starts) {
         align(&mut head)?;
         let tags = level.tags_at(start, is_big);
-        let (offsets, counts) = (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS);
-        let directory =
-            encoder::write_ifd(&mut head, order, is_big, &tags, offsets, counts, level.tiles.len()).map_err(refused)?;
+        let (offsets, counts) = level.place_codes();
+        let directory = encoder::write_ifd(&mut head, order, is_big, &tags, offsets, counts, level.blocks.len())
+            .map_err(refused)?;
         match pointer {
             None => encoder::patch_first_ifd(&mut head, header, order, is_big, directory.ifd_offset),
             Some(pointer) => encoder::patch_next_ifd(&mut head, order, is_big, pointer, directory.ifd_offset),
@@ -453,7 +505,7 @@ fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
         pointer = Some(directory.next_ifd_pointer_offset);
     }
     align(&mut head)?;
-    assert_eq!(head.get_ref().len() as u64, head_len, "tiles begin where the directories say");
+    assert_eq!(head.get_ref().len() as u64, head_len, "blocks begin where the directories say");
     Ok(head.into_inner())
 }
 
@@ -478,20 +530,28 @@ fn write_all(head: &mut Cursor<Vec<u8>>, bytes: &[u8]) -> Result<()> {
 }
 
 impl Level {
-    /// Length of all tiles \[bytes\].
+    /// Length of all blocks \[bytes\].
     fn n_bytes(&self) -> u64 {
-        self.tiles.iter().map(|tile| tile.len() as u64).sum()
+        self.blocks.iter().map(|block| block.len() as u64).sum()
     }
 
-    /// All tags in order, for tiles that begin at `start`.
+    /// The tags that hold where the blocks begin and how long they are.
+    fn place_codes(&self) -> (u16, u16) {
+        match self.layout {
+            TiffLayout::Cog => (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS),
+            TiffLayout::Plain => (tiff_core::TAG_STRIP_OFFSETS, tiff_core::TAG_STRIP_BYTE_COUNTS),
+        }
+    }
+
+    /// All tags in order, for blocks that begin at `start`.
     fn tags_at(&self, start: u64, is_big: bool) -> Vec<Tag> {
         let mut next = start;
-        let mut offsets = Vec::with_capacity(self.tiles.len());
-        for tile in &self.tiles {
+        let mut offsets = Vec::with_capacity(self.blocks.len());
+        for block in &self.blocks {
             offsets.push(next);
-            next += tile.len() as u64;
+            next += block.len() as u64;
         }
-        let counts = self.tiles.iter().map(|tile| tile.len() as u64).collect();
+        let counts = self.blocks.iter().map(|block| block.len() as u64).collect();
         // Saturation is out of reach: a file in which an offset does not fit in 32 bits is a BigTIFF.
         let narrow = |n| u32::try_from(n).unwrap_or(u32::MAX);
         let value = |numbers: Vec<u64>| match is_big {
@@ -499,8 +559,9 @@ impl Level {
             false => TagValue::Long(numbers.into_iter().map(narrow).collect()),
         };
         let mut tags = self.tags.clone();
-        tags.push(Tag::new(tiff_core::TAG_TILE_OFFSETS, value(offsets)));
-        tags.push(Tag::new(tiff_core::TAG_TILE_BYTE_COUNTS, value(counts)));
+        let (offsets_code, counts_code) = self.place_codes();
+        tags.push(Tag::new(offsets_code, value(offsets)));
+        tags.push(Tag::new(counts_code, value(counts)));
         tags.sort_by_key(|tag| tag.code);
         tags
     }
@@ -524,14 +585,26 @@ mod tests {
         let georef = GeoRef::new((500_000.0, 5_400_000.0), (1.0, 1.0), (300, 700), Some(crs)).unwrap();
         let cells: Vec<f32> = (0..georef.n_cells()).map(|i| (i % 977) as f32 / 8.0).collect();
         let bands = Bands::Float(vec![("a".to_string(), &cells), ("b".to_string(), &cells)]);
-        let image = GeoTiffImage { georef: &georef, bands, nodata: Some(-9999.0), palette: None, metadata: &[] };
-        for (force_big, magic) in [(false, 42), (true, 43)] {
+        for (layout, n_overviews, force_big, magic) in [
+            (TiffLayout::Cog, 2, false, 42),
+            (TiffLayout::Cog, 2, true, 43),
+            (TiffLayout::Plain, 0, false, 42),
+            (TiffLayout::Plain, 0, true, 43),
+        ] {
+            let image = GeoTiffImage {
+                georef: &georef,
+                bands: bands.clone(),
+                nodata: Some(-9999.0),
+                palette: None,
+                metadata: &[],
+                layout,
+            };
             let mut bytes = Vec::new();
             write_as(&mut bytes, &image, force_big).unwrap();
             assert_eq!(bytes[2], magic);
             let file = geotiff_reader::GeoTiffFile::from_bytes(bytes).unwrap();
             assert_eq!((file.width(), file.height(), file.band_count()), (700, 300, 2));
-            assert_eq!(file.overview_count(), 2);
+            assert_eq!(file.overview_count(), n_overviews);
             assert_eq!(file.read_band::<f32>(1).unwrap().iter().copied().collect::<Vec<_>>(), cells);
         }
     }
