@@ -97,15 +97,43 @@ pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePo
 /// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
 /// the receiver. The UAV's own height plays no part.
 pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+    least_height_above(columns, uav, receiver, None)
+}
+
+/// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
+/// `None` where no height is enough. Exact.
+///
+/// PERF: what binds less than `floor` is ruled out by two products, and the walk ends where nothing farther can bind
+/// more: Munich with its terrain takes 1.6 s instead of 14 s.
+pub fn columns_least_step(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
+    // A column below the receiver binds nothing above its own top.
+    if i64::from(columns.max_top()) <= floor.min(receiver.z) {
+        return Some(floor);
+    }
+    least_height_above(columns, uav, receiver, Some(floor)).lowest_step().map(|z| z.max(floor))
+}
+
+/// The least UAV height; with a floor, it may leave out what binds no more than that.
+#[inline(always)]
+fn least_height_above(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, floor: Option<i64>) -> Ceiling {
     let mut least = Ceiling::Clear;
     if uav.x == receiver.x && uav.y == receiver.y {
         return least;
     }
-    let mut above_receiver = least.above_uav();
+    let highest = columns.max_top();
+    let highest_is_above = i64::from(highest) > receiver.z;
+    #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
+    let floor_above_receiver = floor.map_or(f64::NEG_INFINITY, |floor| (floor - receiver.z) as f64);
+    let mut above_receiver = floor_above_receiver;
     let _ = visit_intervals(columns, uav, receiver, |interval| {
+        // The farther an obstacle above the receiver, the less it binds: the highest column here would bind more than
+        // anything farther on.
+        if highest_is_above && surely_binds_less(highest, receiver.z, interval.far, interval.near, above_receiver) {
+            return ControlFlow::Break(());
+        }
         if !surely_binds_less(interval.top, receiver.z, interval.far, interval.near, above_receiver) {
             least.raise(Obstruction::new(interval.cell, interval.top, receiver, interval.far, interval.near));
-            above_receiver = least.above_uav();
+            above_receiver = least.above_uav().max(floor_above_receiver);
         }
         ControlFlow::Continue(())
     });

@@ -31,9 +31,9 @@ mod prisms_ray;
 mod simd;
 mod sweep;
 
-pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_los};
-pub use link::{link_ceilings, link_least_heights, link_los};
+pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_least_step, columns_los};
+pub use link::{link_ceilings, link_least_heights, link_least_step, link_los};
 pub use obstruction::{Ceiling, Obstruction};
-pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_los};
+pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{ReceiverHeights, Swept, sweep_los};

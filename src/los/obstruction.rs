@@ -59,6 +59,21 @@ impl Ceiling {
         }
     }
 
+    /// The lowest lattice height \[1/1024 m above the datum\] at or above the ceiling; exact. The lowest `i64` where clear,
+    /// `None` where no height is enough.
+    pub fn lowest_step(&self) -> Option<i64> {
+        match self {
+            Ceiling::Clear => Some(i64::MIN),
+            Ceiling::At(o) if o.bound.den == 0 => None,
+            Ceiling::At(o) => {
+                let Bound { uav_z, num, den } = o.bound;
+                // Rounded up; heights are below 2^28, so what is cut off here is out of reach of every height.
+                let above = (-(-num).div_euclid(den)).clamp(-(1 << 40), 1 << 40);
+                i64::try_from(above).ok().map(|above| uav_z + above)
+            }
+        }
+    }
+
     /// The ceiling above the UAV \[1/1024 m\], usually negative: −∞ where clear, +∞ where no height is enough.
     pub(super) fn above_uav(&self) -> f64 {
         match self {

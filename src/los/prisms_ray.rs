@@ -53,7 +53,7 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
 /// it. The receiver's own height plays no part.
 pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
     // The farther from the UAV, the more an obstacle below it binds, so the walk begins at the receiver.
-    bound_from(prisms, uav, receiver, Walk::TowardsPivot)
+    bound_from(prisms, uav, receiver, Walk::TowardsPivot, None)
 }
 
 /// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
@@ -61,7 +61,17 @@ pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
 pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
     // No prism is exempt, so a link and its reverse are obstructed alike; the nearer to the receiver, the more an
     // obstacle above it binds.
-    bound_from(prisms, receiver, uav, Walk::AwayFromPivot)
+    bound_from(prisms, receiver, uav, Walk::AwayFromPivot, None)
+}
+
+/// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
+/// `None` where no height is enough. Exact.
+pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
+    // A prism below the receiver binds nothing above its own top.
+    if i64::from(prisms.max_top()) <= floor.min(receiver.z) {
+        return Some(floor);
+    }
+    bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor)).lowest_step().map(|z| z.max(floor))
 }
 
 /// Which way buckets are visited.
@@ -71,8 +81,9 @@ enum Walk {
     AwayFromPivot,
 }
 
-/// The least height at `end`'s position that is in line of sight of `pivot`, whatever the order of the visits.
-fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk) -> Ceiling {
+/// The least height at `end`'s position that is in line of sight of `pivot`, whatever the order of the visits; with a
+/// floor, it may leave out what binds no more than that.
+fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk, floor: Option<i64>) -> Ceiling {
     let mut ceiling = Ceiling::Clear;
     if pivot.x == end.x && pivot.y == end.y {
         // Straight below the UAV a receiver sees it unless a roof is between them: from the roof up.
@@ -85,7 +96,9 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     }
     let ray = Ray::new(pivot, end);
     let mut edges: Vec<Edge> = Vec::new();
-    let ceiling_cell = std::cell::Cell::new(f64::NEG_INFINITY);
+    #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
+    let floor_above_pivot = floor.map_or(f64::NEG_INFINITY, |floor| (floor - pivot.z) as f64);
+    let ceiling_cell = std::cell::Cell::new(floor_above_pivot);
     // A bucket from `first` to `last` along the walk, told as fractions from the pivot.
     let may_bind = |max_top: i32, first: Crossing, last: Crossing| {
         let (from, to) = match walk {
@@ -101,8 +114,10 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     let _ = visit_buckets(prisms, start, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
-                ceiling.raise(interval.obstruction(index, piece.top, pivot));
-                ceiling_cell.set(ceiling.above_uav());
+                if !surely_binds_less(piece.top, pivot.z, interval.near, interval.far, ceiling_cell.get()) {
+                    ceiling.raise(interval.obstruction(index, piece.top, pivot));
+                    ceiling_cell.set(ceiling.above_uav().max(floor_above_pivot));
+                }
             }
             Meeting::Edge(side, interval) => {
                 edges.push(Edge { piece: index, top: piece.top, side, interval });
