@@ -16,7 +16,7 @@
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
 //! | E401–E403 | an output cannot be written, encoded, drawn |
 //! | E501–E502 | memory, extent |
-//! | W201–W202 | flat earth, no receiver |
+//! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W360 | footprints: what was mended or left out |

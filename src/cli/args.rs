@@ -230,6 +230,15 @@ pub(super) struct MapArgs {
     /// repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
+    /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg), a table (.csv) or a document
+    /// (.json); repeat for more. Costs a walk along the whole link per receiver and UAV, several times a map by rays
+    #[arg(long, value_name = "FILE")]
+    pub(super) height_curve: Vec<PathBuf>,
+    /// Heights of the curve's table and plot above the ground below the UAV (above the datum where none is known), both
+    /// ends included [m]; default: some 150 round ones from the lowest that the UAV may have to three times the highest
+    /// UAV or building, or to where 99 % of the receivers are seen
+    #[arg(long, value_name = "A:B:S", value_parser = range, allow_hyphen_values = true)]
+    pub(super) curve_heights: Option<[f64; 3]>,
     /// PNG with one pixel per cell, a world file and a .prj, instead of a picture
     #[arg(long)]
     pub(super) bare: bool,
@@ -304,6 +313,11 @@ pub(super) struct InfoArgs {
 
 fn number(text: &str) -> Result<f64, String> {
     crate::quantity::parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
+}
+
+fn range(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(':').map(number).collect();
+    <[f64; 3]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted A:B:S", n.len()))
 }
 
 fn extent(text: &str) -> Result<[f64; 4], String> {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, Method, ReceiversArg, TifLayoutArg};
+use super::height_curve::CurvePlan;
 use super::plan::{
     Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
     refuse_words_without_picture, warn_of_flat_earth,
@@ -44,7 +45,8 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         &args.output,
         OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: args.bare },
     )?;
-    if outputs.is_empty() && !args.out.json {
+    let curve_plan = CurvePlan::of(args, &inputs, &FORMATS)?;
+    if outputs.is_empty() && !args.out.json && !curve_plan.is_wanted() {
         return Err(Error::usage(108, "nothing to write: wanted `-o FILE` or `--json`").with_hint("-o coverage.png"));
     }
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
@@ -54,7 +56,8 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
         return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
     }
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    let files = [outputs.as_slice(), curve_plan.outputs()].concat();
+    refuse_words_without_picture(&args.title, &args.attribution, &files)?;
     let typed: Vec<Site> =
         args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
     if typed.is_empty() && args.uavs.is_none() {
@@ -98,7 +101,8 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
 
     let n_measures =
         [Layer::Margin, Layer::Ceiling, Layer::LeastHeight].iter().filter(|layer| layers.contains(layer)).count();
-    check_memory(&args.scene.scene, scene.field.grid(), uavs.len().saturating_mul(1 + 4 * n_measures))?;
+    let bytes_per_cell = uavs.len().saturating_mul(1 + 4 * n_measures).saturating_add(curve_plan.bytes_per_cell());
+    check_memory(&args.scene.scene, scene.field.grid(), bytes_per_cell)?;
     let control = Control::default();
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
@@ -112,6 +116,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         scene.warnings.push(Warning::new(202, text));
     }
     let report = report(args, &scene, &coverages, command, method, radius_m);
+    let curves = curve_plan.make(args, &scene, &coverages, &report)?;
     let before_write = Instant::now();
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
     interrupt::begin_writing();
@@ -123,6 +128,14 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             batch.add(&file, &bytes)?;
         }
     }
+    for (path, format) in curve_plan.outputs() {
+        for (file, bytes) in
+            curves.iter().map(|c| c.encode(&scene, path, *format)).collect::<Result<Vec<_>>>()?.concat()
+        {
+            interrupt::check()?;
+            batch.add(&file, &bytes)?;
+        }
+    }
     batch.commit()?;
     scene.timing.write = before_write.elapsed().as_secs_f64();
     scene.timing.total = start.elapsed().as_secs_f64();
@@ -130,6 +143,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
         say_results(&report, scene.timing, &outputs);
+        curves.iter().for_each(|c| c.say(curve_plan.outputs()));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&report.document(Some(scene.timing))))?;

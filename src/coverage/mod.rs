@@ -3,11 +3,13 @@
 //! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
 //! depend on the number of threads: every cell is decided alone and all sums are integer counts.
 
+mod height_curve;
 mod layers;
 mod map;
 mod tally;
 mod uav;
 
+pub use height_curve::HeightCurve;
 pub use layers::{count_layer, union_mask, which_layer};
 pub use map::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, map_site};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};

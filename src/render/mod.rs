@@ -9,8 +9,9 @@
 //! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
 //! * [`draw_city`]: a plan and a view of a city.
 //! * [`draw_link_profile`]: one link from the side.
+//! * [`draw_height_curve`]: P_LoS against the UAV's height.
 //!
-//! Blue is line of sight and orange is none, in every picture.
+//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell UAVs apart.
 
 mod city_light;
 mod city_picture;
@@ -18,6 +19,7 @@ mod city_solids;
 mod city_view;
 mod colors;
 mod furniture;
+mod height_curve;
 mod hillshade;
 mod lettering;
 mod link_profile;
@@ -30,6 +32,7 @@ mod sheet;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
+pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve, draw_height_curve_svg};
 pub use lettering::grouped;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
 pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};

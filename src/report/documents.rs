@@ -125,7 +125,7 @@ impl RunFacts {
         })
     }
 
-    fn head(&self, schema: &str) -> Map<String, Value> {
+    pub(super) fn head(&self, schema: &str) -> Map<String, Value> {
         let mut document = Map::new();
         document.insert("schema".into(), schema.into());
         document.insert("version".into(), env!("CARGO_PKG_VERSION").into());
@@ -135,7 +135,7 @@ impl RunFacts {
         document
     }
 
-    fn warnings(&self) -> Value {
+    pub(super) fn warnings(&self) -> Value {
         self.warnings.iter().map(|w| json!({"code": w.code(), "text": w.text()})).collect::<Vec<_>>().into()
     }
 
@@ -149,7 +149,7 @@ impl RunFacts {
 }
 
 /// Counts with P_LoS, or null and the reason.
-fn tally_json(tally: &Tally) -> Map<String, Value> {
+pub(super) fn tally_json(tally: &Tally) -> Map<String, Value> {
     let mut counts = Map::new();
     counts.insert("receivers".into(), tally.receivers.into());
     counts.insert("los".into(), tally.los.into());

@@ -1,5 +1,7 @@
 //! What is reported: versioned JSON documents, tables, captions.
 
 mod documents;
+mod height_curve;
 
 pub use documents::{LinkReport, MapReport, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
+pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};

@@ -334,9 +334,11 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 12] = [
+const OTHER_FLAGS: [(&str, &str); 14] = [
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),
+    ("--height-curve", "table_document_and_plot_of_a_curve_agree_with_maps"),
+    ("--curve-heights", "the_heights_of_a_curve_are_chosen_or_asked_for"),
     ("--tif-layout", "a_plain_geotiff_of_a_map_differs_in_its_layout_alone"),
     ("--bare", "a_bare_picture_has_a_pixel_per_cell_and_knows_its_place"),
     ("--title", "title_and_attribution_are_drawn"),

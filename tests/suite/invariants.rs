@@ -293,7 +293,7 @@ fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
 }
 
 /// A town of random columns on flat ground, some of it nodata.
-fn raster_town(random: &mut Random, n: usize) -> HeightField {
+pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
     let grid = GeoRef::new((500.25, 1000.0), (1.0, 1.0), (n, n), None).unwrap();
     let height = |random: &mut Random| match random.within(0, 19) {
         0 => VOID,
@@ -307,7 +307,7 @@ fn raster_town(random: &mut Random, n: usize) -> HeightField {
 }
 
 /// A town of random polygons, 7 m apart, on flat ground; edges run through cell centers.
-fn vector_town(random: &mut Random, n: usize) -> HeightField {
+pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
     let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
     let blocks = i32::try_from(n / 7).unwrap();
     let footprints = (0..blocks * blocks)
@@ -330,13 +330,13 @@ fn vector_town(random: &mut Random, n: usize) -> HeightField {
     HeightField::build(&grid, solids, &mut Vec::new())
 }
 
-fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
+pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
     let station = Station { place: field.place(x, y), z };
     Uav { id: "1".into(), station, height_agl_m: None, placement: Placement::Ground }
 }
 
 /// A few UAVs over the grid, at its border and outside.
-fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
+pub(crate) fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
     let grid = field.grid();
     let (x, y) = (grid.x_min(), grid.y_min());
     let (width, depth) = (grid.x_max() - x, grid.y_max() - y);

@@ -1,0 +1,349 @@
+//! `skyshed map --height-curve`: P_LoS against the UAV's height, as plot, table and document.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::MapArgs;
+use super::plan::Ready;
+use super::words::{pretty, unbreakable};
+use super::{messages, plan};
+use crate::coverage::{Control, HeightCurve, SiteCoverage};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Format, OutputRules, check_outputs, with_suffix};
+use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
+use crate::raster::Crs;
+use crate::render::{self, HeightCurveLine, HeightCurvePlot};
+use crate::report::{CurveFacts, HeightCurveReport, MapReport};
+
+/// Formats of a curve.
+const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Csv, Format::Json];
+
+/// Rows that a table has by default, roughly.
+const ROWS: f64 = 150.0;
+
+/// More heights than this are refused.
+const MOST_HEIGHTS: f64 = 1e6;
+
+/// Bytes that a cell takes while a curve is made: least heights by row, and all of them sorted.
+const BYTES_PER_CELL: usize = 8;
+
+/// What was asked for.
+#[derive(Debug)]
+pub(super) struct CurvePlan {
+    outputs: Vec<(PathBuf, Format)>,
+    heights: Option<[f64; 3]>,
+}
+
+impl CurvePlan {
+    /// Checks what was typed before any work; `map_formats` are those of the map's own outputs.
+    pub(super) fn of(args: &MapArgs, inputs: &[PathBuf], map_formats: &[Format]) -> Result<CurvePlan> {
+        let rules = OutputRules { allowed: &FORMATS, inputs, overwrite: args.out.overwrite, bare: false };
+        let outputs = check_outputs(&args.height_curve, rules)?;
+        // No file may be an output of both kinds.
+        let all: Vec<PathBuf> = args.output.iter().chain(&args.height_curve).cloned().collect();
+        check_outputs(&all, OutputRules { allowed: map_formats, ..rules })?;
+        if let Some([from, to, step]) = args.curve_heights {
+            let refuse = |wanted: &str| {
+                Err(Error::usage(113, format!("`--curve-heights` is `{from}:{to}:{step}`, wanted {wanted}")))
+            };
+            if outputs.is_empty() {
+                return Err(Error::usage(116, "`--curve-heights` has no meaning without `--height-curve`"));
+            }
+            if from > to {
+                return refuse("A:B:S with A not above B");
+            }
+            if step <= 0.0 {
+                return refuse("a step above 0 m");
+            }
+            if from.abs().max(to.abs()) > MAX_HEIGHT_M {
+                return refuse("heights within ±32768 m");
+            }
+            if (to - from) / step >= MOST_HEIGHTS {
+                return refuse("at most 1000000 heights");
+            }
+        }
+        Ok(CurvePlan { outputs, heights: args.curve_heights })
+    }
+
+    /// Whether there is anything to do.
+    pub(super) fn is_wanted(&self) -> bool {
+        !self.outputs.is_empty()
+    }
+
+    /// The files.
+    pub(super) fn outputs(&self) -> &[(PathBuf, Format)] {
+        &self.outputs
+    }
+
+    /// Bytes that a cell takes meanwhile.
+    pub(super) fn bytes_per_cell(&self) -> usize {
+        if self.is_wanted() { BYTES_PER_CELL } else { 0 }
+    }
+
+    /// Makes the curves of the sites of a map; `None` if none are wanted.
+    pub(super) fn make<'a>(
+        &self,
+        args: &'a MapArgs,
+        scene: &Ready,
+        maps: &[SiteCoverage],
+        report: &MapReport,
+    ) -> Result<Option<Curves<'a>>> {
+        if !self.is_wanted() {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let rx_height = plan::receiver_height(args.rx_height)?;
+        let control = Control::default();
+        let total = scene.field.grid().n_cells() as u64 * maps.len() as u64;
+        let curves: Vec<HeightCurve> = messages::with_progress(&control, total, args.out.quiet, || {
+            maps.iter().map(|map| HeightCurve::of(&scene.field, map, rx_height, &control)).collect::<Result<_>>()
+        })?;
+        let range = self.heights.unwrap_or_else(|| default_range(&curves, scene.field.max_top()));
+        let heights = heights_in(range);
+        let mut warnings = Vec::new();
+        let mut sites = Vec::new();
+        for (curve, site) in curves.iter().zip(&report.sites) {
+            let base = curve.ground().unwrap_or(0);
+            let on_lattice =
+                |h: &f64| height_steps(*h).map(|steps| base + steps).filter(|z| meters(*z) <= MAX_HEIGHT_M);
+            let mut heights: Vec<i32> = heights.iter().filter_map(on_lattice).collect();
+            let n_below = heights.partition_point(|z| *z < curve.lowest_height());
+            if self.heights.is_none() {
+                heights.drain(..n_below);
+            } else if n_below > 0 {
+                let lowest = above_base(curve, curve.lowest_height());
+                let text = format!(
+                    "UAV `{}` cannot be below {lowest}: lower heights of its curve, {n_below} of {}, have no P_LoS",
+                    site.id,
+                    heights.len()
+                );
+                warnings.push(Warning::new(203, text));
+            }
+            sites.push(CurveFacts::of(curve, site, &heights));
+        }
+        let mut report = HeightCurveReport::of(report, &curves, sites);
+        report.facts.warnings.extend(warnings.iter().cloned());
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Some(Curves { args, curves, report, range, warnings, seconds }))
+    }
+}
+
+/// The curves of a run, ready for files.
+#[derive(Debug)]
+pub(super) struct Curves<'a> {
+    args: &'a MapArgs,
+    curves: Vec<HeightCurve>,
+    report: HeightCurveReport,
+    range: [f64; 3],
+    warnings: Vec<Warning>,
+    seconds: f64,
+}
+
+impl Curves<'_> {
+    /// The files of one output.
+    pub(super) fn encode(&self, scene: &Ready, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+        match format {
+            Format::Json => one(pretty(&self.report.document()).into_bytes()),
+            Format::Csv => {
+                let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
+                let mut writer = csv::Writer::from_writer(Vec::new());
+                for row in self.report.table() {
+                    writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
+                }
+                let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
+                let sidecar = pretty(&self.report.provenance()).into_bytes();
+                Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
+            }
+            Format::Png => one(self.plot(scene, false)?),
+            Format::Svg => one(self.plot(scene, true)?),
+            _ => Err(Error::internal(902, "a curve was asked for in the format of a map")),
+        }
+    }
+
+    /// Says on standard error what was found.
+    pub(super) fn say(&self, outputs: &[(PathBuf, Format)]) {
+        messages::warnings(&self.warnings);
+        for curve in self.curves.iter().filter(|c| c.receivers() > 0) {
+            messages::note(&format!("UAV {}: {}", curve.uav().id, reaches(curve)));
+        }
+        let files: Vec<String> = outputs.iter().map(|(p, _)| p.display().to_string()).collect();
+        messages::note(&format!("height curve, method ray (exact): {:.2} s; wrote {}", self.seconds, files.join(", ")));
+    }
+
+    fn plot(&self, scene: &Ready, as_vectors: bool) -> Result<Vec<u8>> {
+        // One axis for all: above ground, unless a UAV is where no ground is known.
+        let is_agl = self.curves.iter().all(|c| c.ground().is_some());
+        let base = |curve: &HeightCurve| if is_agl { curve.ground().unwrap_or(0) } else { 0 };
+        let above = |curve: &HeightCurve, z: i32| meters(z) - meters(base(curve));
+        let asked = |curve: &HeightCurve| curve.uav().height_amsl_m() - meters(base(curve));
+        let [from, to, _] = self.range;
+        // The range is above each UAV's ground; on a common datum it covers all of them.
+        let shift = |curve: &HeightCurve| meters(curve.ground().unwrap_or(0)) - meters(base(curve));
+        let low = self.curves.iter().map(|c| (from + shift(c)).min(asked(c))).fold(f64::INFINITY, f64::min);
+        let high = self.curves.iter().map(|c| (to + shift(c)).max(asked(c))).fold(f64::NEG_INFINITY, f64::max);
+        let heights_m = if low < high { [low, high] } else { [low - 1.0, low + 1.0] };
+
+        let steps: Vec<Vec<(f64, f64)>> = self
+            .curves
+            .iter()
+            .map(|c| c.steps().iter().filter_map(|(z, _)| Some((above(c, *z), c.p_los_at(*z)?))).collect())
+            .collect();
+        let labels: Vec<String> = self.curves.iter().map(|c| format!("UAV {}", c.uav().id)).collect();
+        let lines: Vec<HeightCurveLine<'_>> = self
+            .curves
+            .iter()
+            .zip(steps.iter().zip(&labels))
+            .map(|(curve, (steps, label))| HeightCurveLine {
+                label,
+                lowest_m: above(curve, curve.lowest_height()),
+                steps,
+                marked_m: asked(curve),
+            })
+            .collect();
+        let title = self.args.title.clone().unwrap_or_else(|| {
+            unbreakable(&format!("P_LoS against the height of {} over {}", whom(&self.curves), scene.name))
+        });
+        let caption = self.caption(scene);
+        let plot = HeightCurvePlot {
+            title: &title,
+            caption: &caption,
+            height_name: if is_agl { "UAV height above ground" } else { "UAV height above the datum" },
+            heights_m,
+            curves: &lines,
+        };
+        let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+        let provenance =
+            [("Software".to_string(), software), ("skyshed".to_string(), self.report.provenance().to_string())];
+        let drawn = if as_vectors {
+            render::draw_height_curve_svg(&plot, &provenance).map(String::into_bytes)
+        } else {
+            render::draw_height_curve(&plot, &provenance)
+        };
+        drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
+    }
+
+    fn caption(&self, scene: &Ready) -> Vec<String> {
+        const MOST_SITES: usize = 4;
+        let mut lines: Vec<String> = Vec::new();
+        for (curve, site) in self.curves.iter().zip(&self.report.sites).take(MOST_SITES) {
+            let asked = curve.uav().height_amsl_m() - meters(curve.ground().unwrap_or(0));
+            let base = if curve.ground().is_some() { "ground" } else { "the datum" };
+            let place = format!("({}, {})", tidy(site.site.x), tidy(site.site.y));
+            let p_los = match site.site.tally.p_los() {
+                Some(p) => format!("P_LoS = {p:.4} at {} m above {base}; {}", tidy(asked), reaches(curve)),
+                None => format!("P_LoS undefined: {}", site.site.tally.reason()),
+            };
+            let is_above_ground = curve.ground().is_some_and(|ground| curve.lowest_height() > ground);
+            let roof = if is_above_ground {
+                format!("; the curve begins at the roof, {}", above_base(curve, curve.lowest_height()))
+            } else {
+                String::new()
+            };
+            lines.push(format!("UAV {} at {place}: {p_los}{roof}", site.site.id));
+        }
+        if self.curves.len() > MOST_SITES {
+            lines.push(format!("and {} more UAVs", self.curves.len() - MOST_SITES));
+        }
+        let grid = scene.field.grid();
+        let stands = match self.report.receivers {
+            _ if scene.field.is_surface_only() => "the surface",
+            "roof" => "roofs",
+            "all" => "ground and roofs",
+            _ => "ground",
+        };
+        let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        lines.push(format!(
+            "Receivers {} m above {stands}{range}; method {} (exact at every height); {crs}; skyshed {}",
+            tidy(self.report.rx_height_m),
+            self.report.facts.method,
+            env!("CARGO_PKG_VERSION")
+        ));
+        lines.extend(self.args.attribution.clone().or_else(|| scene.attribution.clone()));
+        lines
+    }
+}
+
+fn whom(curves: &[HeightCurve]) -> &'static str {
+    if curves.len() == 1 { "a UAV" } else { "UAVs" }
+}
+
+/// A height in words, rounded up to a centimeter: what is written must be high enough.
+fn above_base(curve: &HeightCurve, height: i32) -> String {
+    let centimeters = |m: f64| tidy((m * 100.0 - 1e-6).ceil() / 100.0);
+    match curve.ground() {
+        Some(ground) => format!("{} m above ground", centimeters(meters(height) - meters(ground))),
+        None => format!("{} m above the datum", centimeters(meters(height))),
+    }
+}
+
+/// How high half and nine tenths of the receivers want the UAV.
+fn reaches(curve: &HeightCurve) -> String {
+    match (curve.least_height_reaching(50), curve.least_height_reaching(90)) {
+        (Some(half), Some(most)) => {
+            let half = above_base(curve, half);
+            let short = half.split(" above").next().unwrap_or_default();
+            format!("half of the receivers from {short}, 90 % from {}", above_base(curve, most))
+        }
+        (Some(half), None) => format!("half of the receivers from {}, 90 % at no height", above_base(curve, half)),
+        _ => "half of the receivers at no height".to_string(),
+    }
+}
+
+/// Heights above each UAV's ground for a table of round steps: from the lowest that a UAV may have to three times the
+/// highest UAV or obstacle, or to where nearly all receivers are seen.
+fn default_range(curves: &[HeightCurve], max_top: i32) -> [f64; 3] {
+    const SHORTEST_M: f64 = 10.0;
+    /// The share that is nearly all \[%\].
+    const NEARLY_ALL: u8 = 99;
+    let over = |z: i32, curve: &HeightCurve| meters(z) - meters(curve.ground().unwrap_or(0));
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
+    let low = curves.iter().map(|c| over(c.lowest_height(), c)).fold(f64::INFINITY, f64::min);
+    let asked = most(&mut curves.iter().map(|c| c.uav().height_amsl_m() - meters(c.ground().unwrap_or(0))));
+    // Nodata that blocks everything is no obstacle to rise above.
+    let obstacle =
+        if meters(max_top).abs() <= MAX_HEIGHT_M { most(&mut curves.iter().map(|c| over(max_top, c))) } else { 0.0 };
+    let reached = |c: &HeightCurve| c.least_height_reaching(NEARLY_ALL).map_or(f64::INFINITY, |z| over(z, c));
+    let enough = most(&mut curves.iter().filter(|c| c.receivers() > 0).map(reached));
+    let high = (3.0 * asked.max(obstacle)).min(enough).max(1.1 * asked).max(low + SHORTEST_M);
+    let step = round_step((high - low) / ROWS);
+    let low = (low / step).ceil() * step;
+    [low, (high / step).ceil() * step, step]
+}
+
+/// The least of 1, 2 and 5 times powers of ten that is at least `wanted` (above 0).
+fn round_step(wanted: f64) -> f64 {
+    let power = 10_f64.powf(wanted.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
+}
+
+/// The heights from A to B in steps of S, both ends included.
+fn heights_in([from, to, step]: [f64; 3]) -> Vec<f64> {
+    // What is nearer to the end than a thousandth of a step is the end.
+    let mut heights: Vec<f64> =
+        (0..).map(|k| from + f64::from(k) * step).take_while(|h| *h < to - 1e-3 * step).collect();
+    heights.push(to);
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_both_ends() {
+        let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(close(&heights_in([0.0, 10.0, 5.0]), &[0.0, 5.0, 10.0]));
+        assert!(close(&heights_in([0.0, 11.0, 5.0]), &[0.0, 5.0, 10.0, 11.0]));
+        assert!(close(&heights_in([-0.3, 0.3, 0.1]), &[-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3]));
+        assert!(close(&heights_in([7.0, 7.0, 1.0]), &[7.0]));
+    }
+
+    #[test]
+    fn steps_are_round() {
+        for (wanted, step) in [(0.9, 1.0), (1.0, 1.0), (1.3, 2.0), (2.4, 5.0), (6.0, 10.0), (0.03, 0.05)] {
+            assert!((round_step(wanted) - step).abs() < 1e-12, "{wanted}: {}", round_step(wanted));
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! P_LoS as a function of the UAV's height over one place, exact at every lattice height.
+//!
+//! A link never becomes NLoS by raising the UAV, and whether a cell holds a receiver does not depend on the UAV's height
+//! (range is horizontal). So each receiver of a map has a least lattice height of the UAV from which on it is LoS, and
+//! P_LoS(h) is the share of receivers whose least height is at most h: a step function, held here as a counted table.
+//! Its steps are integers, so the curve at h counts exactly the receivers that a map made at h counts.
+//!
+//! Cost: one walk per receiver along the whole link, where a map stops at the first obstacle: several times a map made
+//! by `ray`.
+
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
+use super::{Control, SiteCoverage, Uav, class};
+use crate::error::{Error, ErrorClass, Result};
+use crate::height_field::{CellKind, HeightField, Station};
+use crate::los::link_least_step;
+use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID};
+
+/// Highest lattice height \[1/1024 m\]; the lowest is its negative.
+#[expect(clippy::cast_possible_truncation, reason = "2^15 · 2^10")]
+const MAX_STEP: i32 = MAX_HEIGHT_M as i32 * STEPS_PER_UNIT;
+
+/// The least height of a receiver that no UAV height within ±32 768 m sees: above every lattice height.
+const NEVER: i32 = i32::MAX;
+
+/// P_LoS of one UAV place as a function of the UAV's height.
+#[derive(Debug, Clone)]
+pub struct HeightCurve {
+    uav: Uav,
+    ground: Option<i32>,
+    lowest: i32,
+    receivers: u64,
+    /// Heights at which receivers come into sight, ascending, with the number of receivers in sight from there up.
+    steps: Vec<(i32, u64)>,
+}
+
+impl HeightCurve {
+    /// The curve over the place of a map's UAV, for the receivers of that map.
+    ///
+    /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
+    ///
+    /// # Errors
+    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
+        let n_cols = field.grid().n_cols();
+        let positions = field.positions();
+        let lowest = lowest_uav_height(field, &map.uav);
+        let rows: Vec<Vec<i32>> = map
+            .mask
+            .par_chunks(n_cols)
+            .enumerate()
+            .map(|(row, mask)| {
+                let mut least: Vec<i32> = Vec::new();
+                if control.stop.load(Ordering::Relaxed) {
+                    return least;
+                }
+                for (col, _) in mask.iter().enumerate().filter(|(_, c)| matches!(**c, class::LOS | class::NLOS)) {
+                    let place = positions.center(row, col);
+                    let (CellKind::Open(stands_on) | CellKind::Building(stands_on)) =
+                        field.cell_kind(row * n_cols + col, &place)
+                    else {
+                        continue;
+                    };
+                    let receiver = Station { place, z: i64::from(stands_on) + i64::from(rx_height) };
+                    least.push(least_uav_height(field, &map.uav, &receiver, lowest));
+                }
+                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+                least
+            })
+            .collect();
+        if control.stop.load(Ordering::Relaxed) {
+            return Err(Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
+        }
+        let mut least = rows.concat();
+        drop(rows);
+        least.par_sort_unstable();
+        let receivers = least.len() as u64;
+        least.truncate(least.partition_point(|z| *z < NEVER));
+        let mut steps: Vec<(i32, u64)> = Vec::new();
+        for (in_sight, z) in (1..).zip(least) {
+            match steps.last_mut() {
+                Some(last) if last.0 == z => last.1 = in_sight,
+                _ => steps.push((z, in_sight)),
+            }
+        }
+        let ground = Some(field.ground_at(&map.uav.station.place)).filter(|z| *z != VOID);
+        Ok(HeightCurve { uav: map.uav.clone(), ground, lowest, receivers, steps })
+    }
+
+    /// The UAV at the height that the map was made for.
+    pub fn uav(&self) -> &Uav {
+        &self.uav
+    }
+
+    /// Ground below the UAV \[1/1024 m above the datum\], if one is known there.
+    pub fn ground(&self) -> Option<i32> {
+        self.ground
+    }
+
+    /// The lowest height that the UAV may have at its place: the ground, or the roof or surface there \[1/1024 m above the
+    /// datum\]. The curve begins here.
+    pub fn lowest_height(&self) -> i32 {
+        self.lowest
+    }
+
+    /// Number of receivers, at any height.
+    pub fn receivers(&self) -> u64 {
+        self.receivers
+    }
+
+    /// Number of receivers that no UAV height within ±32 768 m sees.
+    pub fn never_los(&self) -> u64 {
+        self.receivers - self.steps.last().map_or(0, |s| s.1)
+    }
+
+    /// Heights \[1/1024 m above the datum\] at which receivers come into sight, ascending, each with the number of
+    /// receivers in sight from there up.
+    pub fn steps(&self) -> &[(i32, u64)] {
+        &self.steps
+    }
+
+    /// Number of receivers in sight of a UAV at `height` \[1/1024 m above the datum\]; 0 below the lowest height.
+    pub fn los_at(&self, height: i32) -> u64 {
+        let above = self.steps.partition_point(|s| s.0 <= height);
+        above.checked_sub(1).map_or(0, |last| self.steps[last].1)
+    }
+
+    /// P_LoS of a UAV at `height` \[1/1024 m above the datum\]; `None` without a receiver, and below the lowest height,
+    /// where the UAV cannot be.
+    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
+    pub fn p_los_at(&self, height: i32) -> Option<f64> {
+        let is_defined = self.receivers > 0 && height >= self.lowest;
+        is_defined.then(|| self.los_at(height) as f64 / self.receivers as f64)
+    }
+
+    /// The least height \[1/1024 m above the datum\] from which at least `percent` \[%\] of the receivers are in sight;
+    /// `None` where no height within ±32 768 m is enough, or there is no receiver.
+    pub fn least_height_reaching(&self, percent: u8) -> Option<i32> {
+        // Shares are compared as products: u64 holds 100 times any count of cells.
+        let reaches = |in_sight: u64| in_sight * 100 >= self.receivers * u64::from(percent);
+        if self.receivers > 0 && reaches(0) {
+            return Some(self.lowest);
+        }
+        self.steps.get(self.steps.partition_point(|s| !reaches(s.1))).map(|s| s.0)
+    }
+}
+
+/// The lowest height that a UAV may have at its place \[1/1024 m\]: what [`Uav::place`] lets pass.
+fn lowest_uav_height(field: &HeightField, uav: &Uav) -> i32 {
+    let place = &uav.station.place;
+    let surface = field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place));
+    if surface == VOID { -MAX_STEP } else { surface }
+}
+
+/// The least lattice height of the UAV from which on it sees the receiver, not below `lowest`; [`NEVER`] if there is none.
+fn least_uav_height(field: &HeightField, uav: &Uav, receiver: &Station, lowest: i32) -> i32 {
+    let step = link_least_step(field, &uav.station, receiver, i64::from(lowest));
+    step.and_then(|z| i32::try_from(z).ok()).filter(|z| *z <= MAX_STEP).unwrap_or(NEVER)
+}
