@@ -231,7 +231,7 @@ pub(super) struct MapArgs {
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg), a table (.csv) or a document
-    /// (.json); repeat for more. Costs a walk along the whole link per receiver and UAV, several times a map by rays
+    /// (.json); repeat for more. Costs a walk along the whole link per receiver and UAV, 5 to 20 times a map by rays
     #[arg(long, value_name = "FILE")]
     pub(super) height_curve: Vec<PathBuf>,
     /// Heights of the curve's table and plot above the ground below the UAV (above the datum where none is known), both

@@ -20,6 +20,8 @@ const COLORS: [&str; 7] = ["#0072B2", "#D55E00", "#117733", "#AA4499", "#1B1F24"
 const DASHES: [&str; 4] = ["", "18 7", "5 6", "20 6 5 6"];
 /// More labels than this are not placed beside the plot.
 const MOST_LABELS: usize = 24;
+/// Up to this many asked heights have a line down to the axis.
+const MOST_ASKED_LINES: usize = 8;
 /// Up to this many labels have a second line.
 const MOST_TWO_LINES: usize = 12;
 
@@ -114,6 +116,10 @@ fn compose(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     drawing.place(&curves(plot, &window), left, top);
     drawing.rect([left - 0.8, top - 0.8, window.width + 1.6, HEIGHT + 1.6], &furniture::frame());
     drawing.place(&beside(&labels, &window), left, top);
+    if plot.curves.len() > MOST_LABELS {
+        let rest = format!("+ {} more", plot.curves.len() - MOST_LABELS);
+        drawing.text(left + window.width + LEADER, top + HEIGHT + 32.0, DETAIL, &rest);
+    }
     let mut bottom = top + HEIGHT + 92.0;
     let caption = furniture::caption(plot.caption, body_w);
     if caption.height > 0.0 {
@@ -182,7 +188,8 @@ fn curves(plot: &HeightCurvePlot<'_>, window: &Window) -> Drawing {
     asked.sort_by(f64::total_cmp);
     asked.dedup();
     let dotted = format!("stroke=\"{MUTED}\" stroke-width=\"1.8\" stroke-dasharray=\"2 6\" stroke-linecap=\"round\"");
-    for height in &asked {
+    let n_lines = if asked.len() <= MOST_ASKED_LINES { asked.len() } else { 0 };
+    for height in &asked[..n_lines] {
         let highest = plot.curves.iter().filter(|c| c.marked_m.total_cmp(height).is_eq()).map(|c| c.p_los(*height));
         drawing.line([window.x(*height), window.y(highest.fold(0.0, f64::max))], [window.x(*height), HEIGHT], &dotted);
     }
@@ -226,7 +233,12 @@ fn mark_label(drawing: &mut Drawing, curve: &HeightCurveLine<'_>, window: &Windo
     let label = Label::new(&[height, format!("P_LoS = {}", p_words(curve))], 24.0);
     let (right, below) = (x + 24.0, y + 26.0);
     let fits = right + label.width < window.width - 8.0 && below + label.height < HEIGHT - 8.0;
-    let (left, above) = ((x - 24.0 - label.width).max(8.0), (y - 26.0 - label.height).max(8.0));
+    let left = (x - 24.0 - label.width).max(8.0);
+    // At the left border the label reaches over the curve to the right of the mark: above that, too.
+    let [low, high] = window.heights_m;
+    let height_at = |x: f64| low + x / window.width * (high - low);
+    let highest = y.min(window.y(curve.p_los(height_at(left + label.width))));
+    let above = (highest - 26.0 - label.height).max(8.0);
     let (x, y) = if fits { (right, below) } else { (left, above) };
     label.draw(drawing, x, y);
 }
@@ -418,6 +430,13 @@ mod tests {
         }
         let looks: std::collections::HashSet<String> = (0..28).map(|k| line_style(k).1).collect();
         assert_eq!(looks.len(), 28);
+    }
+
+    #[test]
+    fn what_finds_no_label_is_counted() {
+        let curves = vec![CURVE; 30];
+        let svg = draw_height_curve_svg(&plot(&curves), &[]).expect("the curves are valid");
+        assert!(svg.contains(">+ 6 more<") && svg.matches(">UAV 1<").count() == MOST_LABELS);
     }
 
     #[test]
