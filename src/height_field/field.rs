@@ -95,6 +95,16 @@ impl GridPositions {
         let ((x, prisms_x, columns_x), (y, prisms_y, columns_y)) = (self.xs[col], self.ys[row]);
         Place { x, y, on_prisms: (prisms_x, prisms_y), on_columns: (columns_x, columns_y) }
     }
+
+    /// Positions of the columns of cells on the prisms' lattice, west to east.
+    pub fn prisms_xs(&self) -> impl Iterator<Item = i64> {
+        self.xs.iter().map(|x| x.1)
+    }
+
+    /// Positions of the rows of cells on the prisms' lattice, north to south.
+    pub fn prisms_ys(&self) -> impl Iterator<Item = i64> {
+        self.ys.iter().map(|y| y.1)
+    }
 }
 
 impl HeightField {

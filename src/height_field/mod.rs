@@ -5,10 +5,13 @@
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
 mod columns;
+mod casters;
 mod field;
+mod merge;
 mod prisms;
 mod triangulate;
 
+pub use casters::{Caster, CasterBlock, Casters};
 pub use columns::Columns;
 pub use field::{CellKind, GridPositions, HeightField, Place, Station};
 pub use prisms::{Buckets, Piece, Prisms};

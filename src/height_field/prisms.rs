@@ -1,5 +1,6 @@
 //! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
 
+use super::casters::Casters;
 use super::triangulate::Ring;
 use crate::quantity::VOID;
 
@@ -20,6 +21,7 @@ pub struct Prisms {
     vertices: Vec<[i32; 2]>,
     pieces: Vec<Piece>,
     buckets: Buckets,
+    casters: Casters,
     max_top: i32,
 }
 
@@ -72,7 +74,9 @@ impl Prisms {
             .collect();
         let max_top = pieces.iter().map(|p| p.top).max().unwrap_or(VOID);
         let buckets = build_buckets(&vertices, &pieces);
-        Prisms { vertices, pieces, buckets, max_top }
+        let ring = |p: &Piece| vertices[p.first as usize..(p.first + p.len) as usize].to_vec();
+        let casters = Casters::new(pieces.iter().map(|p| (p.top, ring(p))).collect());
+        Prisms { vertices, pieces, buckets, casters, max_top }
     }
 
     /// All convex pieces.
@@ -89,6 +93,11 @@ impl Prisms {
     /// The grid that finds pieces by place.
     pub fn buckets(&self) -> &Buckets {
         &self.buckets
+    }
+
+    /// The prisms as casters of shadows.
+    pub fn casters(&self) -> &Casters {
+        &self.casters
     }
 
     /// The highest top, [`VOID`] if there is no prism.

@@ -28,6 +28,8 @@ mod columns_ray;
 mod link;
 mod obstruction;
 mod prisms_ray;
+mod shadow;
+mod shadow_outline;
 mod simd;
 mod sweep;
 
@@ -35,5 +37,6 @@ pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, co
 pub use link::{link_ceilings, link_least_heights, link_least_step, link_los};
 pub use obstruction::{Ceiling, Obstruction};
 pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
+pub use shadow::{ShadowGrid, ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{ReceiverHeights, Swept, sweep_los};

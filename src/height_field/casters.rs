@@ -1,0 +1,112 @@
+//! What casts shadows: the prisms joined across buildings of equal height, in blocks of neighbors.
+//!
+//! A shadow does not ask whose it is, so pieces of equal top that share a wall are joined even across buildings: there
+//! are fewer shadows then, and fewer walls on whose lines a shadow ends and the next begins. Neighbors stand next to each
+//! other in the list, so that far blocks can be handled as one.
+
+use super::Ring;
+use super::merge::merged;
+
+/// Edge length of a block of casters \[lattice steps\]: 64 m.
+const BLOCK: i64 = 64 * 1024;
+
+/// A convex prism that casts a shadow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Caster {
+    first: u32,
+    len: u32,
+    /// Top \[1/1024 m above the datum\].
+    pub top: i32,
+    /// Bounding box \[lattice steps\]: west, south, east, north.
+    pub bounds: [i32; 4],
+}
+
+/// Casters whose bounding boxes begin in the same square of the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CasterBlock {
+    first: u32,
+    len: u32,
+    /// The highest top \[1/1024 m above the datum\].
+    pub max_top: i32,
+    /// Bounding box of all casters of the block \[lattice steps\]: west, south, east, north.
+    pub bounds: [i32; 4],
+}
+
+/// All casters of a scene; their union, with tops, is that of its prisms.
+#[derive(Debug, Clone, Default)]
+pub struct Casters {
+    vertices: Vec<[i32; 2]>,
+    casters: Vec<Caster>,
+    blocks: Vec<CasterBlock>,
+}
+
+impl Casters {
+    /// Casters of convex counterclockwise rings with their tops.
+    pub(super) fn new(mut rings: Vec<(i32, Ring)>) -> Self {
+        rings.retain(|(_, ring)| ring.len() >= 3);
+        // Stable, so that the outcome follows from the order of the pieces.
+        rings.sort_by_key(|(top, _)| *top);
+        let mut ready: Vec<(Caster, Ring)> = Vec::with_capacity(rings.len());
+        let mut rest = rings.into_iter().peekable();
+        while let Some((top, ring)) = rest.next() {
+            let mut same_top = vec![ring];
+            while let Some((_, ring)) = rest.next_if(|(t, _)| *t == top) {
+                same_top.push(ring);
+            }
+            let len = |ring: &Ring| u32::try_from(ring.len()).unwrap_or(u32::MAX);
+            ready.extend(merged(same_top).into_iter().map(|ring| {
+                let bounds = ring.iter().fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |b, v| {
+                    [b[0].min(v[0]), b[1].min(v[1]), b[2].max(v[0]), b[3].max(v[1])]
+                });
+                (Caster { first: 0, len: len(&ring), top, bounds }, ring)
+            }));
+        }
+        let block_of = |c: &Caster| {
+            let [x, y] = [c.bounds[0], c.bounds[1]].map(|v| i64::from(v).div_euclid(BLOCK));
+            (y, x)
+        };
+        ready.sort_by_key(|(c, _)| (block_of(c), std::cmp::Reverse(c.top)));
+        let mut all = Casters::default();
+        let mut last_block = None;
+        for (mut caster, ring) in ready {
+            caster.first = u32::try_from(all.vertices.len()).unwrap_or(u32::MAX);
+            all.vertices.extend(ring);
+            let block = block_of(&caster);
+            if last_block != Some(block) {
+                last_block = Some(block);
+                let first = u32::try_from(all.casters.len()).unwrap_or(u32::MAX);
+                all.blocks.push(CasterBlock { first, len: 0, max_top: caster.top, bounds: caster.bounds });
+            }
+            if let Some(b) = all.blocks.last_mut() {
+                b.len += 1;
+                b.max_top = b.max_top.max(caster.top);
+                let c = caster.bounds;
+                b.bounds = [b.bounds[0].min(c[0]), b.bounds[1].min(c[1]), b.bounds[2].max(c[2]), b.bounds[3].max(c[3])];
+            }
+            all.casters.push(caster);
+        }
+        all
+    }
+
+    /// The blocks, row by row from the south-west.
+    pub fn blocks(&self) -> &[CasterBlock] {
+        &self.blocks
+    }
+
+    /// The casters of a block, highest first.
+    #[inline]
+    pub fn of_block(&self, block: &CasterBlock) -> &[Caster] {
+        &self.casters[block.first as usize..(block.first + block.len) as usize]
+    }
+
+    /// All casters, block by block.
+    pub fn all(&self) -> &[Caster] {
+        &self.casters
+    }
+
+    /// The convex counterclockwise ring of a caster, without vertices on straight edges.
+    #[inline]
+    pub fn ring(&self, caster: &Caster) -> &[[i32; 2]] {
+        &self.vertices[caster.first as usize..(caster.first + caster.len) as usize]
+    }
+}

@@ -1,0 +1,634 @@
+//! `shadow` over prisms: casts the shadow of every convex piece on the receivers, row by row, into a set of bits.
+//!
+//! **Method.** Let u be the UAV, F a convex footprint with its roof at H, and let receivers stand at height z. A receiver
+//! at p is hidden by this prism alone if and only if some point u + t(p − u), 0 < t < 1, of the ray lies in the interior
+//! of F while the ray is below the roof there: h_U + t(z − h_U) < H. With s = 1/t > 1 the hidden set is the union of all
+//! u + s(F° − u) over the s that the heights admit:
+//!
+//! ```text
+//!   H ≤ z and H ≤ h_U    nothing
+//!   z < H < h_U          1 < s < f, f = (h_U − z)/(h_U − H)     the roof's shadow on the plane z
+//!   H ≥ h_U and H ≥ z    1 < s                                  no end
+//!   h_U < H < z          g < s, g = (z − h_U)/(H − h_U)         no end, and it begins behind the building
+//!   ⇒ always near < s < far, with near = 1 or g, and far = f or ∞
+//! ```
+//!
+//! **Half-planes.** Let edge A→B of the counterclockwise F have direction E, and let K = E × (A − u). Inside F,
+//! E × (p − u) > K; u itself is outside of the edge's line if K > 0 (the edge *faces* u), inside if K < 0. Scaled by s
+//! about u the edge bounds E × (p − u) > s·K. A point of the cone over F from u leaves through edges that do not face u
+//! and enters through those that do, so it is hidden if and only if it is inside the facing edges at s = near, inside the
+//! others at s = far (if there is an end), and inside the cone, whose sides are the lines from u through the two vertices
+//! where facing edges meet others. An edge whose line passes through u (K = 0) is such a side itself; over F there is no
+//! facing edge and the cone is the whole plane. So the hidden set is an open convex set: an intersection of half-planes
+//! E × q > K', q = p − u. Along a row of cells each of them is one bound on the column, `at + per_q·q_y`: the hidden cells
+//! of the row lie between the largest of the western and the smallest of the eastern bounds.
+//!
+//! **Exactness.** Coordinates, E, K and the rows' q_y are integers (K and products of differences below 2^55 in i64); the
+//! bounds are computed in doubles, in one order of operations at every SIMD level, with an error proven to be below a
+//! margin (`shadow_outline::ROUNDING`) of about 1e-11 cells. Cells farther from all bounds than the margin are decided.
+//! The few others are put down as *doubts*, and `ray` is asked about those that are wanted and that no other
+//! shadow has hidden by the end: it alone knows whether the wall or diagonal that they look along is shared. Nothing else
+//! can be hidden: where the ray is blocked only by several pieces together it runs along an edge of two of them, so the
+//! receiver lies on a bounding line (K = 0) of both, in the closure of both shadows, and is a doubt. Where centers of cells
+//! do not lie evenly on the lattice (cells of 0.3 m) the margin grows by the largest deviation.
+//!
+//! **Differing heights** ([`shadow_los_relief`]). A lower receiver is hidden by whatever hides a higher one. So for 64 rows
+//! at a time the outline at the lowest of the receivers concerned bounds the cells that may be hidden and the outline at
+//! the highest those that surely are; the cells between are tested one by one in integers against their own height. On
+//! terrain that is a strip at the shadow's end. A ceiling kept in doubles per cell was the alternative: it writes eight bytes
+//! where this clears a bit, and still has to ask `ray` where heights nearly tie.
+//!
+//! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Blocks of
+//! neighboring casters go nearest first, so that the far ones find their ground dark: 64 rows of a shadow are skipped
+//! where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks likewise.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f64x8, u64x8};
+use rayon::prelude::*;
+
+use super::prisms_ray::prisms_los;
+use super::shadow_outline::{Line, Outline, Plane, Reach, Verdict, place_in_shadow};
+use crate::height_field::{Caster, Prisms};
+use crate::quantity::LatticePoint;
+use crate::raster::BitGrid;
+
+/// Rows, and columns, of a tile: one word of bits.
+const TILE: usize = 64;
+
+/// Rows whose bounds are computed at once.
+const LANES: usize = 8;
+
+/// Where receivers stand in the plane.
+#[derive(Debug, Clone)]
+pub struct ShadowGrid {
+    xs: Vec<i64>,
+    ys: Vec<i64>,
+    /// Distance of neighboring columns and rows, on average \[lattice steps\].
+    steps: (f64, f64),
+    /// How far a column may be from where the average puts it \[columns\].
+    unevenness: f64,
+}
+
+impl ShadowGrid {
+    /// A grid from the lattice positions of its columns, ascending, and of its rows, descending.
+    pub fn new(xs: Vec<i64>, ys: Vec<i64>) -> Self {
+        let spacing = |v: &[i64]| match (v.first(), v.last()) {
+            (Some(a), Some(b)) if a != b => as_f64(b - a).abs() / as_f64(v.len() - 1),
+            _ => 1.0,
+        };
+        let steps = (spacing(&xs), spacing(&ys));
+        let deviation = |(col, x): (usize, &i64)| (as_f64(x - xs[0]) / steps.0 - as_f64(col)).abs();
+        let unevenness = xs.iter().enumerate().map(deviation).fold(0.0, f64::max);
+        // Rounding of an even grid is within the margin of the bounds.
+        let unevenness = if unevenness < 1e-11 { 0.0 } else { unevenness };
+        ShadowGrid { xs, ys, steps, unevenness }
+    }
+}
+
+/// A number as a double; exact below 2^53.
+#[inline(always)]
+fn as_f64<T: TryInto<i64>>(v: T) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "positions and counts are below 2^53")]
+    let v = v.try_into().unwrap_or(i64::MAX) as f64;
+    v
+}
+
+/// Everything about shadows that is the same for many UAVs.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadowScene<'a> {
+    /// What casts shadows.
+    pub prisms: &'a Prisms,
+    /// Where receivers stand.
+    pub grid: &'a ShadowGrid,
+    /// The cells to decide, of the same shape as the grid.
+    pub wanted: &'a BitGrid,
+    /// Vector instructions to use; the outcome is the same at all levels.
+    pub level: Level,
+    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
+    pub n_bands: usize,
+}
+
+/// The cells in line of sight of a UAV.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShadowLos {
+    /// The wanted cells that are in line of sight.
+    pub los: BitGrid,
+    /// How many they are.
+    pub count: u64,
+    /// Receivers on the boundary of a shadow that `ray` was asked about.
+    pub asked: u64,
+}
+
+/// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in line of sight of `uav`
+/// past the prisms: cell for cell what [`prisms_los`] says.
+///
+/// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
+/// checked).
+pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
+    cast_all(scene, uav, &Receivers::Level(z))
+}
+
+/// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
+/// cell.
+pub fn shadow_los_relief(
+    scene: &ShadowScene<'_>,
+    uav: LatticePoint,
+    height: &(impl Fn(usize, usize) -> i32 + Sync),
+) -> ShadowLos {
+    let n_cols = scene.wanted.n_cols();
+    let mut heights = vec![0_i32; scene.wanted.n_rows() * n_cols];
+    heights.par_chunks_mut(n_cols.max(1)).enumerate().for_each(|(row, heights)| {
+        for_each_bit(scene.wanted.row(row), 0, n_cols, |col| heights[col] = height(row, col));
+    });
+    cast_all(scene, uav, &Receivers::Relief(heights))
+}
+
+/// How high receivers stand \[1/1024 m above the datum\].
+enum Receivers {
+    Level(i64),
+    /// By cell, row by row; 0 where none is wanted.
+    Relief(Vec<i32>),
+}
+
+impl Receivers {
+    #[inline(always)]
+    fn at(&self, cell: usize) -> i64 {
+        match self {
+            Receivers::Level(z) => *z,
+            Receivers::Relief(heights) => i64::from(heights[cell]),
+        }
+    }
+}
+
+fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers) -> ShadowLos {
+    let mut los = scene.wanted.clone();
+    let Some(plane) = plane_of(scene, uav) else { return ShadowLos { los, count: 0, asked: 0 } };
+    let blocks = nearest_first(scene.prisms, uav);
+    let words_per_row = los.words_per_row();
+    let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
+    let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
+    let (first, end) = (plane.rows.0 * words_per_row, plane.rows.1 * words_per_row);
+    let cast = |(k, words): (usize, &mut [u64])| {
+        let first = plane.rows.0 + k * rows_per_band;
+        let rows = (first, first + words.len() / words_per_row);
+        let job = BandJob { scene, plane: &plane, blocks: &blocks, receivers, rows };
+        dispatch!(scene.level, simd => job.cast(simd, words))
+    };
+    let bands = &mut los.words_mut()[first..end];
+    let counts = if n_tiles * TILE <= rows_per_band {
+        cast((0, bands))
+    } else {
+        let counts = bands.par_chunks_mut(rows_per_band * words_per_row).enumerate().map(cast);
+        counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+    };
+    ShadowLos { los, count: counts.0, asked: counts.1 }
+}
+
+/// The plane as seen from a UAV; `None` if no cell is wanted.
+fn plane_of(scene: &ShadowScene<'_>, uav: LatticePoint) -> Option<Plane> {
+    let (grid, wanted) = (scene.grid, scene.wanted);
+    let is_wanted = |row: &usize| wanted.row(*row).iter().any(|w| *w != 0);
+    let first = (0..wanted.n_rows()).find(is_wanted)?;
+    let last = (first..wanted.n_rows()).rev().find(is_wanted)?;
+    let mut any = vec![0_u64; wanted.words_per_row()];
+    for row in first..=last {
+        any.iter_mut().zip(wanted.row(row)).for_each(|(a, w)| *a |= w);
+    }
+    let west = any.iter().position(|w| *w != 0)?;
+    let east = any.iter().rposition(|w| *w != 0)?;
+    let cols = (west * 64 + any[west].trailing_zeros() as usize, east * 64 + 64 - any[east].leading_zeros() as usize);
+    let mut q: Vec<f64> = grid.ys.iter().map(|y| as_f64(y - uav.y)).collect();
+    let q_max = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+    q.extend([q[q.len() - 1]; LANES]);
+    Some(Plane {
+        uav,
+        q,
+        rows: (first, last + 1),
+        cols,
+        east: (as_f64(grid.xs[cols.0] - uav.x), as_f64(grid.xs[cols.1 - 1] - uav.x)),
+        q_max,
+        origin: as_f64(uav.x - grid.xs[0]) / grid.steps.0,
+        per_step: 1.0 / grid.steps.0,
+        rows_per_step: 1.0 / grid.steps.1,
+        unevenness: grid.unevenness,
+    })
+}
+
+/// The blocks of casters by their distance from the UAV.
+fn nearest_first(prisms: &Prisms, uav: LatticePoint) -> Vec<u32> {
+    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0);
+    let mut order: Vec<(u64, u32)> = (0_u32..)
+        .zip(prisms.casters().blocks())
+        .map(|(k, block)| {
+            let [west, south, east, north] = block.bounds;
+            let (dx, dy) = (beyond(west, east, uav.x).unsigned_abs(), beyond(south, north, uav.y).unsigned_abs());
+            (dx * dx + dy * dy, k)
+        })
+        .collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, k)| k).collect()
+}
+
+/// One band of rows.
+struct BandJob<'a> {
+    scene: &'a ShadowScene<'a>,
+    plane: &'a Plane,
+    blocks: &'a [u32],
+    receivers: &'a Receivers,
+    rows: (usize, usize),
+}
+
+/// A run of cells of a row that are on the boundary of some shadow, or so near that rounding matters.
+struct Doubt {
+    row: u32,
+    cols: (u32, u32),
+}
+
+/// What changes while a band is worked on.
+struct Band<'a> {
+    /// Wanted cells that are not yet hidden.
+    words: &'a mut [u64],
+    words_per_row: usize,
+    /// For each tile, rows known to hold no such cell any more.
+    closed_rows: Vec<u8>,
+    doubts: Vec<Doubt>,
+}
+
+/// The cells of up to eight rows between the bounds of a shadow: `sure.0[k]..sure.1[k]` and `maybe.0[k]..maybe.1[k]`.
+struct Spans {
+    sure: ([u64; LANES], [u64; LANES]),
+    maybe: ([u64; LANES], [u64; LANES]),
+    is_all_sure: bool,
+}
+
+impl BandJob<'_> {
+    /// Clears the hidden cells; returns how many are left and how many were asked about.
+    #[inline(always)]
+    fn cast<S: Simd>(&self, simd: S, words: &mut [u64]) -> (u64, u64) {
+        let words_per_row = self.scene.wanted.words_per_row();
+        let n_tiles = (self.rows.1 - self.rows.0).div_ceil(TILE) * words_per_row;
+        let mut band = Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new() };
+        let bounds = self.heights();
+        if let Some((lowest, highest)) = bounds {
+            let mut outlines = (Outline::default(), Outline::default());
+            let casters = self.scene.prisms.casters();
+            for &k in self.blocks {
+                let block = &casters.blocks()[k as usize];
+                let Some(reach) = Reach::new(self.plane.uav.z, block.max_top, lowest) else { continue };
+                let [w, s, e, n] = block.bounds;
+                let box_ring = [[w, s], [e, s], [e, n], [w, n]];
+                let is_in_view = outlines.0.cast(self.plane, &box_ring, block.bounds, reach);
+                if !is_in_view || self.is_dark(&outlines.0, &mut band) {
+                    continue;
+                }
+                for caster in casters.of_block(block) {
+                    let Some(reach) = Reach::new(self.plane.uav.z, caster.top, lowest) else { break };
+                    if outlines.0.cast(self.plane, casters.ring(caster), caster.bounds, reach) {
+                        if lowest == highest {
+                            self.hide(simd, &outlines.0, &mut band);
+                        } else {
+                            self.hide_relief(simd, caster, &mut outlines, &mut band);
+                        }
+                    }
+                }
+            }
+        }
+        let asked = self.settle(&mut band);
+        (band.words.iter().map(|w| u64::from(w.count_ones())).sum(), asked)
+    }
+
+    /// The lowest and the highest receiver of the band.
+    fn heights(&self) -> Option<(i64, i64)> {
+        match self.receivers {
+            Receivers::Level(z) => Some((*z, *z)),
+            Receivers::Relief(_) => {
+                let mut range = None;
+                for row in self.rows.0..self.rows.1 {
+                    let n_cols = self.scene.wanted.n_cols();
+                    for_each_bit(self.scene.wanted.row(row), 0, n_cols, |col| {
+                        let z = self.receivers.at(row * n_cols + col);
+                        range = Some(range.map_or((z, z), |(low, high): (i64, i64)| (low.min(z), high.max(z))));
+                    });
+                }
+                range
+            }
+        }
+    }
+
+    /// The strips of an outline: rows `.0..=.1` of one row of tiles, clipped to the band.
+    #[inline(always)]
+    fn strips(&self, rows: (usize, usize)) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (first, end) = (rows.0.max(self.rows.0), rows.1.min(self.rows.1));
+        let origin = self.rows.0;
+        let mut row = first;
+        std::iter::from_fn(move || {
+            (row < end).then(|| {
+                let from = row;
+                row = (origin + ((from - origin) / TILE + 1) * TILE).min(end);
+                (from, row - 1)
+            })
+        })
+    }
+
+    /// Whether no wanted cell that the outline may meet is left.
+    #[inline(always)]
+    fn is_dark(&self, outline: &Outline, band: &mut Band<'_>) -> bool {
+        let rows = outline.rows(self.plane).maybe;
+        self.strips(rows).all(|(first, last)| match outline.columns_between(self.plane, first, last) {
+            None => true,
+            Some(cols) => band.is_closed((first - self.rows.0) / TILE, cols),
+        })
+    }
+
+    /// Clears the cells of one shadow on receivers at one height.
+    #[inline(always)]
+    fn hide<S: Simd>(&self, simd: S, outline: &Outline, band: &mut Band<'_>) {
+        let rows = outline.rows(self.plane);
+        for (first, last) in self.strips(rows.maybe) {
+            let Some(cols) = outline.columns_between(self.plane, first, last) else { continue };
+            if band.is_closed((first - self.rows.0) / TILE, cols) {
+                continue;
+            }
+            let mut row = first;
+            while row <= last {
+                let n = (last + 1 - row).min(LANES);
+                let spans = spans(simd, self.plane, outline, row);
+                if spans.is_all_sure && row >= rows.sure.0 && row + n <= rows.sure.1 {
+                    let at = (row - self.rows.0) * band.words_per_row;
+                    for (k, words) in band.words[at..].chunks_exact_mut(band.words_per_row).take(n).enumerate() {
+                        clear(words, spans.sure.0[k], spans.sure.1[k]);
+                    }
+                } else {
+                    self.hide_in_doubt(&spans, (row, n), rows.sure, band);
+                }
+                row += LANES;
+            }
+        }
+    }
+
+    /// The same where some of `n` rows from `row` on have cells in doubt.
+    #[inline(never)]
+    fn hide_in_doubt(&self, spans: &Spans, (row, n): (usize, usize), sure: (usize, usize), band: &mut Band<'_>) {
+        for k in 0..n {
+            let (maybe, mut inner) = ((spans.maybe.0[k], spans.maybe.1[k]), (spans.sure.0[k], spans.sure.1[k]));
+            if row + k < sure.0 || row + k >= sure.1 || inner.0 >= inner.1 {
+                inner = (maybe.1, maybe.1);
+            }
+            clear(band.row_mut(row + k - self.rows.0), inner.0, inner.1);
+            band.doubt(row + k, maybe.0, inner.0);
+            band.doubt(row + k, inner.1, maybe.1);
+        }
+    }
+
+    /// Clears the cells of one shadow on receivers at differing heights; `outlines.0` is that on the lowest of all.
+    #[inline(always)]
+    fn hide_relief<S: Simd>(&self, simd: S, caster: &Caster, outlines: &mut (Outline, Outline), band: &mut Band<'_>) {
+        let casters = self.scene.prisms.casters();
+        let ring = casters.ring(caster);
+        let uav = self.plane.uav;
+        let rows = outlines.0.rows(self.plane).maybe;
+        // The outline is cast anew for every strip, so its strips are listed first.
+        let strips: Vec<_> = self
+            .strips(rows)
+            .filter_map(|(first, last)| Some((first, last, outlines.0.columns_between(self.plane, first, last)?)))
+            .collect();
+        for (first, last, cols) in strips {
+            let Some((lowest, highest)) = self.heights_within(first, last, cols, band) else { continue };
+            let Some(reach) = Reach::new(uav.z, caster.top, lowest) else { continue };
+            if !outlines.0.cast(self.plane, ring, caster.bounds, reach) {
+                continue;
+            }
+            let rows = outlines.0.rows(self.plane).maybe;
+            let inner_rows = match Reach::new(uav.z, caster.top, highest) {
+                Some(reach) if outlines.1.cast(self.plane, ring, caster.bounds, reach) => {
+                    outlines.1.rows(self.plane).sure
+                }
+                _ => (0, 0),
+            };
+            let (first, last) = (first.max(rows.0), (last + 1).min(rows.1));
+            let mut row = first;
+            while row < last {
+                let n = (last - row).min(LANES);
+                let outer = spans(simd, self.plane, &outlines.0, row);
+                let inner = (inner_rows.0 < inner_rows.1).then(|| spans(simd, self.plane, &outlines.1, row));
+                for k in 0..n {
+                    let maybe = (outer.maybe.0[k], outer.maybe.1[k]);
+                    let mut sure = (maybe.1, maybe.1);
+                    if let Some(inner) = &inner
+                        && row + k >= inner_rows.0
+                        && row + k < inner_rows.1
+                        && inner.sure.0[k] < inner.sure.1[k]
+                    {
+                        sure = (inner.sure.0[k], inner.sure.1[k]);
+                    }
+                    clear(band.row_mut(row + k - self.rows.0), sure.0, sure.1);
+                    for cols in [(maybe.0, sure.0), (sure.1, maybe.1)] {
+                        if cols.0 < cols.1 {
+                            self.hide_one_by_one(caster, ring, row + k, cols, band);
+                        }
+                    }
+                }
+                row += LANES;
+            }
+        }
+    }
+
+    /// Tests cells of a row against a shadow, each at its own height.
+    fn hide_one_by_one(
+        &self,
+        caster: &Caster,
+        ring: &[[i32; 2]],
+        row: usize,
+        (first, end): (u64, u64),
+        band: &mut Band<'_>,
+    ) {
+        let (uav, grid) = (self.plane.uav, self.scene.grid);
+        let (first, end) = (as_index(first), as_index(end));
+        for word in first / 64..end.div_ceil(64) {
+            let inside = mask_within(word, first, end);
+            let at = (row - self.rows.0) * band.words_per_row + word;
+            let mut bits = band.words[at] & inside;
+            while bits != 0 {
+                let bit = bits & bits.wrapping_neg();
+                bits ^= bit;
+                let col = word * 64 + bit.trailing_zeros() as usize;
+                let z = self.receivers.at(row * self.scene.wanted.n_cols() + col);
+                let Some(reach) = Reach::new(uav.z, caster.top, z) else { continue };
+                match place_in_shadow(uav, ring, reach, [grid.xs[col] - uav.x, grid.ys[row] - uav.y]) {
+                    Verdict::Hidden => band.words[at] &= !bit,
+                    Verdict::Outside => {}
+                    Verdict::OnBoundary => band.doubt(row, col as u64, col as u64 + 1),
+                }
+            }
+        }
+    }
+
+    /// The lowest and the highest receiver that is not yet hidden in some columns of rows `first..=last`.
+    fn heights_within(
+        &self,
+        first: usize,
+        last: usize,
+        cols: (usize, usize),
+        band: &mut Band<'_>,
+    ) -> Option<(i64, i64)> {
+        if band.is_closed((first - self.rows.0) / TILE, cols) {
+            return None;
+        }
+        let mut range: Option<(i64, i64)> = None;
+        for row in first..=last {
+            let n_cols = self.scene.wanted.n_cols();
+            for_each_bit(band.row_mut(row - self.rows.0), cols.0, cols.1, |col| {
+                let z = self.receivers.at(row * n_cols + col);
+                range = Some(range.map_or((z, z), |(low, high)| (low.min(z), high.max(z))));
+            });
+        }
+        range
+    }
+
+    /// Asks `ray` about all doubts that are still open, and about the cell right below or above the UAV.
+    fn settle(&self, band: &mut Band<'_>) -> u64 {
+        let (uav, grid) = (self.plane.uav, self.scene.grid);
+        let mut cells: Vec<(usize, usize)> = Vec::new();
+        for doubt in std::mem::take(&mut band.doubts) {
+            let row = doubt.row as usize;
+            let cols = (doubt.cols.0 as usize, doubt.cols.1 as usize);
+            for_each_bit(band.row_mut(row - self.rows.0), cols.0, cols.1, |col| cells.push((row, col)));
+        }
+        let ends_here = |v: &[i64], at: i64| (0..v.len()).filter(|k| v[*k] == at).collect::<Vec<_>>();
+        for row in ends_here(&grid.ys, uav.y) {
+            let is_in_band = row >= self.rows.0 && row < self.rows.1;
+            let cols = ends_here(&grid.xs, uav.x);
+            cells.extend(
+                cols.into_iter()
+                    .filter(|col| is_in_band && self.scene.wanted.contains(row, *col))
+                    .map(|col| (row, col)),
+            );
+        }
+        cells.sort_unstable();
+        cells.dedup();
+        let n_cols = self.scene.wanted.n_cols();
+        for &(row, col) in &cells {
+            let receiver = LatticePoint { x: grid.xs[col], y: grid.ys[row], z: self.receivers.at(row * n_cols + col) };
+            let is_los = prisms_los(self.scene.prisms, uav, receiver);
+            let word = &mut band.row_mut(row - self.rows.0)[col / 64];
+            *word = *word & !(1 << (col % 64)) | u64::from(is_los) << (col % 64);
+        }
+        cells.len() as u64
+    }
+}
+
+impl Band<'_> {
+    #[inline(always)]
+    fn row_mut(&mut self, row: usize) -> &mut [u64] {
+        &mut self.words[row * self.words_per_row..(row + 1) * self.words_per_row]
+    }
+
+    fn doubt(&mut self, row: usize, first: u64, end: u64) {
+        if first < end {
+            let narrow = |v: u64| u32::try_from(v).unwrap_or(u32::MAX);
+            self.doubts.push(Doubt { row: narrow(row as u64), cols: (narrow(first), narrow(end)) });
+        }
+    }
+
+    /// Whether no wanted cell is left in the tiles of a row of tiles that hold columns `cols.0..cols.1`.
+    ///
+    /// PERF: bits are only ever cleared, so rows found empty stay so; each tile remembers how many, and all the
+    /// questions about a tile together look at each of its rows once, and once at its first row that is not empty.
+    #[inline(always)]
+    fn is_closed(&mut self, tile_row: usize, cols: (usize, usize)) -> bool {
+        let n_rows = (self.words.len() / self.words_per_row - tile_row * TILE).min(TILE);
+        let mut word = cols.0 / 64;
+        while word * 64 < cols.1 {
+            let closed_rows = &mut self.closed_rows[tile_row * self.words_per_row + word];
+            let mut row = usize::from(*closed_rows);
+            while row < n_rows && self.words[(tile_row * TILE + row) * self.words_per_row + word] == 0 {
+                row += 1;
+            }
+            *closed_rows = u8::try_from(row).unwrap_or(u8::MAX);
+            if row < n_rows {
+                return false;
+            }
+            word += 1;
+        }
+        true
+    }
+}
+
+/// The spans of an outline in the eight rows from `row` on.
+#[inline(always)]
+fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Spans {
+    let splat = |v: f64| f64x8::splat(simd, v);
+    let q = f64x8::from_slice(simd, &plane.q[row..row + LANES]);
+    let (first, end) = (as_f64(plane.cols.0), as_f64(plane.cols.1));
+    let bound = |line: &Line| splat(line.at) + splat(line.per_q) * q;
+    let margin = splat(outline.margin);
+    let mut west = splat(first - 1.0 - outline.margin);
+    for line in &outline.west {
+        west = west.max(bound(line));
+    }
+    let mut east = splat(end + outline.margin);
+    for line in &outline.east {
+        east = east.min(bound(line));
+    }
+    // Adding 2^52 leaves a whole number below 2^52 in the lowest bits of the double.
+    let (low, high, magic) = (splat(first), splat(end), splat((1_u64 << 52) as f64));
+    let within = |v: f64x8<S>| v.max(low).min(high) + magic;
+    let whole = |v: f64x8<S>| -> [u64; LANES] {
+        let bits: u64x8<S> = v.bitcast::<u64x8<S>>() & u64x8::splat(simd, (1 << 52) - 1);
+        bits.into()
+    };
+    let one = splat(1.0);
+    let sure_first = within((west + margin).floor() + one);
+    let sure_end = within((east - margin).ceil());
+    let maybe_first = within((west - margin).ceil());
+    let maybe_end = within((east + margin).floor() + one);
+    let in_doubt = (maybe_first.simd_lt(sure_first) | maybe_end.simd_gt(sure_end)) & maybe_first.simd_lt(maybe_end);
+    Spans {
+        sure: (whole(sure_first), whole(sure_end)),
+        maybe: (whole(maybe_first), whole(maybe_end)),
+        is_all_sure: !in_doubt.any_true(),
+    }
+}
+
+#[inline(always)]
+fn as_index(v: u64) -> usize {
+    usize::try_from(v).unwrap_or(usize::MAX)
+}
+
+/// Clears bits `first..end` of a row; nothing if `first ≥ end`.
+#[inline(always)]
+fn clear(words: &mut [u64], first: u64, end: u64) {
+    if first >= end {
+        return;
+    }
+    let last = end - 1;
+    let (from, to) = (as_index(first / 64), as_index(last / 64));
+    let (head, tail) = (u64::MAX << (first % 64), u64::MAX >> (63 - last % 64));
+    if from == to {
+        words[from] &= !(head & tail);
+        return;
+    }
+    words[from] &= !head;
+    words[from + 1..to].fill(0);
+    words[to] &= !tail;
+}
+
+/// The bits of a word of a row that stand for columns `first..end`.
+#[inline(always)]
+fn mask_within(word: usize, first: usize, end: usize) -> u64 {
+    let low = first.saturating_sub(word * 64).min(64);
+    let high = end.saturating_sub(word * 64).min(64);
+    if low >= high { 0 } else { (u64::MAX >> (64 - (high - low))) << low }
+}
+
+/// Calls `f` with the columns within `first..end` of the bits that are set.
+#[inline(always)]
+fn for_each_bit(words: &[u64], first: usize, end: usize, mut f: impl FnMut(usize)) {
+    for word in first / 64..end.div_ceil(64).min(words.len()) {
+        let mut bits = words[word] & mask_within(word, first, end);
+        while bits != 0 {
+            f(word * 64 + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! The shadow of one caster: the half-planes whose intersection it is, in doubles for whole rows of cells, and in
+//! integers for one cell. The derivation is in the essay of [`super::shadow`].
+
+use crate::quantity::LatticePoint;
+
+/// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
+///
+/// With u = 2^-53: the reciprocal of the step and the division by the edge's dy err by 2u, the offset K by 3u (one
+/// conversion, the factor f, one product), their product by u more, the slope by u more than the reciprocal, and each of
+/// the sums by u; together less than 8u of all magnitudes. The rest, as much again, covers adding the margin itself.
+pub(super) const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
+
+/// Beyond every place of a grid and its UAV \[lattice steps\].
+const FAR: f64 = (1_u64 << 40) as f64;
+
+/// How far along the rays through a footprint its shadow reaches, as factors of the distance from the UAV in the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof.
+    near: Ratio,
+    /// Where it ends, relative to the far edges; `None` if never.
+    far: Option<Ratio>,
+}
+
+/// A quotient of heights, kept as two integers for exact comparisons.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ratio {
+    num: i64,
+    den: i64,
+}
+
+impl Ratio {
+    const ONE: Ratio = Ratio { num: 1, den: 1 };
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
+        let quotient = self.num as f64 / self.den as f64;
+        quotient
+    }
+}
+
+impl Reach {
+    /// The reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing from them.
+    #[inline(always)]
+    pub(super) fn new(uav_z: i64, top: i32, z: i64) -> Option<Reach> {
+        let top = i64::from(top);
+        if top <= z && top <= uav_z {
+            None
+        } else if top < uav_z {
+            Some(Reach { near: Ratio::ONE, far: Some(Ratio { num: uav_z - z, den: uav_z - top }) })
+        } else if top >= z {
+            Some(Reach { near: Ratio::ONE, far: None })
+        } else {
+            Some(Reach { near: Ratio { num: z - uav_z, den: top - uav_z }, far: None })
+        }
+    }
+}
+
+/// The plane as seen from one UAV, and the part of it that holds wanted cells.
+#[derive(Debug)]
+pub(super) struct Plane {
+    pub(super) uav: LatticePoint,
+    /// North of the UAV, by row of the grid and eight more \[lattice steps\]; descending, exact.
+    pub(super) q: Vec<f64>,
+    /// Rows that hold wanted cells.
+    pub(super) rows: (usize, usize),
+    /// Columns that hold wanted cells.
+    pub(super) cols: (usize, usize),
+    /// East of the UAV, of the first and the last of these columns \[lattice steps\].
+    pub(super) east: (f64, f64),
+    /// Largest distance of a row \[lattice steps\].
+    pub(super) q_max: f64,
+    /// Column at the UAV's x.
+    pub(super) origin: f64,
+    /// Columns to the lattice step.
+    pub(super) per_step: f64,
+    /// Rows to the lattice step.
+    pub(super) rows_per_step: f64,
+    /// How far a column may be from where the even spacing puts it \[columns\].
+    pub(super) unevenness: f64,
+}
+
+/// Cells `first.0..first.1` and so on of a row: those that are surely hidden, and those that may be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rows {
+    pub(super) maybe: (usize, usize),
+    pub(super) sure: (usize, usize),
+}
+
+impl Plane {
+    /// The first row at or south of `q`.
+    #[inline(always)]
+    fn first_row_at_or_below(&self, q: f64) -> usize {
+        let (low, high) = self.rows;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a guess, put right below")]
+        let guess = ((self.q[0] - q) * self.rows_per_step) as usize;
+        let mut row = guess.clamp(low, high);
+        while row > low && self.q[row - 1] <= q {
+            row -= 1;
+        }
+        while row < high && self.q[row] > q {
+            row += 1;
+        }
+        row
+    }
+}
+
+/// A bound on the columns of a shadow: `at + per_q · q`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    pub(super) at: f64,
+    pub(super) per_q: f64,
+}
+
+/// The half-planes of one shadow.
+#[derive(Debug, Default)]
+pub(super) struct Outline {
+    /// Lines that bound it in the west.
+    pub(super) west: Vec<Line>,
+    /// Lines that bound it in the east.
+    pub(super) east: Vec<Line>,
+    /// Cells nearer to a line than this are in doubt \[columns\].
+    pub(super) margin: f64,
+    south: f64,
+    north: f64,
+}
+
+/// What the sum of the magnitudes of a bound's terms is at most.
+struct Magnitude(f64);
+
+impl Outline {
+    /// Makes this the outline of the shadow of a convex counterclockwise ring within `bounds` (west, south, east,
+    /// north); `false` if it has no wanted cell.
+    #[inline(always)]
+    pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], bounds: [i32; 4], reach: Reach) -> bool {
+        let (ux, uy) = (plane.uav.x, plane.uav.y);
+        let (near, far) = (reach.near.value(), reach.far.map(Ratio::value));
+        // The box of all u + s(F − u), a lattice step wider than rounding can matter.
+        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
+        let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
+        let least = |v: f64| if v < 0.0 { far.map_or(-FAR, |f| (f * v).max(-FAR)) - 1.0 } else { near * v - 1.0 };
+        let most = |v: f64| -least(-v);
+        let (south, north) = (relative(bounds[1], uy), relative(bounds[3], uy));
+        (self.south, self.north) = (least(south), most(north));
+        let (west, east) = (least(relative(bounds[0], ux)), most(relative(bounds[2], ux)));
+        let (first, last) = (plane.q[plane.rows.0], plane.q[plane.rows.1 - 1]);
+        if self.south > first || self.north < last || west > plane.east.1 || east < plane.east.0 {
+            return false;
+        }
+
+        self.west.clear();
+        self.east.clear();
+        let mut magnitude = Magnitude(0.0);
+        let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
+        let n = ring.len();
+        let mut a = from_uav(ring[n - 1]);
+        let mut edge = sub(a, from_uav(ring[n - 2]));
+        let mut was_facing = cross(edge, a) > 0;
+        for &vertex in ring {
+            let b = from_uav(vertex);
+            edge = sub(b, a);
+            let k = cross(edge, a);
+            #[expect(clippy::cast_precision_loss, reason = "rounded once, within the margin")]
+            let offset = k as f64;
+            let is_facing = k > 0;
+            if is_facing {
+                self.add(plane, edge, near * offset, &mut magnitude);
+            } else if k == 0 {
+                self.add(plane, edge, 0.0, &mut magnitude);
+            } else if let Some(far) = far {
+                self.add(plane, edge, far * offset, &mut magnitude);
+            }
+            if was_facing != is_facing {
+                // The tangent from the UAV, which keeps the footprint on its left.
+                let along = if was_facing { a } else { [-a[0], -a[1]] };
+                self.add(plane, along, 0.0, &mut magnitude);
+            }
+            was_facing = is_facing;
+            a = b;
+        }
+        self.margin = ROUNDING * (magnitude.0 + plane.origin.abs() + 1.0) + plane.unevenness;
+        self.south <= self.north
+    }
+
+    /// Adds the half-plane `cross(edge, p − u) > k`.
+    #[inline(always)]
+    fn add(&mut self, plane: &Plane, edge: [i64; 2], k: f64, magnitude: &mut Magnitude) {
+        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
+        let (ex, ey) = (edge[0] as f64, edge[1] as f64);
+        if edge[1] == 0 {
+            let bound = k / ex;
+            if edge[0] > 0 {
+                self.south = self.south.max(bound);
+            } else {
+                self.north = self.north.min(bound);
+            }
+            return;
+        }
+        let reciprocal = plane.per_step / ey;
+        let (at, per_q) = (-k * reciprocal, ex * reciprocal);
+        magnitude.0 = magnitude.0.max(at.abs() + per_q.abs() * plane.q_max);
+        let line = Line { at: at + plane.origin, per_q };
+        if edge[1] > 0 {
+            self.east.push(line);
+        } else {
+            self.west.push(line);
+        }
+    }
+
+    /// The rows that the shadow may meet, and those that surely lie between its horizontal lines.
+    #[inline(always)]
+    pub(super) fn rows(&self, plane: &Plane) -> Rows {
+        // A horizontal bound is one division of a product: well within the same margin.
+        let (north_margin, south_margin) = (ROUNDING * self.north.abs(), ROUNDING * self.south.abs());
+        let first = plane.first_row_at_or_below(self.north + north_margin);
+        let mut first_sure = first;
+        while first_sure < plane.rows.1 && plane.q[first_sure] >= self.north - north_margin {
+            first_sure += 1;
+        }
+        let end_sure = plane.first_row_at_or_below(self.south + south_margin);
+        let mut end = end_sure;
+        while end < plane.rows.1 && plane.q[end] >= self.south - south_margin {
+            end += 1;
+        }
+        Rows { maybe: (first, end), sure: (first_sure, end_sure) }
+    }
+
+    /// Columns between which all cells of rows `first` and `last` and of those between lie that the shadow may meet.
+    #[inline(always)]
+    pub(super) fn columns_between(&self, plane: &Plane, first: usize, last: usize) -> Option<(usize, usize)> {
+        let (a, b) = (plane.q[first], plane.q[last]);
+        let ends = |l: &Line| (l.at + l.per_q * a, l.at + l.per_q * b);
+        let west = self.west.iter().map(ends).fold(-FAR, |w, (a, b)| w.max(a.min(b))) - self.margin - 1.0;
+        let east = self.east.iter().map(ends).fold(FAR, |e, (a, b)| e.min(a.max(b))) + self.margin + 1.0;
+        let column = |v: f64| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, then clamped")]
+            let column = v as usize;
+            column.clamp(plane.cols.0, plane.cols.1)
+        };
+        let (west, east) = (column(west), column(east + 1.0));
+        (west < east).then_some((west, east))
+    }
+}
+
+/// Where a cell is relative to a shadow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// In the open shadow.
+    Hidden,
+    /// Outside of the closed shadow.
+    Outside,
+    /// On its boundary.
+    OnBoundary,
+}
+
+/// Where the cell at `q` from the UAV is relative to the shadow of a ring; exact.
+#[inline(always)]
+pub(super) fn place_in_shadow(uav: LatticePoint, ring: &[[i32; 2]], reach: Reach, q: [i64; 2]) -> Verdict {
+    let from_uav = |v: [i32; 2]| [i64::from(v[0]) - uav.x, i64::from(v[1]) - uav.y];
+    let n = ring.len();
+    let mut a = from_uav(ring[n - 1]);
+    let mut was_facing = cross(sub(a, from_uav(ring[n - 2])), a) > 0;
+    let mut verdict = Verdict::Hidden;
+    for &vertex in ring {
+        let b = from_uav(vertex);
+        let edge = sub(b, a);
+        let k = cross(edge, a);
+        let is_facing = k > 0;
+        let scale = if is_facing { Some(reach.near) } else { reach.far };
+        let mut sign = 1;
+        if k == 0 {
+            sign = cross(edge, q).signum();
+        } else if let Some(scale) = scale {
+            sign = sign_of_difference(cross(edge, q), scale.den, k, scale.num);
+        }
+        if was_facing != is_facing {
+            let side = cross(a, q).signum();
+            sign = sign.min(if was_facing { side } else { -side });
+        }
+        match sign {
+            -1 => return Verdict::Outside,
+            0 => verdict = Verdict::OnBoundary,
+            _ => {}
+        }
+        was_facing = is_facing;
+        a = b;
+    }
+    verdict
+}
+
+/// The sign of `a·b − c·d`.
+#[inline(always)]
+fn sign_of_difference(a: i64, b: i64, c: i64, d: i64) -> i64 {
+    #[expect(clippy::cast_precision_loss, reason = "filtered: decided in i128 where rounding could matter")]
+    let (left, right) = (a as f64 * b as f64, c as f64 * d as f64);
+    // Each product is off by less than 3·2^-53 relative.
+    if (left - right).abs() > 1e-15 * (left.abs() + right.abs()) {
+        return if left > right { 1 } else { -1 };
+    }
+    let exact = i128::from(a) * i128::from(b) - i128::from(c) * i128::from(d);
+    i64::try_from(exact.signum()).unwrap_or(0)
+}
+
+#[inline(always)]
+fn sub(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[inline(always)]
+fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
+    a[0] * b[1] - a[1] * b[0]
+}
