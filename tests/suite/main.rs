@@ -10,6 +10,7 @@ mod case_file; // reads tests/cases/*.txt
 mod agreement; // every engine against the text cases and the oracle
 mod sweep; // the bracketed sweep equals ray on every scene, at every width of vectors
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
+mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks
 

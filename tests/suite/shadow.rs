@@ -1,0 +1,465 @@
+//! `shadow` against `ray`, cell for cell: tiny scenes full of ties, generated cities, a real one; every SIMD level, any
+//! number of bands, any subset of cells.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "small numbers, and a panic is a failed test"
+)]
+
+use std::path::Path;
+
+use fearless_simd::Level;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+use skyshed::height_field::{CellKind, HeightField, Prisms};
+use skyshed::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
+use skyshed::quantity::{LatticePoint, VOID};
+use skyshed::raster::BitGrid;
+use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, read_footprints};
+
+use crate::oracle::Prism;
+use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};
+use crate::support::{Random, prisms_of, slow};
+
+/// Receivers of a scene: positions of columns and rows, and the height of each cell.
+struct Field {
+    xs: Vec<i64>,
+    ys: Vec<i64>,
+    heights: Vec<i32>,
+    wanted: BitGrid,
+}
+
+/// What a comparison has seen, so that a test can tell that it tested something.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seen {
+    wanted: u64,
+    hidden: u64,
+    asked: u64,
+}
+
+impl Seen {
+    fn plus(self, other: Seen) -> Seen {
+        Seen {
+            wanted: self.wanted + other.wanted,
+            hidden: self.hidden + other.hidden,
+            asked: self.asked + other.asked,
+        }
+    }
+
+    /// Both answers are common; `ray` is asked about fewer than one in `rarely` cells, if about any.
+    fn check(self, rarely: u64) {
+        assert!(self.hidden > self.wanted / 20 && self.hidden < self.wanted - self.wanted / 20, "{self:?}");
+        assert!(self.asked * rarely < self.wanted, "{self:?}");
+    }
+}
+
+impl Field {
+    fn height(&self, row: usize, col: usize) -> i32 {
+        self.heights[row * self.xs.len() + col]
+    }
+
+    /// The height of all receivers, if it is the same.
+    fn level(&self) -> Option<i64> {
+        let first = *self.heights.first()?;
+        self.heights.iter().all(|z| *z == first).then_some(i64::from(first))
+    }
+
+    fn cast(&self, prisms: &Prisms, uav: LatticePoint, level: Level, n_bands: usize) -> ShadowLos {
+        let grid = ShadowGrid::new(self.xs.clone(), self.ys.clone());
+        let scene = ShadowScene { prisms, grid: &grid, wanted: &self.wanted, level, n_bands };
+        match self.level() {
+            Some(z) => shadow_los(&scene, uav, z),
+            None => shadow_los_relief(&scene, uav, &|row, col| self.height(row, col)),
+        }
+    }
+
+    /// Asserts that `shadow` says of each wanted cell what `ray` says, and nothing of others.
+    fn compare(&self, prisms: &Prisms, uav: LatticePoint, context: &(impl Fn() -> String + Sync)) -> Seen {
+        let found = self.cast(prisms, uav, Level::new(), 1);
+        let hidden: u64 = (0..self.ys.len())
+            .into_par_iter()
+            .map(|row| {
+                let mut n_hidden = 0;
+                for col in 0..self.xs.len() {
+                    let is_wanted = self.wanted.contains(row, col);
+                    let z = i64::from(self.height(row, col));
+                    let receiver = LatticePoint { x: self.xs[col], y: self.ys[row], z };
+                    let is_los = is_wanted && prisms_los(prisms, uav, receiver);
+                    assert_eq!(found.los.contains(row, col), is_los, "{receiver:?} from {uav:?}: {}", context());
+                    n_hidden += u64::from(is_wanted && !is_los);
+                }
+                n_hidden
+            })
+            .sum();
+        let seen = Seen { wanted: self.wanted.count(), hidden, asked: found.asked };
+        assert_eq!(found.count, seen.wanted - hidden);
+        assert_eq!(found.count, found.los.count());
+        seen
+    }
+}
+
+/// Every set of vector instructions of this machine.
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    let lower = [
+        best.as_avx512().map(Level::Avx512),
+        best.as_avx2().map(Level::Avx2),
+        best.as_sse4_2().map(Level::Sse4_2),
+        best.as_sse2().map(Level::Sse2),
+    ];
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    let lower = [Some(Level::baseline())];
+    [Some(best)].into_iter().chain(lower).flatten().collect()
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Tiny scenes.
+
+/// Up to six footprints on the integers 0..=6: rectangles, triangles, stars, shapes with holes, rows of houses.
+fn tiny_scene(random: &mut Random) -> Vec<Prism> {
+    match random.within(0, 9) {
+        0..=3 => random_prisms(random),
+        4 => {
+            let scenes = catalogue();
+            let k = random.within(0, scenes.len() as i64 - 1) as usize;
+            scenes[k].1.clone()
+        }
+        5 => {
+            // Houses wall to wall, some of equal height.
+            let mut west = 0;
+            let mut row = Vec::new();
+            while west < 6 {
+                let east = west + random.within(1, 2);
+                let south = random.choose(&[1, 1, 2]);
+                row.push(block(west, south, east, random.choose(&[4, 4, 5]), random.choose(&[2, 2, 3])));
+                west = east;
+            }
+            row
+        }
+        6 => (0..random.within(1, 5))
+            .map(|_| loop {
+                let mut corner = || [random.within(0, 6), random.within(0, 6)];
+                let [a, b, c] = [corner(), corner(), corner()];
+                if (b[0] - a[0]) * (c[1] - a[1]) != (b[1] - a[1]) * (c[0] - a[0]) {
+                    break prism(&[a, b, c], random.within(1, 5));
+                }
+            })
+            .collect(),
+        7 => {
+            // A square cut along its diagonals, roofs alike or not.
+            let (w, e) = (random.within(0, 2), random.within(4, 6));
+            let (m, t) = ((w + e) / 2, random.within(1, 4));
+            let corners = [[w, w], [e, w], [e, e], [w, e]];
+            (0..4)
+                .map(|k| prism(&[corners[k], corners[(k + 1) % 4], [m, m]], t + i64::from(random.chance(20))))
+                .collect()
+        }
+        _ => (0..random.within(1, 3)).map(|_| prism(&star(random, 6), random.within(1, 5))).collect(),
+    }
+}
+
+/// A grid over such a scene, its cell centers on walls, half-way, or anywhere; sometimes with cells of odd size.
+fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
+    let cell = random.choose(&[1024.0, 1024.0, 512.0, 256.0, 307.2, 716.8, 333.0]);
+    let n = (9.0 * 1024.0 / cell) as usize + usize::try_from(random.within(1, 3)).unwrap();
+    let n = n.min(30);
+    let offset = random.choose(&[-1024, -512, -1536, 0, 17]) as f64;
+    let positions: Vec<i64> = (0..n).map(|k| (offset + k as f64 * cell + 0.5).floor() as i64).collect();
+    let (n_rows, n_cols) = (n - usize::try_from(random.within(0, 1)).unwrap(), n);
+    let height = |random: &mut Random| {
+        let top = prisms[random.within(0, prisms.len() as i64 - 1) as usize].top;
+        random.choose(&[0, 0, -1, 512, 1024, 1536, 2048, top, top - 1, top + 1, 7000]) as i32
+    };
+    let heights = match random.within(0, 3) {
+        0 => {
+            let choice: Vec<i32> = (0..3).map(|_| height(random)).collect();
+            (0..n_rows * n_cols).map(|_| random.choose(&choice)).collect()
+        }
+        1 => {
+            // A slope.
+            let (base, east, north) = (height(random), random.within(-40, 40) as i32, random.within(-40, 40) as i32);
+            (0..n_rows * n_cols).map(|i| base + east * (i % n_cols) as i32 + north * (i / n_cols) as i32).collect()
+        }
+        _ => vec![height(random); n_rows * n_cols],
+    };
+    let mut wanted = BitGrid::new(n_rows, n_cols);
+    let share = random.choose(&[100, 100, 60, 5]);
+    for row in 0..n_rows {
+        for col in (0..n_cols).filter(|_| random.chance(share)).collect::<Vec<_>>() {
+            wanted.insert(row, col);
+        }
+    }
+    Field { ys: positions[..n_rows].iter().rev().copied().collect(), xs: positions, heights, wanted }
+}
+
+/// A UAV where something coincides: on a vertex, along an edge, over a roof, at a roof's height, at a cell.
+fn tiny_uav(random: &mut Random, prisms: &[Prism], field: &Field) -> LatticePoint {
+    let of = &prisms[random.within(0, prisms.len() as i64 - 1) as usize];
+    let ring = &of.rings[random.within(0, of.rings.len() as i64 - 1) as usize];
+    let k = random.within(0, ring.len() as i64 - 1) as usize;
+    let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+    let along = |n: i64, d: i64| [a[0] + (b[0] - a[0]) * n / d, a[1] + (b[1] - a[1]) * n / d];
+    let [x, y] = match random.within(0, 6) {
+        0 => a,
+        1 => along(random.within(1, 3), 4),
+        2 => along(random.choose(&[-3, -2, -1, 2, 3]), 1),
+        3 => [random.choose(&field.xs), random.choose(&field.ys)],
+        4 => [random.within(-2, 8) * M, random.within(-2, 8) * M],
+        5 => [random.within(-2, 16) * M / 2, random.within(-2, 16) * M / 2],
+        _ => [random.within(-3000, 9000), random.within(-3000, 9000)],
+    };
+    let z = match random.within(0, 5) {
+        0 => of.top,
+        1 => of.top + random.choose(&[-1, 1]),
+        2 => i64::from(random.choose(&field.heights)) + random.choose(&[-1, 0, 0, 1]),
+        3 => random.within(-1, 7) * M,
+        _ => random.within(0, 40) * M / 2,
+    };
+    LatticePoint { x, y, z }
+}
+
+#[test]
+fn shadow_equals_ray_on_tiny_scenes_where_everything_coincides() {
+    let n_scenes = if slow() { 400_000_u64 } else { 24_000 };
+    let seen = (0..n_scenes)
+        .into_par_iter()
+        .map(|seed| {
+            let mut random = Random(seed);
+            let scale = random.choose(&[1024, 1024, 1024, 1000, 512]);
+            let scene = moved(&tiny_scene(&mut random), |[x, y]| [x * scale, y * scale], |top| top * 1024);
+            let prisms = prisms_of(&scene);
+            if prisms.pieces().is_empty() {
+                return Seen::default();
+            }
+            let field = tiny_field(&mut random, &scene);
+            (0..4).fold(Seen::default(), |seen, _| {
+                let uav = tiny_uav(&mut random, &scene, &field);
+                seen.plus(field.compare(&prisms, uav, &|| format!("seed {seed}, {scene:?}")))
+            })
+        })
+        .reduce(Seen::default, Seen::plus);
+    seen.check(2);
+    assert!(seen.wanted > 10_000_000, "{seen:?}");
+    assert!(seen.asked > seen.wanted / 1000, "scenes without ties: {seen:?}");
+}
+
+#[test]
+fn a_wall_shared_by_equal_roofs_hides_what_looks_along_it_and_a_gap_of_one_step_does_not() {
+    // Two houses of equal height that share part of a wall at x = 2 m, so that they are no convex union; the UAV and a
+    // column of receivers look along the wall.
+    for (gap, sees) in [(0, false), (1, true)] {
+        let houses = [
+            Prism { rings: vec![vec![[0, 0], [2 * M, 0], [2 * M, 4 * M], [0, 4 * M]]], top: 3 * M },
+            Prism {
+                rings: vec![vec![[2 * M + gap, M], [4 * M, M], [4 * M, 5 * M], [2 * M + gap, 5 * M]]],
+                top: 3 * M,
+            },
+        ];
+        let prisms = prisms_of(&houses);
+        let ys: Vec<i64> = (0..8).map(|k| -k * M / 2 - 1).collect();
+        let mut wanted = BitGrid::new(ys.len(), 1);
+        (0..ys.len()).for_each(|row| wanted.insert(row, 0));
+        let field = Field { xs: vec![2 * M], heights: vec![0; ys.len()], ys, wanted };
+        let uav = LatticePoint { x: 2 * M, y: 9 * M, z: 4 * M };
+        let seen = field.compare(&prisms, uav, &|| format!("gap {gap}"));
+        assert_eq!(seen.hidden == 0, sees, "gap {gap}: {seen:?}");
+        assert!(seen.asked > 0);
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Cities.
+
+/// The receivers of a scene, on the ground or on all cells, `rx` \[steps\] above what they stand on, on hills if asked;
+/// `share` percent of them wanted.
+fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: f64) -> Field {
+    let positions = field.positions();
+    let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+    let mut random = Random(share);
+    let mut found = Field {
+        xs: positions.prisms_xs().collect(),
+        ys: positions.prisms_ys().collect(),
+        heights: vec![rx; n_rows * n_cols],
+        wanted: BitGrid::new(n_rows, n_cols),
+    };
+    for row in 0..n_rows {
+        for col in 0..n_cols {
+            let index = row * n_cols + col;
+            let stands_on = match field.cell_kind(index, &positions.center(row, col)) {
+                CellKind::Open(z) => z,
+                CellKind::Building(z) if with_roofs => z,
+                _ => continue,
+            };
+            let hill = hills * ((row as f64 / 40.0).sin() + (col as f64 / 60.0).cos());
+            found.heights[index] = stands_on + rx + (hill * 1024.0) as i32;
+            if random.chance(share) {
+                found.wanted.insert(row, col);
+            }
+        }
+    }
+    // Cells that nobody stands on do not make a level field uneven.
+    let level = (0..n_rows * n_cols).find(|i| found.wanted.contains(i / n_cols, i % n_cols)).map(|i| found.heights[i]);
+    if let Some(level) = level.filter(|_| !with_roofs && hills == 0.0) {
+        found.heights.fill(level);
+    }
+    found
+}
+
+fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
+    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m, seed, ground_m: 0.0 };
+    let scene = city.scene().unwrap();
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+/// UAVs over a street, a crossroad, a roof and beside the city, at heights from 2 to 500 m; not inside a building.
+fn uavs_over(field: &HeightField, city: &BuiltUp) -> Vec<LatticePoint> {
+    let (street, width) = (city.street_width(), city.building_width());
+    let middle = 2.0 * city.period();
+    let places = [
+        (middle + street / 2.0, middle + street + width / 2.0),
+        (middle + street / 2.0, middle + street / 2.0),
+        (middle + street + width / 2.0, middle + street + width / 3.0),
+        (-20.0, 31.5),
+    ];
+    let mut uavs = Vec::new();
+    for (x, y) in places {
+        let place = field.place(x, y);
+        let roof = field.roof_at(&place);
+        let on_prisms = skyshed::height_field::Station { place, z: 0 }.on_prisms();
+        for height in [2, 10, 30, 100, 500] {
+            uavs.push(LatticePoint { z: i64::from(roof.unwrap_or(0).max(height * 1024)), ..on_prisms });
+        }
+    }
+    uavs
+}
+
+#[test]
+fn shadow_equals_ray_on_generated_cities() {
+    let (size, seeds) = if slow() { (400.0, 1..6) } else { (170.0, 1..2) };
+    let mut all = Seen::default();
+    for seed in seeds {
+        for name in ["suburban", "urban", "dense-urban", "high-rise"] {
+            let built_up = BuiltUp::named(name).unwrap();
+            let field = city(name, size, 1.0, seed);
+            let ground = receivers(&field, 1536, false, 100, 0.0);
+            let all_cells = receivers(&field, 1536, true, 100, 0.0);
+            let hilly = receivers(&field, 1536, true, 30, 4.0);
+            for uav in uavs_over(&field, &built_up) {
+                for (receivers, what) in [(&ground, "ground"), (&all_cells, "all"), (&hilly, "hills")] {
+                    let context = || format!("{name}, seed {seed}, {what}");
+                    all = all.plus(receivers.compare(field.prisms().unwrap(), uav, &context));
+                }
+            }
+        }
+    }
+    all.check(200);
+    assert!(all.wanted > 3_000_000, "{all:?}");
+}
+
+#[test]
+fn shadow_equals_ray_on_cells_of_odd_size() {
+    let mut all = Seen::default();
+    for (name, cell, size) in [("urban", 0.3, 60.0), ("high-rise", 0.7, 150.0), ("suburban", 2.3, 500.0)] {
+        let built_up = BuiltUp::named(name).unwrap();
+        let field = city(name, size, cell, 3);
+        let receivers = receivers(&field, 1536, false, 100, 0.0);
+        for uav in uavs_over(&field, &built_up) {
+            all = all.plus(receivers.compare(field.prisms().unwrap(), uav, &|| format!("{name} at {cell} m")));
+        }
+    }
+    all.check(20);
+    assert!(all.asked > 0);
+}
+
+fn munich(terrain: bool) -> HeightField {
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    let options = FootprintOptions {
+        height_field: "height".into(),
+        top_field: Some("z_top".into()),
+        missing: MissingHeight::Fail,
+        terrain: terrain.then(|| maps.join("munich_terrain.tif")),
+        ground_m: (!terrain).then_some(0.0),
+        extent: None,
+        cell_m: None,
+        crs: None,
+        nodata_as: NodataAs::Clear,
+        always_hash: false,
+    };
+    let scene = read_footprints(&maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+#[test]
+fn shadow_equals_ray_on_munich() {
+    let share = if slow() { 100 } else { 4 };
+    let mut all = Seen::default();
+    for terrain in [false, true] {
+        let field = munich(terrain);
+        let grid = field.grid();
+        let prisms = field.prisms().unwrap();
+        let fields = if terrain {
+            vec![receivers(&field, 1536, false, share, 6.0), receivers(&field, 1536, true, share, 0.0)]
+        } else {
+            vec![receivers(&field, 1536, false, share, 0.0)]
+        };
+        for (east, north, height) in [(0.5, 0.5, 30), (0.3, 0.6, 60), (0.7, 0.25, 120), (0.1, 0.9, 3), (0.5, 0.4, 400)] {
+            let x = grid.x_min() + east * (grid.x_max() - grid.x_min());
+            let y = grid.y_min() + north * (grid.y_max() - grid.y_min());
+            let place = field.place(x, y);
+            let roof = field.roof_at(&place).unwrap_or(VOID);
+            let z = i64::from(roof.max(height * 1024));
+            let uav = skyshed::height_field::Station { place, z }.on_prisms();
+            for receivers in &fields {
+                all = all.plus(receivers.compare(prisms, uav, &|| format!("Munich, {height} m")));
+            }
+        }
+    }
+    all.check(1000);
+    assert!(all.wanted > 300_000, "{all:?}");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// What must not matter.
+
+#[test]
+fn every_simd_level_and_any_number_of_bands_and_threads_give_the_same_bits() {
+    let levels = levels();
+    assert!(levels.len() > 1);
+    let mut n_asked = 0;
+    for (name, cell) in [("urban", 0.7), ("high-rise", 1.0)] {
+        let built_up = BuiltUp::named(name).unwrap();
+        let field = city(name, 300.0, cell, 5);
+        let prisms = field.prisms().unwrap();
+        for receivers in [receivers(&field, 1536, false, 100, 0.0), receivers(&field, 1536, true, 100, 2.0)] {
+            for uav in uavs_over(&field, &built_up).into_iter().step_by(3) {
+                let expected = receivers.cast(prisms, uav, Level::new(), 1);
+                n_asked += expected.asked;
+                for level in &levels {
+                    assert_eq!(receivers.cast(prisms, uav, *level, 1), expected, "{level:?}");
+                }
+                for n_threads in [1, 2, 7] {
+                    let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+                    let found = pool.install(|| receivers.cast(prisms, uav, Level::new(), n_threads));
+                    assert_eq!((found.los, found.count), (expected.los.clone(), expected.count), "{n_threads} threads");
+                }
+            }
+        }
+    }
+    assert!(n_asked > 0, "no cell was in doubt, so its handling was not compared");
+}
+
+#[test]
+fn nothing_wanted_nothing_found_and_without_prisms_all_is_seen() {
+    let field = city("urban", 100.0, 1.0, 1);
+    let uav = LatticePoint { x: 1024, y: 1024, z: 50 * 1024 };
+    let mut receivers = receivers(&field, 1536, false, 100, 0.0);
+    let clear = receivers.cast(&Prisms::new([]), uav, Level::new(), 3);
+    assert_eq!((clear.count, &clear.los), (receivers.wanted.count(), &receivers.wanted));
+    receivers.wanted = BitGrid::new(100, 100);
+    assert_eq!(receivers.cast(field.prisms().unwrap(), uav, Level::new(), 3).count, 0);
+    let empty = Field { xs: Vec::new(), ys: Vec::new(), heights: Vec::new(), wanted: BitGrid::new(0, 0) };
+    assert_eq!(empty.cast(field.prisms().unwrap(), uav, Level::new(), 1).count, 0);
+}
