@@ -89,6 +89,18 @@ pub(super) struct Rows {
 }
 
 impl Plane {
+    /// The wanted columns from `west` to `east`, if there are any.
+    #[inline(always)]
+    fn wanted_columns(&self, west: f64, east: f64) -> Option<(usize, usize)> {
+        let column = |v: f64| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, then clamped")]
+            let column = v as usize;
+            column.clamp(self.cols.0, self.cols.1)
+        };
+        let (west, east) = (column(west), column(east + 1.0));
+        (west < east).then_some((west, east))
+    }
+
     /// The first row at or south of `q`.
     #[inline(always)]
     fn first_row_at_or_below(&self, q: f64) -> usize {
@@ -124,6 +136,8 @@ pub(super) struct Outline {
     pub(super) margin: f64,
     south: f64,
     north: f64,
+    /// East of the UAV, of all that is hidden \[lattice steps\].
+    extent: (f64, f64),
 }
 
 /// What the sum of the magnitudes of a bound's terms is at most.
@@ -144,6 +158,7 @@ impl Outline {
         let (south, north) = (relative(bounds[1], uy), relative(bounds[3], uy));
         (self.south, self.north) = (least(south), most(north));
         let (west, east) = (least(relative(bounds[0], ux)), most(relative(bounds[2], ux)));
+        self.extent = (west, east);
         let (first, last) = (plane.q[plane.rows.0], plane.q[plane.rows.1 - 1]);
         if self.south > first || self.north < last || west > plane.east.1 || east < plane.east.0 {
             return false;
@@ -233,13 +248,15 @@ impl Outline {
         let ends = |l: &Line| (l.at + l.per_q * a, l.at + l.per_q * b);
         let west = self.west.iter().map(ends).fold(-FAR, |w, (a, b)| w.max(a.min(b))) - self.margin - 1.0;
         let east = self.east.iter().map(ends).fold(FAR, |e, (a, b)| e.min(a.max(b))) + self.margin + 1.0;
-        let column = |v: f64| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, then clamped")]
-            let column = v as usize;
-            column.clamp(plane.cols.0, plane.cols.1)
-        };
-        let (west, east) = (column(west), column(east + 1.0));
-        (west < east).then_some((west, east))
+        plane.wanted_columns(west, east)
+    }
+
+    /// Columns between which all cells lie that the shadow may meet.
+    #[inline(always)]
+    pub(super) fn columns(&self, plane: &Plane) -> Option<(usize, usize)> {
+        let column = |east: f64| east * plane.per_step + plane.origin;
+        let slack = self.margin + 1.0;
+        plane.wanted_columns(column(self.extent.0) - slack, column(self.extent.1) + slack)
     }
 }
 
