@@ -1,5 +1,5 @@
-//! The shadow of one caster: the half-planes whose intersection it is, in doubles for whole rows of cells, and in
-//! integers for one cell. The derivation is in the essay of [`super::shadow`].
+//! The shadow of one caster: the half-planes whose intersection it is, and the planes below which it hides receivers at
+//! differing heights. The derivation is in the essay of [`super::shadow`].
 
 use crate::quantity::LatticePoint;
 
@@ -17,27 +17,9 @@ const FAR: f64 = (1_u64 << 40) as f64;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
     /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof.
-    near: Ratio,
+    near: f64,
     /// Where it ends, relative to the far edges; `None` if never.
-    far: Option<Ratio>,
-}
-
-/// A quotient of heights, kept as two integers for exact comparisons.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Ratio {
-    num: i64,
-    den: i64,
-}
-
-impl Ratio {
-    const ONE: Ratio = Ratio { num: 1, den: 1 };
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
-        let quotient = self.num as f64 / self.den as f64;
-        quotient
-    }
+    far: Option<f64>,
 }
 
 impl Reach {
@@ -45,14 +27,16 @@ impl Reach {
     #[inline(always)]
     pub(super) fn new(uav_z: i64, top: i32, z: i64) -> Option<Reach> {
         let top = i64::from(top);
+        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
+        let quotient = |num: i64, den: i64| num as f64 / den as f64;
         if top <= z && top <= uav_z {
             None
         } else if top < uav_z {
-            Some(Reach { near: Ratio::ONE, far: Some(Ratio { num: uav_z - z, den: uav_z - top }) })
+            Some(Reach { near: 1.0, far: Some(quotient(uav_z - z, uav_z - top)) })
         } else if top >= z {
-            Some(Reach { near: Ratio::ONE, far: None })
+            Some(Reach { near: 1.0, far: None })
         } else {
-            Some(Reach { near: Ratio { num: z - uav_z, den: top - uav_z }, far: None })
+            Some(Reach { near: quotient(z - uav_z, top - uav_z), far: None })
         }
     }
 }
@@ -75,6 +59,10 @@ pub(super) struct Plane {
     pub(super) origin: f64,
     /// Columns to the lattice step.
     pub(super) per_step: f64,
+    /// Lattice steps to the column.
+    pub(super) step: f64,
+    /// Largest number of a column.
+    pub(super) last_column: f64,
     /// Rows to the lattice step.
     pub(super) rows_per_step: f64,
     /// How far a column may be from where the even spacing puts it \[columns\].
@@ -149,7 +137,7 @@ impl Outline {
     #[inline(always)]
     pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], bounds: [i32; 4], reach: Reach) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
-        let (near, far) = (reach.near.value(), reach.far.map(Ratio::value));
+        let (near, far) = (reach.near, reach.far);
         // The box of all u + s(F − u), a lattice step wider than rounding can matter.
         #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
         let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
@@ -260,63 +248,72 @@ impl Outline {
     }
 }
 
-/// Where a cell is relative to a shadow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Verdict {
-    /// In the open shadow.
-    Hidden,
-    /// Outside of the closed shadow.
-    Outside,
-    /// On its boundary.
-    OnBoundary,
+/// A plane of heights over the grid: `at + per_col · column + per_q · q` \[lattice steps\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slope {
+    pub(super) at: f64,
+    pub(super) per_col: f64,
+    pub(super) per_q: f64,
 }
 
-/// Where the cell at `q` from the UAV is relative to the shadow of a ring; exact.
-#[inline(always)]
-pub(super) fn place_in_shadow(uav: LatticePoint, ring: &[[i32; 2]], reach: Reach, q: [i64; 2]) -> Verdict {
-    let from_uav = |v: [i32; 2]| [i64::from(v[0]) - uav.x, i64::from(v[1]) - uav.y];
-    let n = ring.len();
-    let mut a = from_uav(ring[n - 1]);
-    let mut was_facing = cross(sub(a, from_uav(ring[n - 2])), a) > 0;
-    let mut verdict = Verdict::Hidden;
-    for &vertex in ring {
-        let b = from_uav(vertex);
-        let edge = sub(b, a);
-        let k = cross(edge, a);
-        let is_facing = k > 0;
-        let scale = if is_facing { Some(reach.near) } else { reach.far };
-        let mut sign = 1;
-        if k == 0 {
-            sign = cross(edge, q).signum();
-        } else if let Some(scale) = scale {
-            sign = sign_of_difference(cross(edge, q), scale.den, k, scale.num);
-        }
-        if was_facing != is_facing {
-            let side = cross(a, q).signum();
-            sign = sign.min(if was_facing { side } else { -side });
-        }
-        match sign {
-            -1 => return Verdict::Outside,
-            0 => verdict = Verdict::OnBoundary,
-            _ => {}
-        }
-        was_facing = is_facing;
-        a = b;
-    }
-    verdict
+/// The ceiling of one prism: within its cone, behind its near edges, it hides the receivers below all these planes.
+#[derive(Debug, Default)]
+pub(super) struct Ceiling {
+    /// Planes through the UAV and one upper edge each: the far ones of a roof below the UAV, else the near ones.
+    pub(super) slopes: Vec<Slope>,
+    /// Receivers at this height or above are seen in any case \[lattice steps\].
+    pub(super) cap: f64,
+    /// Receivers nearer to a plane than this are in doubt \[lattice steps\].
+    pub(super) margin: f64,
 }
 
-/// The sign of `a·b − c·d`.
-#[inline(always)]
-fn sign_of_difference(a: i64, b: i64, c: i64, d: i64) -> i64 {
-    #[expect(clippy::cast_precision_loss, reason = "filtered: decided in i128 where rounding could matter")]
-    let (left, right) = (a as f64 * b as f64, c as f64 * d as f64);
-    // Each product is off by less than 3·2^-53 relative.
-    if (left - right).abs() > 1e-15 * (left.abs() + right.abs()) {
-        return if left > right { 1 } else { -1 };
+impl Ceiling {
+    /// Makes this the ceiling of a convex counterclockwise ring with its roof at `top`.
+    #[inline(always)]
+    pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], top: i32) {
+        let (ux, uy) = (plane.uav.x, plane.uav.y);
+        let rise = i64::from(top) - plane.uav.z;
+        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
+        let (rise_steps, uav_z) = (rise as f64, plane.uav.z as f64);
+        self.cap = if rise > 0 { f64::INFINITY } else { f64::from(top) };
+        self.slopes.clear();
+        let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
+        let mut a = from_uav(ring[ring.len() - 1]);
+        let mut magnitude = 0.0_f64;
+        let mut steepest = 0.0_f64;
+        for &vertex in ring {
+            let b = from_uav(vertex);
+            let edge = sub(b, a);
+            let k = cross(edge, a);
+            if (rise < 0 && k < 0) || (rise >= 0 && k > 0) {
+                #[expect(clippy::cast_precision_loss, reason = "rounded once, within the margin")]
+                let (ex, ey, k) = (edge[0] as f64, edge[1] as f64, k as f64);
+                let slope = rise_steps / k;
+                let (per_q, per_col) = (ex * slope, -(ey * plane.step) * slope);
+                self.slopes.push(Slope { at: uav_z - per_col * plane.origin, per_col, per_q });
+                let columns = plane.origin.abs() + plane.last_column;
+                magnitude = magnitude.max(per_q.abs() * plane.q_max + per_col.abs() * columns);
+                steepest = steepest.max(per_col.abs());
+            }
+            a = b;
+        }
+        self.margin = ROUNDING * (magnitude + uav_z.abs() + 1.0) + steepest * plane.unevenness;
     }
-    let exact = i128::from(a) * i128::from(b) - i128::from(c) * i128::from(d);
-    i64::try_from(exact.signum()).unwrap_or(0)
+
+    /// Bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns from `cols.0` to `cols.1`.
+    ///
+    /// The least of several planes is concave, so over a rectangle it is lowest at a corner.
+    #[inline(always)]
+    pub(super) fn range(&self, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
+        let (mut low, mut high) = (self.cap, self.cap);
+        for s in &self.slopes {
+            let (a, b) = (s.at + s.per_q * q.0, s.at + s.per_q * q.1);
+            let (c, d) = (s.per_col * cols.0, s.per_col * cols.1);
+            low = low.min(a.min(b) + c.min(d));
+            high = high.min(a.max(b) + c.max(d));
+        }
+        (low - self.margin, high + self.margin)
+    }
 }
 
 #[inline(always)]
