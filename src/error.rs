@@ -10,7 +10,7 @@
 //! | codes | about |
 //! |---|---|
 //! | E101–E109 | words of the command line, sites and receivers as typed, outputs that cannot be written as asked |
-//! | E110–E117 | generated cities, numbers out of range, flags without meaning for the scene |
+//! | E110–E119 | generated cities, numbers out of range, flags without meaning for the scene |
 //! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |

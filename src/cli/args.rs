@@ -147,6 +147,9 @@ pub(super) struct EngineArgs {
     /// Engine
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) method: Method,
+    /// Most memory that the run may take, such as 800M or 4G; default: what the machine has left
+    #[arg(long, value_name = "SIZE", value_parser = memory_size)]
+    pub(super) max_memory: Option<u64>,
 }
 
 /// Where results go and how much is said.
@@ -173,6 +176,10 @@ pub(super) enum Method {
     Auto,
     /// One exact ray per receiver
     Ray,
+    /// Bracketed sweep over the cells of a raster; exact
+    Sweep,
+    /// Projected shadows of footprints; exact
+    Shadow,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -318,6 +325,28 @@ fn number(text: &str) -> Result<f64, String> {
 fn range(text: &str) -> Result<[f64; 3], String> {
     let numbers: Result<Vec<f64>, String> = text.split(':').map(number).collect();
     <[f64; 3]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted A:B:S", n.len()))
+}
+
+/// A number of bytes: `800M`, `4G`, `1.5GiB`, or bytes alone.
+fn memory_size(text: &str) -> Result<u64, String> {
+    let wrong = || format!("found `{text}`, wanted a size such as 800M or 4G");
+    let upper = text.trim().to_ascii_uppercase();
+    let digits = upper.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &upper[digits.len()..] {
+        "" | "B" => 1.0,
+        "K" | "KB" | "KIB" => 1024.0,
+        "M" | "MB" | "MIB" => 1_048_576.0,
+        "G" | "GB" | "GIB" => 1_073_741_824.0,
+        "T" | "TB" | "TIB" => 1_099_511_627_776.0,
+        _ => return Err(wrong()),
+    };
+    let number = number(digits).map_err(|_| wrong())?;
+    if number <= 0.0 {
+        return Err(wrong());
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive; saturates")]
+    let bytes = (number * unit) as u64;
+    Ok(bytes)
 }
 
 fn extent(text: &str) -> Result<[f64; 4], String> {

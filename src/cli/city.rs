@@ -41,7 +41,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let Scene { name, grid, solids, built_up, sources, attribution } = scene;
-    check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
+    check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
         command,

@@ -29,7 +29,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, .. } => footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect(),
         Solids::Raster { .. } => Vec::new(),
     };
-    check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
+    check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
 

@@ -32,7 +32,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
             bare: false,
         },
     )?;
-    let scene = ready(&args.scene)?;
+    let scene = ready(&args.scene, args.engine.max_memory)?;
     check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
     let uav = Uav::place(&site, &scene.field, Some(reach))?;

@@ -6,20 +6,21 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs, Method, ReceiversArg, TifLayoutArg};
 use super::height_curve::CurvePlan;
 use super::plan::{
-    Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready, receiver_height,
-    refuse_words_without_picture, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, memory_words, meters_per_unit, parse_uav,
+    ready, receiver_height, refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::words::{pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
-    Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav, count_layer, map_site, union_mask,
+    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, Receivers, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_layers, check_outputs, encode_map};
+use crate::los::{Method as LosMethod, MethodChoice};
 use crate::quantity::tidy;
-use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
+use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
-use crate::report::{MapReport, SiteFacts, Timing, digest};
+use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest};
 use crate::scene::{Site, read_sites};
 
 /// Formats of `skyshed map`.
@@ -65,7 +66,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     let layers = layers(&args.layers);
 
-    let mut scene = ready(&args.scene)?;
+    let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
     if args.bare {
         check_bare_names(&sites, &outputs, args.out.overwrite)?;
@@ -94,34 +95,78 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             ceiling: layers.contains(&Layer::Ceiling),
             least_height: layers.contains(&Layer::LeastHeight),
         },
-    };
-    let method = match args.engine.method {
-        Method::Auto | Method::Ray => "ray",
+        method: match args.engine.method {
+            Method::Auto => MethodChoice::Auto,
+            Method::Ray => MethodChoice::Ray,
+            Method::Sweep => MethodChoice::Sweep,
+            Method::Shadow => MethodChoice::Shadow,
+        },
     };
 
+    // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
+    let keeps_masks = uavs.len() == 1
+        || args.bare
+        || curve_plan.is_wanted()
+        || outputs.iter().any(|(_, f)| matches!(f, Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz));
     let n_measures =
         [Layer::Margin, Layer::Ceiling, Layer::LeastHeight].iter().filter(|layer| layers.contains(layer)).count();
-    let bytes_per_cell = uavs.len().saturating_mul(1 + 4 * n_measures).saturating_add(curve_plan.bytes_per_cell());
-    check_memory(&args.scene.scene, scene.field.grid(), bytes_per_cell)?;
+    let n_held = if keeps_masks { uavs.len() } else { uavs.len().min(maps_at_once()) };
+    let bytes_per_cell = n_held
+        .saturating_mul(1 + 4 * n_measures)
+        .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
+        .saturating_add(curve_plan.bytes_per_cell());
+    let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
+    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
+    let mapper = Mapper::new(&scene.field, &options)?;
+    if !args.out.quiet {
+        let expected = Expected::of(&mapper, scene.field.grid(), uavs.len(), n_measures, bytes_per_cell);
+        expected.say_if_large();
+    }
     let control = Control::default();
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
-    let coverages: Vec<SiteCoverage> = messages::with_progress(&control, total, args.out.quiet, || {
-        uavs.iter().map(|uav| map_site(&scene.field, uav, &options, &control)).collect::<Result<_>>()
+    let mut digest = MaskDigest::new(scene.field.grid());
+    let ManyMaps { sites: coverages, overlay } = messages::with_progress(&control, total, args.out.quiet, || {
+        mapper.map_many(&uavs, keeps_masks, &control, |site| digest.add(&site.mask))
     })?;
+    let (method, why) = mapper.method();
+    drop(mapper);
     scene.timing.los = before_los.elapsed().as_secs_f64();
 
     for site in coverages.iter().filter(|s| s.tally.receivers == 0) {
         let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
         scene.warnings.push(Warning::new(202, text));
     }
-    let report = report(args, &scene, &coverages, command, method, radius_m);
+    let report = MapReport {
+        facts: scene.facts(command, method.name()),
+        rx_height_m: args.rx_height,
+        receivers: match args.receivers {
+            ReceiversArg::Ground => "ground",
+            ReceiversArg::Roof => "roof",
+            ReceiversArg::All => "all",
+        },
+        radius_m,
+        sites: coverages.iter().map(SiteFacts::of).collect(),
+        union: match (&overlay, coverages.as_slice()) {
+            (None, [only]) => only.tally,
+            (overlay, _) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),
+        },
+        digest: digest.finish(),
+    };
     let curves = curve_plan.make(args, &scene, &coverages, &report)?;
     let before_write = Instant::now();
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
-    let job = Writer { args, scene: &scene, coverages: &coverages, layers: &layers, report: &report, timing };
+    let job = Writer {
+        args,
+        scene: &scene,
+        coverages: &coverages,
+        overlay: overlay.as_ref(),
+        layers: &layers,
+        report: &report,
+        timing,
+    };
     for (path, format) in &outputs {
         for (file, bytes) in job.encode(path, *format)? {
             interrupt::check()?;
@@ -142,7 +187,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
 
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
-        say_results(&report, scene.timing, &outputs);
+        say_results(&report, why, scene.timing, &outputs);
         curves.iter().for_each(|c| c.say(curve_plan.outputs()));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
@@ -204,31 +249,40 @@ fn check_bare_names(sites: &[Site], outputs: &[(PathBuf, Format)], overwrite: bo
     Ok(())
 }
 
-fn report(
-    args: &MapArgs,
-    scene: &Ready,
-    coverages: &[SiteCoverage],
-    command: Vec<String>,
-    method: &'static str,
-    radius_m: Option<f64>,
-) -> MapReport {
-    let masks: Vec<&[u8]> = coverages.iter().map(|s| s.mask.as_slice()).collect();
-    let union = match coverages {
-        [only] => only.tally,
-        _ => Tally::of_mask(&union_mask(&masks)),
-    };
-    MapReport {
-        facts: scene.facts(command, method),
-        rx_height_m: args.rx_height,
-        receivers: match args.receivers {
-            ReceiversArg::Ground => "ground",
-            ReceiversArg::Roof => "roof",
-            ReceiversArg::All => "all",
-        },
-        radius_m,
-        sites: coverages.iter().map(SiteFacts::of).collect(),
-        union,
-        digest: digest(scene.field.grid(), masks.into_iter()),
+/// What all masks laid over each other take.
+const OVERLAY_BYTES_PER_CELL: usize = 5;
+
+/// What a run will take, as far as can be told before it.
+struct Expected {
+    bytes: u64,
+    seconds: f64,
+}
+
+impl Expected {
+    fn of(mapper: &Mapper<'_>, grid: &GeoRef, n_uavs: usize, n_measures: usize, bytes_per_cell: usize) -> Self {
+        // Nanoseconds per cell on one core of a machine of 2023, for a map and for each layer of heights.
+        let (map, layer) = match mapper.method().0 {
+            LosMethod::Ray | LosMethod::ShadowRay => (150.0, 600.0),
+            LosMethod::Sweep | LosMethod::ShadowSweep => (6.0, 600.0),
+            LosMethod::Shadow => (2.0, 300.0),
+        };
+        let n_cells = grid.n_cells();
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let work = n_cells as f64 * n_uavs as f64 / rayon::current_num_threads() as f64;
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let seconds = work * (map + layer * n_measures as f64) * 1e-9;
+        Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
+    }
+
+    /// Says so before a run that takes longer, or more memory, than one would want to find out.
+    fn say_if_large(&self) {
+        if self.seconds >= 5.0 || self.bytes >= 1 << 30 {
+            messages::note(&format!(
+                "expect about {} of memory and {:.0} s for the line of sight",
+                memory_words(self.bytes),
+                self.seconds.max(1.0)
+            ));
+        }
     }
 }
 
@@ -237,6 +291,8 @@ struct Writer<'a> {
     args: &'a MapArgs,
     scene: &'a Ready,
     coverages: &'a [SiteCoverage],
+    /// All masks together, for more than one UAV.
+    overlay: Option<&'a Overlay>,
     layers: &'a [Layer],
     report: &'a MapReport,
     timing: Timing,
@@ -302,11 +358,10 @@ impl Writer<'_> {
         let all = document(self.report);
         let provenance = [software(), ("skyshed".to_string(), all.clone())];
         let mut files = Vec::new();
-        let [only] = self.coverages else {
-            let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
-            let n_sites = u32::try_from(masks.len()).unwrap_or(u32::MAX);
-            let (count, union) = (count_layer(&masks), union_mask(&masks));
-            let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), &count, &union, n_sites, &provenance);
+        let (None, [only]) = (self.overlay, self.coverages) else {
+            let n_sites = u32::try_from(self.coverages.len()).unwrap_or(u32::MAX);
+            let (count, union) = self.overlay.map_or((&[][..], &[][..]), |o| (o.count(), o.union()));
+            let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), count, union, n_sites, &provenance);
             files.push((path.to_path_buf(), png.map_err(undrawable)?));
             files.extend(beside(path, &all));
             for (site, facts) in self.coverages.iter().zip(&self.report.sites) {
@@ -348,17 +403,16 @@ impl Writer<'_> {
         let window = self.window_in_range();
         let cropped = |values: Vec<f32>| crop(&values, grid.n_cols(), window);
         let surface = cropped(self.scene.field.above_ground_m());
-        let masks: Vec<&[u8]> = self.coverages.iter().map(|s| s.mask.as_slice()).collect();
         let (union, count, only);
-        let layer = match self.coverages {
-            [site] => {
+        let layer = match (self.overlay, self.coverages) {
+            (None, [site]) => {
                 only = self.cropped(site, window);
                 self.single_layer(&only)
             }
-            _ => {
-                union = crop(&union_mask(&masks), grid.n_cols(), window);
-                count = crop(&count_layer(&masks), grid.n_cols(), window);
-                let n_sites = u32::try_from(masks.len()).unwrap_or(u32::MAX);
+            (overlay, sites) => {
+                union = crop(overlay.map_or(&[], Overlay::union), grid.n_cols(), window);
+                count = crop(overlay.map_or(&[], Overlay::count), grid.n_cols(), window);
+                let n_sites = u32::try_from(sites.len()).unwrap_or(u32::MAX);
                 render::Layer::Count { count: &count, mask: &union, n_sites }
             }
         };
@@ -526,7 +580,7 @@ fn height_words(site: &SiteFacts) -> String {
     }
 }
 
-fn say_results(report: &MapReport, timing: Timing, outputs: &[(PathBuf, Format)]) {
+fn say_results(report: &MapReport, why: &str, timing: Timing, outputs: &[(PathBuf, Format)]) {
     for site in &report.sites {
         let share = site.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
         messages::note(&format!(
@@ -538,7 +592,7 @@ fn say_results(report: &MapReport, timing: Timing, outputs: &[(PathBuf, Format)]
         outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
     let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
     messages::note(&format!(
-        "method {} (exact): line of sight {:.2} s of {:.2} s{wrote}",
+        "method {} (exact; {why}): line of sight {:.3} s of {:.2} s{wrote}",
         report.facts.method, timing.los, timing.total
     ));
 }

@@ -108,26 +108,41 @@ fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Resul
     }
 }
 
-/// Refuses a grid that does not fit in memory, before anything of its size is made.
-pub(super) fn check_memory(name: &str, grid: &GeoRef, bytes_per_cell: usize) -> Result<()> {
+/// Refuses work that does not fit in memory, before anything of its size is made: `more` bytes per cell beside the `held`
+/// ones, all together within `most`.
+pub(super) fn check_memory(name: &str, grid: &GeoRef, (held, more): (usize, usize), most: Option<u64>) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
-    let bytes = grid.n_cells().saturating_mul(bytes_per_cell);
-    let too_much = available_memory().is_some_and(|available| bytes as u64 > available);
-    if too_much || probe.try_reserve_exact(bytes).is_err() {
-        return Err(Error::limit(
-            501,
-            format!(
-                "cannot map {name}: {}×{} cells need at least {:.1} GiB of memory, more than there is",
-                grid.n_cols(),
-                grid.n_rows(),
-                bytes as f64 / f64::powi(2.0, 30)
-            ),
-        )
-        .with_hint("choose larger cells, a smaller extent, or fewer sites and layers"));
+    let more = grid.n_cells().saturating_mul(more);
+    let bytes = grid.n_cells().saturating_mul(held).saturating_add(more);
+    let refuse = |limit: String| {
+        let text = format!(
+            "cannot map {name}: {}×{} cells need at least {} of memory, {limit}",
+            grid.n_cols(),
+            grid.n_rows(),
+            memory_words(bytes as u64)
+        );
+        Err(Error::limit(501, text).with_hint("choose larger cells, a smaller extent, or fewer sites and layers"))
+    };
+    match most {
+        Some(most) if bytes as u64 > most => {
+            return refuse(format!("more than the {} that `--max-memory` allows", memory_words(most)));
+        }
+        _ => {}
+    }
+    let too_much = available_memory().is_some_and(|available| more as u64 > available);
+    if too_much || probe.try_reserve_exact(more).is_err() {
+        return refuse("more than there is".into());
     }
     // What is looked at cannot be optimized away.
     std::hint::black_box(&mut probe);
     Ok(())
+}
+
+/// A number of bytes for reading.
+pub(super) fn memory_words(bytes: u64) -> String {
+    #[expect(clippy::cast_precision_loss, reason = "told to one decimal")]
+    let mebibytes = bytes as f64 / f64::powi(2.0, 20);
+    if mebibytes < 1000.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
 }
 
 /// Memory that the system can still give \[bytes\], where it says so: an allocator may promise more than there is.
@@ -142,13 +157,15 @@ fn available_memory() -> Option<u64> {
 pub(super) const FIELD_BYTES_PER_CELL: usize = 8;
 
 /// Reads a scene and builds its height field.
-pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
+///
+/// `most` is the memory that the run may take, if that is limited.
+pub(super) fn ready(args: &SceneArgs, most: Option<u64>) -> Result<Ready> {
     let start = Instant::now();
     let mut warnings = Vec::new();
     let scene = read_scene(args, &mut warnings)?;
     let read = start.elapsed().as_secs_f64();
     let Scene { name, grid, solids, built_up, sources, attribution } = scene;
-    check_memory(&args.scene, &grid, FIELD_BYTES_PER_CELL)?;
+    check_memory(&args.scene, &grid, (0, FIELD_BYTES_PER_CELL), most)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);

@@ -1,5 +1,7 @@
 //! Layers over several UAVs: how many see a cell, which ones, and whether any does.
 
+use rayon::prelude::*;
+
 use super::class;
 
 /// Number of UAVs that see each cell. Cells that are a receiver of none are 0.
@@ -19,18 +21,55 @@ pub fn which_layer(masks: &[&[u8]]) -> Vec<Vec<u32>> {
     masks.chunks(32).map(word).collect()
 }
 
-/// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is a receiver of one, not a receiver if it is in
-/// range of one, out of range if it has a height, else nodata.
-pub fn union_mask(masks: &[&[u8]]) -> Vec<u8> {
-    let rank = |c: u8| match c {
+/// The masks of many UAVs laid over each other one by one, so that none need be kept.
+#[derive(Debug, Clone)]
+pub struct Overlay {
+    union: Vec<u8>,
+    count: Vec<u32>,
+}
+
+impl Overlay {
+    /// Nothing seen by anyone.
+    pub fn new(n_cells: usize) -> Self {
+        Overlay { union: vec![class::NODATA; n_cells], count: vec![0; n_cells] }
+    }
+
+    /// Adds the mask of one UAV.
+    pub fn add(&mut self, mask: &[u8]) {
+        // Parts that are long enough to be worth a thread.
+        const PART: usize = 1 << 16;
+        let parts = self.union.par_chunks_mut(PART).zip(self.count.par_chunks_mut(PART)).zip(mask.par_chunks(PART));
+        parts.for_each(|((union, count), mask)| {
+            for ((union, count), class) in union.iter_mut().zip(count).zip(mask) {
+                *count += u32::from(*class == class::LOS);
+                if rank(*class) < rank(*union) {
+                    *union = *class;
+                }
+            }
+        });
+    }
+
+    /// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is a receiver of one, not a receiver if it is in
+    /// range of one, out of range if it has a height, else nodata.
+    pub fn union(&self) -> &[u8] {
+        &self.union
+    }
+
+    /// Number of UAVs that see each cell.
+    pub fn count(&self) -> &[u32] {
+        &self.count
+    }
+}
+
+/// Which class of a cell wins, the lowest first.
+fn rank(class: u8) -> u8 {
+    match class {
         class::LOS => 0,
         class::NLOS => 1,
         class::NOT_A_RECEIVER => 2,
         class::OUT_OF_RANGE => 3,
         _ => 4,
-    };
-    let n_cells = masks.first().map_or(0, |m| m.len());
-    (0..n_cells).map(|i| masks.iter().map(|m| m[i]).min_by_key(|c| rank(*c)).unwrap_or(class::NODATA)).collect()
+    }
 }
 
 #[cfg(test)]
@@ -42,6 +81,9 @@ mod tests {
         let masks: [&[u8]; 3] = [&[1, 0, 2, 3, 255], &[1, 1, 2, 0, 255], &[0, 0, 2, 3, 255]];
         assert_eq!(count_layer(&masks), [2, 1, 0, 0, 0]);
         assert_eq!(which_layer(&masks), [[0b11, 0b10, 0, 0, 0]]);
-        assert_eq!(union_mask(&masks), [1, 1, 2, 0, 255]);
+        let mut overlay = Overlay::new(5);
+        masks.iter().for_each(|mask| overlay.add(mask));
+        assert_eq!(overlay.union(), [1, 1, 2, 0, 255]);
+        assert_eq!(overlay.count(), count_layer(&masks));
     }
 }

@@ -1,14 +1,18 @@
-//! One map: every receiver of the grid against one UAV.
+//! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Tally, Uav, class};
+use super::cell_classes::{RowSets, write_classes};
+use super::elevation::RowElevations;
+use super::range::Range;
+use super::{Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
-use crate::height_field::{CellKind, HeightField, Station};
-use crate::los::{link_ceilings, link_least_heights, link_los};
+use crate::height_field::{GridPositions, HeightField, Place, Station};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
+use crate::raster::{BitGrid, set_bits};
 
 /// Which cells hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,6 +39,8 @@ pub struct MapOptions {
     pub meters_per_unit: f64,
     /// Which layers of heights to make.
     pub layers: HeightLayers,
+    /// Which engine decides; all are exact.
+    pub method: MethodChoice,
 }
 
 impl Default for MapOptions {
@@ -46,6 +52,7 @@ impl Default for MapOptions {
             radius: None,
             meters_per_unit: 1.0,
             layers: HeightLayers::default(),
+            method: MethodChoice::Auto,
         }
     }
 }
@@ -88,67 +95,165 @@ pub struct Control {
     pub stop: AtomicBool,
 }
 
-/// Maps what one UAV sees.
-///
-/// Cost: one ray per receiver, shared by all threads of the current pool.
+/// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
 ///
 /// # Errors
-/// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+/// As those two.
 pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &Control) -> Result<SiteCoverage> {
-    let grid = field.grid();
-    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-    let positions = field.positions();
-    let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
-    let mut mask = vec![class::NODATA; grid.n_cells()];
-    let mut margin = layer(options.layers.margin);
-    let mut ceiling = layer(options.layers.ceiling);
-    let mut least_height = layer(options.layers.least_height);
-    let cell = CellJob::new(field, uav, options);
+    Mapper::new(field, options)?.map(uav, control)
+}
 
-    let rows: Vec<Row<'_>> = split(&mut mask, n_rows, n_cols)
-        .zip(split(&mut margin, n_rows, n_cols))
-        .zip(split(&mut ceiling, n_rows, n_cols))
-        .zip(split(&mut least_height, n_rows, n_cols))
-        .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
-        .collect();
-    let tallies: Vec<Tally> = rows
-        .into_par_iter()
-        .enumerate()
-        .map(|(row, out)| {
-            let mut tally = Tally::default();
-            if control.stop.load(Ordering::Relaxed) {
-                return tally;
-            }
-            for col in 0..n_cols {
-                let found = cell.decide(row * n_cols + col, positions.center(row, col));
-                out.mask[col] = found.class;
-                if let Some(v) = out.margin.get_mut(col) {
-                    *v = found.margin;
-                }
-                if let Some(v) = out.ceiling.get_mut(col) {
-                    *v = found.ceiling;
-                }
-                if let Some(v) = out.least_height.get_mut(col) {
-                    *v = found.least_height;
-                }
-                tally.add(found.class, found.rise, found.distance);
-            }
-            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-            tally
-        })
-        .collect();
-    if control.stop.load(Ordering::Relaxed) {
-        return Err(Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
+/// A scene and options made ready for any number of UAVs.
+#[derive(Debug)]
+pub struct Mapper<'a> {
+    field: &'a HeightField,
+    options: &'a MapOptions,
+    engine: GridLos<'a>,
+    why: &'static str,
+    /// Receivers on the ground, on roofs, or both.
+    receivers: Vec<GridReceivers<'a>>,
+    /// World x of the columns of cells, whole words of them \[CRS units\].
+    xs: Vec<f64>,
+}
+
+impl<'a> Mapper<'a> {
+    /// Makes ready what does not depend on the UAV.
+    ///
+    /// # Errors
+    /// E118 if the options ask for an engine that cannot decide this scene.
+    pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
+        let (method, why) = Method::choose(field, options.method).map_err(|wrong| {
+            Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
+                .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
+        })?;
+        let cells = field.cells();
+        let ground = || GridReceivers::new(cells.open.clone(), field.ground_of_cells(), options.rx_height);
+        let roof = || GridReceivers::new(cells.building.clone(), field.roof_of_cells(), options.rx_height);
+        let receivers = match options.receivers {
+            Receivers::Ground => vec![ground()],
+            Receivers::Roof => vec![roof()],
+            Receivers::All => vec![ground(), roof()],
+        };
+        let n_cols = field.grid().n_cols();
+        let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
+        xs.resize(n_cols.div_ceil(64) * 64, 0.0);
+        Ok(Mapper { field, options, engine: GridLos::new(field, method), why, receivers, xs })
     }
-    let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
-    Ok(SiteCoverage {
-        uav: uav.clone(),
-        tally: tallies.iter().fold(Tally::default(), |sum, t| sum.plus(t)),
-        mask,
-        margin: some(options.layers.margin, margin),
-        ceiling: some(options.layers.ceiling, ceiling),
-        least_height: some(options.layers.least_height, least_height),
-    })
+
+    /// The engine that decides, and why it was chosen.
+    pub fn method(&self) -> (Method, &'static str) {
+        (self.engine.method(), self.why)
+    }
+
+    /// Number of cells of the grid.
+    pub(super) fn n_cells(&self) -> usize {
+        self.field.grid().n_cells()
+    }
+
+    /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
+    /// without a mask.
+    pub fn count(&self, uav: &Uav) -> (u64, u64) {
+        let range = Range::of(self.field.grid(), uav, self.options.radius);
+        self.receivers.iter().fold((0, 0), |sum, receivers| {
+            let (wanted, los) = self.decide(uav, receivers, &range);
+            (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
+        })
+    }
+
+    /// The receivers in range, where not all are, and those in line of sight.
+    fn decide(&self, uav: &Uav, receivers: &GridReceivers<'_>, range: &Range) -> (Option<BitGrid>, BitGrid) {
+        let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
+        let los = {
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
+            self.engine.los(&uav.station, receivers, wanted, range.window())
+        };
+        (wanted, los)
+    }
+
+    /// Maps what a UAV sees.
+    ///
+    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for the layers of heights. Shared
+    /// by all threads of the current pool.
+    ///
+    /// # Errors
+    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
+        let grid = self.field.grid();
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        let range = Range::of(grid, uav, self.options.radius);
+        let decided: Vec<(Option<BitGrid>, BitGrid)> = self
+            .receivers
+            .iter()
+            .map(|receivers| {
+                if control.stop.load(Ordering::Relaxed) {
+                    return (None, BitGrid::new(n_rows, n_cols));
+                }
+                self.decide(uav, receivers, &range)
+            })
+            .collect();
+
+        let layers = self.options.layers;
+        let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
+        let mut mask = vec![0; grid.n_cells()];
+        let mut margin = layer(layers.margin);
+        let mut ceiling = layer(layers.ceiling);
+        let mut least_height = layer(layers.least_height);
+        let heights = CellHeights::new(self.field, uav, self.options);
+        let rows: Vec<Row<'_>> = split(&mut mask, n_rows, n_cols)
+            .zip(split(&mut margin, n_rows, n_cols))
+            .zip(split(&mut ceiling, n_rows, n_cols))
+            .zip(split(&mut least_height, n_rows, n_cols))
+            .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
+            .collect();
+        let tally = rows
+            .into_par_iter()
+            .enumerate()
+            .map(|(row, mut out)| {
+                let mut tally = Tally::default();
+                if control.stop.load(Ordering::Relaxed) {
+                    return tally;
+                }
+                let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
+                for (receivers, (wanted, los)) in self.receivers.iter().zip(&decided) {
+                    let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
+                    sets.add(wanted, los.row(row));
+                    tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
+                    if layers != HeightLayers::default() {
+                        heights.fill(&mut out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
+                    }
+                }
+                tally.add_others(&sets, n_cols);
+                write_classes(&sets, out.mask);
+                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+                tally
+            })
+            .reduce(Tally::default, |a, b| a.plus(&b));
+        if control.stop.load(Ordering::Relaxed) {
+            return Err(Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
+        }
+        let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
+        Ok(SiteCoverage {
+            uav: uav.clone(),
+            tally,
+            mask,
+            margin: some(layers.margin, margin),
+            ceiling: some(layers.ceiling, ceiling),
+            least_height: some(layers.least_height, least_height),
+        })
+    }
+
+    fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {
+        let grid = self.field.grid();
+        RowElevations {
+            xs: &self.xs,
+            n_cols: grid.n_cols(),
+            uav: (uav.station.place.x, uav.station.place.y, uav.station.z),
+            y: grid.world_from_cell(row, 0).1,
+            meters_per_unit: self.options.meters_per_unit,
+            receivers,
+            first_cell: row * grid.n_cols(),
+        }
+    }
 }
 
 /// One row of every output; rows of layers that are not wanted are empty.
@@ -170,91 +275,68 @@ fn split<T>(cells: &mut [T], n_rows: usize, n_cols: usize) -> impl Iterator<Item
     })
 }
 
-/// What is the same for all cells of a map.
-struct CellJob<'a> {
+/// The layers of heights, cell by cell.
+struct CellHeights<'a> {
     field: &'a HeightField,
     uav: &'a Uav,
-    options: &'a MapOptions,
+    layers: HeightLayers,
     /// Lowest height that a UAV may have at its place \[1/1024 m\].
     surface_under_uav: i32,
 }
 
-/// What was found at one cell.
-struct Found {
-    class: u8,
-    margin: f32,
-    ceiling: f32,
-    least_height: f32,
-    /// Height of the UAV above the receiver \[m\].
-    rise: f64,
-    /// Horizontal distance \[m\].
-    distance: f64,
+impl<'a> CellHeights<'a> {
+    fn new(field: &'a HeightField, uav: &'a Uav, options: &MapOptions) -> Self {
+        CellHeights {
+            field,
+            uav,
+            layers: options.layers,
+            surface_under_uav: lowest_uav_surface(field, &uav.station.place),
+        }
+    }
+
+    /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight.
+    fn fill(
+        &self,
+        out: &mut Row<'_>,
+        positions: &GridPositions,
+        receivers: &GridReceivers<'_>,
+        row: usize,
+        (wanted, los): (&[u64], &[u64]),
+    ) {
+        let first = row * self.field.grid().n_cols();
+        for col in set_bits(wanted) {
+            let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };
+            let is_los = los[col / 64] >> (col % 64) & 1 == 1;
+            if self.layers.margin || self.layers.ceiling {
+                let (b, t) = link_ceilings(self.field, &self.uav.station, &receiver);
+                debug_assert_eq!(is_los, b.is_met_by(receiver.z) && t.is_met_by(receiver.z));
+                let lowest = f64::from(receivers.base(first + col));
+                let ceiling = b.height_steps().max(t.height_steps()).max(lowest) / f64::from(STEPS_PER_UNIT);
+                #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
+                let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
+                if let Some(v) = out.ceiling.get_mut(col) {
+                    *v = narrow(ceiling);
+                }
+                if let Some(v) = out.margin.get_mut(col) {
+                    // The sign is decided exactly; rounding to f32 must not turn it.
+                    let margin = narrow(height - ceiling);
+                    *v = if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) };
+                }
+            }
+            if let Some(v) = out.least_height.get_mut(col) {
+                let (b, t) = link_least_heights(self.field, &self.uav.station, &receiver);
+                let least = b.height_steps().max(t.height_steps()).max(floor_of(self.surface_under_uav));
+                let least = least / f64::from(STEPS_PER_UNIT);
+                *v = if least > MAX_HEIGHT_M { f32::INFINITY } else { narrow(least) };
+            }
+        }
+    }
 }
 
-impl<'a> CellJob<'a> {
-    fn new(field: &'a HeightField, uav: &'a Uav, options: &'a MapOptions) -> Self {
-        let place = &uav.station.place;
-        let surface_under_uav =
-            field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place));
-        CellJob { field, uav, options, surface_under_uav }
-    }
-
-    fn decide(&self, index: usize, place: crate::height_field::Place) -> Found {
-        let uav = &self.uav.station;
-        let to_uav = (uav.place.x - place.x, uav.place.y - place.y);
-        let distance_squared = to_uav.0 * to_uav.0 + to_uav.1 * to_uav.1;
-        let mut found = Found {
-            class: class::NODATA,
-            margin: f32::NAN,
-            ceiling: f32::NAN,
-            least_height: f32::NAN,
-            rise: 0.0,
-            distance: distance_squared.sqrt() * self.options.meters_per_unit,
-        };
-        let stands_on = match (self.field.cell_kind(index, &place), self.options.receivers) {
-            (CellKind::Void, _) => return found,
-            (CellKind::Open(ground), Receivers::Ground | Receivers::All) => Some(ground),
-            (CellKind::Building(roof), Receivers::Roof | Receivers::All) => Some(roof),
-            (CellKind::Open(_), Receivers::Roof) | (CellKind::Building(_), Receivers::Ground) => None,
-        };
-        if self.options.radius.is_some_and(|r| distance_squared > r * r) {
-            found.class = class::OUT_OF_RANGE;
-            return found;
-        }
-        let Some(stands_on) = stands_on else {
-            found.class = class::NOT_A_RECEIVER;
-            return found;
-        };
-        let receiver = Station { place, z: i64::from(stands_on) + i64::from(self.options.rx_height) };
-        #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-        let rise = (uav.z - receiver.z) as f64 / f64::from(STEPS_PER_UNIT);
-        found.rise = rise;
-
-        let layers = self.options.layers;
-        let is_los = if layers.margin || layers.ceiling {
-            let (b, t) = link_ceilings(self.field, uav, &receiver);
-            let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
-            let lowest = f64::from(stands_on);
-            let ceiling = b.height_steps().max(t.height_steps()).max(lowest) / f64::from(STEPS_PER_UNIT);
-            #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-            let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
-            found.ceiling = narrow(ceiling);
-            // The sign is decided exactly; rounding to f32 must not turn it.
-            found.margin = narrow(height - ceiling);
-            found.margin = if is_los { found.margin.max(0.0) + 0.0 } else { found.margin.min(-f32::MIN_POSITIVE) };
-            is_los
-        } else {
-            link_los(self.field, uav, &receiver)
-        };
-        if layers.least_height {
-            let (b, t) = link_least_heights(self.field, uav, &receiver);
-            let least = b.height_steps().max(t.height_steps()).max(floor_of(self.surface_under_uav));
-            let least = least / f64::from(STEPS_PER_UNIT);
-            found.least_height = if least > MAX_HEIGHT_M { f32::INFINITY } else { narrow(least) };
-        }
-        found.class = if is_los { class::LOS } else { class::NLOS };
-        found
-    }
+/// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if
+/// none is known.
+pub(super) fn lowest_uav_surface(field: &HeightField, place: &Place) -> i32 {
+    field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place))
 }
 
 /// A surface as the least height over it; nothing known bounds nothing but the lattice.

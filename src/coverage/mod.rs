@@ -3,15 +3,20 @@
 //! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
 //! depend on the number of threads: every cell is decided alone and all sums are integer counts.
 
+mod cell_classes;
+mod elevation;
 mod height_curve;
 mod layers;
+mod many;
 mod map;
+mod range;
 mod tally;
 mod uav;
 
 pub use height_curve::HeightCurve;
-pub use layers::{count_layer, union_mask, which_layer};
-pub use map::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, map_site};
+pub use layers::{Overlay, count_layer, which_layer};
+pub use many::{ManyMaps, maps_at_once};
+pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, map_site};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use uav::{Placement, Uav};
 

@@ -1,12 +1,11 @@
 //! Counts over a mask: receivers, those in line of sight, and the same by elevation angle.
 
+use super::cell_classes::RowSets;
 use super::class;
+use super::elevation::{N_BANDS, RowElevations};
 
 /// Width of an elevation band \[deg\].
 pub const BAND_DEGREES: i32 = 10;
-
-/// Bands from −90° to 90°.
-const N_BANDS: usize = 18;
 
 /// Receivers whose elevation angle to the UAV lies in `from_deg ≤ θ < to_deg` (90° in the last band).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,22 +37,31 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts one cell; `rise` and `distance` \[same unit\] place the UAV as seen from a receiver.
-    #[inline]
-    pub(super) fn add(&mut self, class: u8, rise: f64, distance: f64) {
-        match class {
-            class::NLOS | class::LOS => {
-                let los = u64::from(class == class::LOS);
-                self.receivers += 1;
-                self.los += los;
-                let band = &mut self.bands[band_of(rise, distance)];
-                band.0 += 1;
-                band.1 += los;
-            }
-            class::NOT_A_RECEIVER => self.not_receivers += 1,
-            class::OUT_OF_RANGE => self.out_of_range += 1,
-            _ => self.nodata += 1,
+    /// Counts the cells of a row that hold no receiver in range.
+    pub(super) fn add_others(&mut self, row: &RowSets<'_>, n_cols: usize) {
+        let mut known = 0;
+        for word in row.words() {
+            let count = |set: u64| u64::from(set.count_ones());
+            self.not_receivers += count(word.not_receivers);
+            self.out_of_range += count(word.out_of_range);
+            known += count(word.not_receivers | word.out_of_range | word.receivers);
         }
+        self.nodata += n_cols as u64 - known;
+    }
+
+    /// Counts receivers of a row, and those of them in line of sight, by elevation band.
+    pub(super) fn add_receivers(&mut self, elevations: &RowElevations<'_>, receivers: &[u64], los: &[u64]) {
+        let sum = |words: &[u64]| words.iter().map(|w| u64::from(w.count_ones())).sum::<u64>();
+        let (n_receivers, n_los) = (sum(receivers), sum(los));
+        if n_receivers == 0 {
+            return;
+        }
+        self.receivers += n_receivers;
+        self.los += n_los;
+        elevations.count(receivers, los, &mut |band, receivers, los| {
+            self.bands[band].0 += receivers;
+            self.bands[band].1 += los;
+        });
     }
 
     /// Counts a mask, without elevation bands.
@@ -120,47 +128,9 @@ impl Tally {
     }
 }
 
-/// The band of the angle whose tangent is `rise/distance`, decided by products with the tangents of the band edges.
-#[inline]
-fn band_of(rise: f64, distance: f64) -> usize {
-    /// tan 10°, 20° … 80°.
-    const TANGENTS: [f64; 8] = [
-        0.176_326_980_708_464_97,
-        0.363_970_234_266_202_36,
-        0.577_350_269_189_625_8,
-        0.839_099_631_177_28,
-        1.191_753_592_594_21,
-        1.732_050_807_568_877_2,
-        2.747_477_419_454_622,
-        5.671_281_819_617_709,
-    ];
-    let steps = TANGENTS.iter().filter(|t| rise.abs() >= **t * distance).count();
-    if rise >= 0.0 {
-        9 + steps
-    } else {
-        // Below the horizon the band's lower end is included: −10° belongs to −10…0.
-        let inside = TANGENTS.iter().filter(|t| rise.abs() > **t * distance).count();
-        8 - inside
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bands_are_half_open_and_hold_ninety_degrees() {
-        assert_eq!(band_of(0.0, 1.0), 9);
-        assert_eq!(band_of(1.0, 1.0), 13);
-        assert_eq!(band_of(1.0, 0.0), 17);
-        assert_eq!(band_of(-0.1, 1.0), 8);
-        assert_eq!(band_of(-1.0, 0.0), 0);
-        let tangents: Vec<f64> = (1..9).map(|k| (f64::from(k) * 10.0).to_radians().tan()).collect();
-        for (k, t) in tangents.iter().enumerate() {
-            assert_eq!(band_of(t * 1.000_001, 1.0), 10 + k);
-            assert_eq!(band_of(t * 0.999_999, 1.0), 9 + k);
-        }
-    }
 
     #[test]
     fn no_receiver_gives_no_probability() {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Format;
-use crate::coverage::{SiteCoverage, class, count_layer, union_mask, which_layer};
+use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
     Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
@@ -93,13 +93,11 @@ impl<'a> MapResult<'a> {
             }
             match layer {
                 Layer::Count => {
-                    let union = union_mask(&masks);
-                    let mut count = count_layer(&masks);
-                    for (n, c) in count.iter_mut().zip(&union) {
-                        if !matches!(*c, class::LOS | class::NLOS) {
-                            *n = NO_COUNT;
-                        }
-                    }
+                    let mut overlay = Overlay::new(result.georef.n_cells());
+                    masks.iter().for_each(|mask| overlay.add(mask));
+                    let count = overlay.count().iter().zip(overlay.union());
+                    let count = count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT });
+                    let count = count.collect();
                     bands.push(("count".into(), Band::Count(count)));
                 }
                 Layer::Which => {

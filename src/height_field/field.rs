@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::prisms::{holds_half_open, side};
-use super::{Columns, ConvexPieces, Prisms, Ring, convex_pieces};
+use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
 use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, VOID, meters};
-use crate::raster::GeoRef;
+use crate::raster::{BitGrid, GeoRef};
 use crate::scene::{Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -21,6 +21,7 @@ pub struct HeightField {
     /// Vector scenes: roof of each cell whose center is inside a building, [`VOID`] elsewhere.
     roofs: Option<Vec<i32>>,
     building_ids: Vec<String>,
+    cells: CellSets,
 }
 
 /// What lies below the buildings.
@@ -112,7 +113,9 @@ impl HeightField {
     ///
     /// Cost: the triangulation, in parallel over footprints, and one test per cell near each piece.
     pub fn build(grid: &GeoRef, solids: Solids, warnings: &mut Vec<Warning>) -> Self {
-        match solids {
+        let nothing = BitGrid::new(0, 0);
+        let no_cells = CellSets { open: nothing.clone(), building: nothing };
+        let mut field = match solids {
             Solids::Raster { surface, ground, building_threshold } => {
                 let georef = surface.georef().clone();
                 let floor = match ground {
@@ -128,6 +131,7 @@ impl HeightField {
                     floor,
                     roofs: None,
                     building_ids: Vec::new(),
+                    cells: no_cells,
                 }
             }
             Solids::Vector { footprints, frame, ground, .. } => {
@@ -149,11 +153,53 @@ impl HeightField {
                     floor,
                     roofs: None,
                     building_ids,
+                    cells: no_cells,
                 };
                 field.roofs = Some(field.rasterize_roofs());
                 field
             }
+        };
+        field.cells = CellSets::of(&field);
+        field
+    }
+
+    /// Which cells are open ground and which are buildings.
+    pub fn cells(&self) -> &CellSets {
+        &self.cells
+    }
+
+    /// The one height of the ground under all open cells, if it is flat.
+    pub(super) fn flat_ground(&self) -> Option<i32> {
+        match self.floor {
+            Floor::Flat { z, .. } => Some(z),
+            Floor::Surface | Floor::Terrain { .. } | Floor::Columns => None,
         }
+    }
+
+    /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
+    pub(super) fn ground_on_grid(&self) -> Option<&[i32]> {
+        match &self.floor {
+            Floor::Terrain { tops, .. } => Some(tops),
+            Floor::Surface => self.columns().map(Columns::tops),
+            Floor::Columns if self.columns_are_on_grid() => self.columns().map(Columns::tops),
+            Floor::Columns | Floor::Flat { .. } => None,
+        }
+    }
+
+    /// The roof of each building cell.
+    pub(super) fn roofs_on_grid(&self) -> &[i32] {
+        match &self.roofs {
+            Some(roofs) => roofs,
+            None => self.columns().map_or(&[], Columns::tops),
+        }
+    }
+
+    /// Whether the cells of the columns are those of the receivers' grid.
+    pub fn columns_are_on_grid(&self) -> bool {
+        self.columns.as_ref().is_some_and(|(columns, frame)| {
+            let shape = (columns.n_rows(), columns.n_cols());
+            shape == (self.grid.n_rows(), self.grid.n_cols()) && *frame == cell_frame(&self.grid)
+        })
     }
 
     /// The receivers' grid.

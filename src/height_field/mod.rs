@@ -4,6 +4,7 @@
 //! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
+mod cell_sets;
 mod columns;
 mod casters;
 mod field;
@@ -12,6 +13,7 @@ mod prisms;
 mod triangulate;
 
 pub use casters::{Caster, CasterBlock, Casters};
+pub use cell_sets::{CellSets, StandsOn};
 pub use columns::Columns;
 pub use field::{CellKind, GridPositions, HeightField, Place, Station};
 pub use prisms::{Buckets, Piece, Prisms};

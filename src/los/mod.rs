@@ -25,6 +25,7 @@
 
 mod cell_walk;
 mod columns_ray;
+mod grid_los;
 mod link;
 mod obstruction;
 mod prisms_ray;
@@ -34,6 +35,7 @@ mod simd;
 mod sweep;
 
 pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_least_step, columns_los};
+pub use grid_los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 pub use link::{link_ceilings, link_least_heights, link_least_step, link_los};
 pub use obstruction::{Ceiling, Obstruction};
 pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};

@@ -67,6 +67,18 @@ impl BitGrid {
     }
 }
 
+/// The cells of a row that are in the set, west to east.
+pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().flat_map(|(k, word)| {
+        let mut left = *word;
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(64 * k + bit)
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +93,6 @@ mod tests {
         assert_eq!(set.count(), 4);
         assert!(set.contains(1, 64) && !set.contains(0, 64) && !set.contains(1, 0));
         assert_eq!(set.row(1), [1 << 63, 1]);
+        assert_eq!(set_bits(set.row(1)).collect::<Vec<_>>(), [63, 64]);
     }
 }

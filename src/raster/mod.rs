@@ -15,7 +15,7 @@ mod voids;
 mod world_file;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
-pub use bit_grid::BitGrid;
+pub use bit_grid::{BitGrid, set_bits};
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;

@@ -100,13 +100,35 @@ pub struct MapReport {
 }
 
 /// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
+#[derive(Debug, Clone)]
+pub struct MaskDigest(Sha256);
+
+impl MaskDigest {
+    /// The digest of a map without sites.
+    pub fn new(grid: &GeoRef) -> Self {
+        let mut hasher = Sha256::new();
+        hasher.update((grid.n_cols() as u64).to_le_bytes());
+        hasher.update((grid.n_rows() as u64).to_le_bytes());
+        MaskDigest(hasher)
+    }
+
+    /// Adds the mask of the next site.
+    pub fn add(&mut self, mask: &[u8]) {
+        self.0.update(mask);
+    }
+
+    /// `sha256:` and the hexadecimal digest.
+    pub fn finish(self) -> String {
+        let hex: String = self.0.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        format!("sha256:{hex}")
+    }
+}
+
+/// The digest of some masks.
 pub fn digest<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> String {
-    let mut hasher = Sha256::new();
-    hasher.update((grid.n_cols() as u64).to_le_bytes());
-    hasher.update((grid.n_rows() as u64).to_le_bytes());
-    masks.for_each(|m| hasher.update(m));
-    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    format!("sha256:{hex}")
+    let mut digest = MaskDigest::new(grid);
+    masks.for_each(|mask| digest.add(mask));
+    digest.finish()
 }
 
 impl RunFacts {

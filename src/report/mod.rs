@@ -3,5 +3,5 @@
 mod documents;
 mod height_curve;
 
-pub use documents::{LinkReport, MapReport, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
+pub use documents::{LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};

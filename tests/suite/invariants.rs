@@ -289,7 +289,7 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
 const ALL_LAYERS: HeightLayers = HeightLayers { margin: true, ceiling: true, least_height: true };
 
 fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
-    MapOptions { rx_height: 1536, receivers, radius: None, meters_per_unit: 1.0, layers }
+    MapOptions { rx_height: 1536, receivers, layers, ..MapOptions::default() }
 }
 
 /// A town of random columns on flat ground, some of it nodata.

@@ -41,11 +41,7 @@ struct Seen {
 
 impl Seen {
     fn plus(self, other: Seen) -> Seen {
-        Seen {
-            wanted: self.wanted + other.wanted,
-            hidden: self.hidden + other.hidden,
-            asked: self.asked + other.asked,
-        }
+        Seen { wanted: self.wanted + other.wanted, hidden: self.hidden + other.hidden, asked: self.asked + other.asked }
     }
 
     /// Both answers are common; `ray` is asked about fewer than one in `rarely` cells, if about any.
@@ -140,11 +136,13 @@ fn tiny_scene(random: &mut Random) -> Vec<Prism> {
             row
         }
         6 => (0..random.within(1, 5))
-            .map(|_| loop {
-                let mut corner = || [random.within(0, 6), random.within(0, 6)];
-                let [a, b, c] = [corner(), corner(), corner()];
-                if (b[0] - a[0]) * (c[1] - a[1]) != (b[1] - a[1]) * (c[0] - a[0]) {
-                    break prism(&[a, b, c], random.within(1, 5));
+            .map(|_| {
+                loop {
+                    let mut corner = || [random.within(0, 6), random.within(0, 6)];
+                    let [a, b, c] = [corner(), corner(), corner()];
+                    if (b[0] - a[0]) * (c[1] - a[1]) != (b[1] - a[1]) * (c[0] - a[0]) {
+                        break prism(&[a, b, c], random.within(1, 5));
+                    }
                 }
             })
             .collect(),
@@ -253,10 +251,7 @@ fn a_wall_shared_by_equal_roofs_hides_what_looks_along_it_and_a_gap_of_one_step_
     for (gap, sees) in [(0, false), (1, true)] {
         let houses = [
             Prism { rings: vec![vec![[0, 0], [2 * M, 0], [2 * M, 4 * M], [0, 4 * M]]], top: 3 * M },
-            Prism {
-                rings: vec![vec![[2 * M + gap, M], [4 * M, M], [4 * M, 5 * M], [2 * M + gap, 5 * M]]],
-                top: 3 * M,
-            },
+            Prism { rings: vec![vec![[2 * M + gap, M], [4 * M, M], [4 * M, 5 * M], [2 * M + gap, 5 * M]]], top: 3 * M },
         ];
         let prisms = prisms_of(&houses);
         let ys: Vec<i64> = (0..8).map(|k| -k * M / 2 - 1).collect();
@@ -405,7 +400,8 @@ fn shadow_equals_ray_on_munich() {
         } else {
             vec![receivers(&field, 1536, false, share, 0.0)]
         };
-        for (east, north, height) in [(0.5, 0.5, 30), (0.3, 0.6, 60), (0.7, 0.25, 120), (0.1, 0.9, 3), (0.5, 0.4, 400)] {
+        for (east, north, height) in [(0.5, 0.5, 30), (0.3, 0.6, 60), (0.7, 0.25, 120), (0.1, 0.9, 3), (0.5, 0.4, 400)]
+        {
             let x = grid.x_min() + east * (grid.x_max() - grid.x_min());
             let y = grid.y_min() + north * (grid.y_max() - grid.y_min());
             let place = field.place(x, y);

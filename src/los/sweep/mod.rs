@@ -42,6 +42,20 @@ pub enum ReceiverHeights<'a> {
 }
 
 impl ReceiverHeights<'_> {
+    fn lowest(&self) -> i64 {
+        match self {
+            ReceiverHeights::Flat(z) => i64::from(*z),
+            ReceiverHeights::Over { lowest, above, .. } => i64::from(*lowest) + i64::from(*above),
+        }
+    }
+
+    fn highest(&self) -> i64 {
+        match self {
+            ReceiverHeights::Flat(z) => i64::from(*z),
+            ReceiverHeights::Over { highest, above, .. } => i64::from(*highest) + i64::from(*above),
+        }
+    }
+
     #[inline]
     fn at(&self, cell: usize) -> i64 {
         match self {
@@ -73,6 +87,10 @@ pub fn sweep_los(
     window: CellWindow,
     level: Level,
 ) -> Swept {
+    if i64::from(columns.max_top()) <= uav.z.min(receivers.lowest()) {
+        // Nothing rises above both ends of any link.
+        return Swept { los: wanted.clone(), undecided: 0 };
+    }
     let sweep = Sweep {
         columns,
         uav,
@@ -158,19 +176,13 @@ impl Sweep<'_> {
     }
 
     fn frame(&self, uav_lateral: i64, window: (usize, usize), n_lateral: usize, last_center: i64) -> WedgeFrame {
-        let (lowest, highest) = match self.receivers {
-            ReceiverHeights::Flat(z) => (i64::from(z), i64::from(z)),
-            ReceiverHeights::Over { lowest, highest, above, .. } => {
-                (i64::from(lowest) + i64::from(above), i64::from(highest) + i64::from(above))
-            }
-        };
         WedgeFrame {
             uav_z: i32::try_from(self.uav.z).unwrap_or(i32::MAX),
             uav_lateral,
             window: (as_i64(window.0), as_i64(window.1)),
             n_lateral: as_i64(n_lateral),
-            lowest_receiver: lowest - self.uav.z,
-            highest_receiver: highest - self.uav.z,
+            lowest_receiver: self.receivers.lowest() - self.uav.z,
+            highest_receiver: self.receivers.highest() - self.uav.z,
             last_center,
         }
     }

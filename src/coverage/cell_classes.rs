@@ -1,0 +1,120 @@
+//! From sets of cells to the classes of a mask, 64 cells at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+use super::class;
+use super::range::bits_between;
+use crate::height_field::CellSets;
+
+/// What is known of the cells of one row, a bit each.
+#[derive(Debug)]
+pub(super) struct RowSets<'a> {
+    open: &'a [u64],
+    building: &'a [u64],
+    in_range: (usize, usize),
+    receivers: Vec<u64>,
+    los: Vec<u64>,
+}
+
+/// Cells of one word by class; those of none are nodata.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WordSets {
+    pub(super) receivers: u64,
+    pub(super) los: u64,
+    pub(super) not_receivers: u64,
+    pub(super) out_of_range: u64,
+}
+
+impl<'a> RowSets<'a> {
+    /// A row without receivers.
+    pub(super) fn new(cells: &'a CellSets, row: usize, in_range: (usize, usize)) -> Self {
+        let n_words = cells.open.words_per_row();
+        RowSets {
+            open: cells.open.row(row),
+            building: cells.building.row(row),
+            in_range,
+            receivers: vec![0; n_words],
+            los: vec![0; n_words],
+        }
+    }
+
+    /// Adds receivers in range and those of them in line of sight.
+    pub(super) fn add(&mut self, receivers: &[u64], los: &[u64]) {
+        self.receivers.iter_mut().zip(receivers).for_each(|(sum, more)| *sum |= more);
+        self.los.iter_mut().zip(los).for_each(|(sum, more)| *sum |= more);
+    }
+
+    /// The words of the row.
+    pub(super) fn words(&self) -> impl Iterator<Item = WordSets> {
+        let (from, to) = self.in_range;
+        (0..self.receivers.len()).map(move |k| {
+            let known = self.open[k] | self.building[k];
+            let in_range = bits_between(from, to, k);
+            let receivers = self.receivers[k];
+            WordSets {
+                receivers,
+                los: self.los[k],
+                not_receivers: known & in_range & !receivers,
+                out_of_range: known & !in_range,
+            }
+        })
+    }
+}
+
+/// Writes the classes of a row.
+pub(super) fn write_classes(sets: &RowSets<'_>, mask: &mut [u8]) {
+    dispatch!(Level::new(), simd => write_words(simd, sets, mask));
+}
+
+#[inline(always)]
+fn write_words<S: Simd>(simd: S, sets: &RowSets<'_>, mask: &mut [u8]) {
+    let n = S::u8s::LEN;
+    let splat = |class: u8| S::u8s::splat(simd, class);
+    let (nodata, far, none) = (splat(class::NODATA), splat(class::OUT_OF_RANGE), splat(class::NOT_A_RECEIVER));
+    let (nlos, los) = (splat(class::NLOS), splat(class::LOS));
+    for (word, out) in sets.words().zip(mask.chunks_mut(64)) {
+        let mut classes = [0_u8; 64];
+        for (k, lanes) in classes.chunks_exact_mut(n).enumerate() {
+            let bits = |word: u64| S::mask8s::from_bitmask(simd, word >> (k * n));
+            let mut of = bits(word.out_of_range).select(far, nodata);
+            of = bits(word.not_receivers).select(none, of);
+            of = bits(word.receivers).select(nlos, of);
+            bits(word.los).select(los, of).store_slice(lanes);
+        }
+        out.copy_from_slice(&classes[..out.len()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::BitGrid;
+
+    #[test]
+    fn every_class_is_written_where_it_belongs() {
+        let mut cells = CellSets { open: BitGrid::new(1, 100), building: BitGrid::new(1, 100) };
+        (0..90).for_each(|col| if col % 3 == 0 { cells.building.insert(0, col) } else { cells.open.insert(0, col) });
+        let mut sets = RowSets::new(&cells, 0, (10, 80));
+        let (mut receivers, mut los) = (BitGrid::new(1, 100), BitGrid::new(1, 100));
+        for col in (10..80).filter(|col| col % 3 != 0) {
+            receivers.insert(0, col);
+            if col % 2 == 0 {
+                los.insert(0, col);
+            }
+        }
+        sets.add(receivers.row(0), los.row(0));
+        let mut mask = vec![9; 100];
+        write_classes(&sets, &mut mask);
+        for (col, class) in mask.iter().enumerate() {
+            let expected = match col {
+                90.. => class::NODATA,
+                0..10 | 80.. => class::OUT_OF_RANGE,
+                _ if col % 3 == 0 => class::NOT_A_RECEIVER,
+                _ if col % 2 == 0 => class::LOS,
+                _ => class::NLOS,
+            };
+            assert_eq!(*class, expected, "column {col}");
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! Elevation angles of the UAV as receivers see it, in bands of ten degrees.
+//!
+//! A receiver is in a band if the tangent of its angle is, and both sides of that comparison are squared, so that no root
+//! is taken: `rise² ≥ tan² · distance²`. Where all receivers are at one height the cells above an angle are a disc,
+//! found row by row by its two ends; elsewhere 64 cells are compared at a time, from the flattest angle up, until none is
+//! as steep.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+use super::range::bits_between;
+use crate::los::GridReceivers;
+use crate::quantity::STEPS_PER_UNIT;
+
+/// Bands from −90° to 90°.
+pub(super) const N_BANDS: usize = 18;
+
+/// tan² of 10°, 20° … 80°.
+const SQUARED_TANGENTS: [f64; 8] = [
+    0.031_091_204_125_763_379,
+    0.132_474_331_431_794_228,
+    1.0 / 3.0,
+    0.704_088_191_041_847_346,
+    1.420_276_625_461_206_17,
+    3.0,
+    7.548_632_170_413_030_45,
+    32.163_437_477_526_358_4,
+];
+
+/// Where the receivers of a row see the UAV.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowElevations<'a> {
+    /// World x of the columns, ascending, whole words of them \[CRS units\].
+    pub(super) xs: &'a [f64],
+    /// Number of columns.
+    pub(super) n_cols: usize,
+    /// Position of the UAV \[CRS units\] and its height \[1/1024 m\].
+    pub(super) uav: (f64, f64, i64),
+    /// World y of the row \[CRS units\].
+    pub(super) y: f64,
+    /// Length of a CRS unit \[m\].
+    pub(super) meters_per_unit: f64,
+    /// The receivers, and the index of the row's first cell among them.
+    pub(super) receivers: &'a GridReceivers<'a>,
+    pub(super) first_cell: usize,
+}
+
+impl RowElevations<'_> {
+    /// Calls `add(band, receivers, los)` with counts of each band that holds a receiver.
+    pub(super) fn count(&self, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
+        match self.receivers.level() {
+            Some(z) => self.count_level(self.uav.2 - z, receivers, los, add),
+            None => dispatch!(Level::new(), simd => self.count_relief(simd, receivers, los, add)),
+        }
+    }
+
+    /// The square of the distance of a column \[m²\].
+    #[inline(always)]
+    fn squared_distance(&self, x: f64) -> f64 {
+        let (dx, dy) = (self.uav.0 - x, self.uav.1 - self.y);
+        (dx * dx + dy * dy) * (self.meters_per_unit * self.meters_per_unit)
+    }
+
+    /// All receivers `rise` \[1/1024 m\] below the UAV.
+    fn count_level(&self, rise: i64, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
+        let rise_m = in_meters(rise);
+        let squared = rise_m * rise_m;
+        let sums = |words: &[u64]| {
+            let mut sum = 0_u64;
+            let mut sums = Vec::with_capacity(words.len());
+            for word in words {
+                sums.push(sum);
+                sum += u64::from(word.count_ones());
+            }
+            (sums, sum)
+        };
+        let (receivers_before, n_receivers) = sums(receivers);
+        let (los_before, n_los) = sums(los);
+        let below = |words: &[u64], before: &[u64], total: u64, col: usize| match words.get(col / 64) {
+            Some(word) => before[col / 64] + u64::from((word & bits_between(0, col, col / 64)).count_ones()),
+            None => total,
+        };
+        let mut outer = (n_receivers, n_los);
+        for (k, tangent) in SQUARED_TANGENTS.iter().enumerate() {
+            let (from, to) = self.columns_within(
+                |distance| {
+                    if rise >= 0 { squared >= tangent * distance } else { squared > tangent * distance }
+                },
+                squared / tangent,
+            );
+            let of = |words: &[u64], before: &[u64], total: u64| {
+                below(words, before, total, to) - below(words, before, total, from)
+            };
+            let inner = if from < to {
+                (of(receivers, &receivers_before, n_receivers), of(los, &los_before, n_los))
+            } else {
+                (0, 0)
+            };
+            add(band(rise < 0, k), outer.0 - inner.0, outer.1 - inner.1);
+            outer = inner;
+            if inner.0 == 0 {
+                return;
+            }
+        }
+        add(band(rise < 0, SQUARED_TANGENTS.len()), outer.0, outer.1);
+    }
+
+    /// The columns for whose squared distance `holds`; it holds up to about `limit` \[m²\] and not beyond.
+    fn columns_within(&self, holds: impl Fn(f64) -> bool, limit: f64) -> (usize, usize) {
+        let xs = &self.xs[..self.n_cols];
+        let is_in = |col: usize| holds(self.squared_distance(xs[col]));
+        let first = xs[0];
+        let pitch = if xs.len() > 1 { (xs[xs.len() - 1] - first) / (xs.len() - 1) as f64 } else { 1.0 };
+        // The column nearest to the UAV, by the same differences that the distances are made of.
+        let at = |x: f64| {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the columns")]
+            let col = ((x - first) / pitch).round().clamp(0.0, (xs.len() - 1) as f64) as usize;
+            col
+        };
+        let mut nearest = at(self.uav.0);
+        let offset = |col: usize| (self.uav.0 - xs[col]).abs();
+        while nearest > 0 && offset(nearest - 1) < offset(nearest) {
+            nearest -= 1;
+        }
+        while nearest + 1 < xs.len() && offset(nearest + 1) < offset(nearest) {
+            nearest += 1;
+        }
+        if !is_in(nearest) {
+            return (0, 0);
+        }
+        // Guessed by a root, put right by the comparison itself.
+        let dy = self.uav.1 - self.y;
+        let half = (limit / (self.meters_per_unit * self.meters_per_unit) - dy * dy).max(0.0).sqrt();
+        let (mut from, mut last) = (at(self.uav.0 - half).min(nearest), at(self.uav.0 + half).max(nearest));
+        while from > 0 && is_in(from - 1) {
+            from -= 1;
+        }
+        while !is_in(from) {
+            from += 1;
+        }
+        while last + 1 < xs.len() && is_in(last + 1) {
+            last += 1;
+        }
+        while !is_in(last) {
+            last -= 1;
+        }
+        (from, last + 1)
+    }
+
+    #[inline(always)]
+    fn count_relief<S: Simd>(&self, simd: S, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
+        let n = S::f64s::LEN;
+        let (uav_x, uav_dy) = (S::f64s::splat(simd, self.uav.0), self.uav.1 - self.y);
+        let squared_dy = S::f64s::splat(simd, uav_dy * uav_dy);
+        let unit = S::f64s::splat(simd, self.meters_per_unit * self.meters_per_unit);
+        let mut counts = [(0_u64, 0_u64); N_BANDS];
+        for (k, (receivers, los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
+            let cols = 64 * k..(64 * k + 64).min(self.n_cols);
+            let mut rises = [0.0; 64];
+            let mut any_below = false;
+            for (rise, col) in rises.iter_mut().zip(cols.clone()) {
+                let steps = self.uav.2 - self.receivers.height(self.first_cell + col);
+                any_below |= steps < 0 && receivers >> (col % 64) & 1 == 1;
+                *rise = in_meters(steps);
+            }
+            if any_below {
+                // Receivers above the UAV are few.
+                for bit in (0..64).filter(|bit| receivers >> bit & 1 == 1) {
+                    let squared = rises[bit] * rises[bit];
+                    let distance = self.squared_distance(self.xs[64 * k + bit]);
+                    let is_below = rises[bit] < 0.0;
+                    let steps = SQUARED_TANGENTS
+                        .iter()
+                        .filter(|t| if is_below { squared > **t * distance } else { squared >= **t * distance })
+                        .count();
+                    let count = &mut counts[band(is_below, steps)];
+                    count.0 += 1;
+                    count.1 += los >> bit & 1;
+                }
+                continue;
+            }
+            let mut squared = [0.0; 64];
+            let mut distances = [0.0; 64];
+            let xs = &self.xs[64 * k..64 * k + 64];
+            for i in (0..64).step_by(n) {
+                let rise = S::f64s::from_slice(simd, &rises[i..i + n]);
+                (rise * rise).store_slice(&mut squared[i..i + n]);
+                let dx = uav_x - S::f64s::from_slice(simd, &xs[i..i + n]);
+                ((dx * dx + squared_dy) * unit).store_slice(&mut distances[i..i + n]);
+            }
+            let count = |set: u64| u64::from(set.count_ones());
+            let mut outer = (count(*receivers), count(*los));
+            let mut steps = 0;
+            for tangent in SQUARED_TANGENTS {
+                let tangent = S::f64s::splat(simd, tangent);
+                let mut steep = 0_u64;
+                for i in (0..64).step_by(n) {
+                    let squared = S::f64s::from_slice(simd, &squared[i..i + n]);
+                    let distance = S::f64s::from_slice(simd, &distances[i..i + n]);
+                    steep |= squared.simd_ge(tangent * distance).to_bitmask() << i;
+                }
+                let inner = (count(steep & receivers), count(steep & los));
+                counts[band(false, steps)].0 += outer.0 - inner.0;
+                counts[band(false, steps)].1 += outer.1 - inner.1;
+                outer = inner;
+                steps += 1;
+                if inner.0 == 0 {
+                    break;
+                }
+            }
+            counts[band(false, steps)].0 += outer.0;
+            counts[band(false, steps)].1 += outer.1;
+        }
+        for (band, (receivers, los)) in counts.into_iter().enumerate().filter(|(_, c)| c.0 > 0) {
+            add(band, receivers, los);
+        }
+    }
+}
+
+#[inline(always)]
+fn in_meters(steps: i64) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "heights differ by at most 2^28 steps")]
+    let meters = steps as f64 / f64::from(STEPS_PER_UNIT);
+    meters
+}
+
+/// The band of an angle that is at least as steep as so many of the tangents; below the horizon a band's lower end is
+/// included: −10° belongs to −10…0.
+#[inline(always)]
+fn band(is_below: bool, steps: usize) -> usize {
+    if is_below { 8 - steps } else { 9 + steps }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::height_field::StandsOn;
+    use crate::raster::BitGrid;
+
+    #[test]
+    fn squared_tangents_are_those_of_the_band_edges() {
+        for (k, t) in SQUARED_TANGENTS.iter().enumerate() {
+            let tangent = (10.0 * (k as f64 + 1.0)).to_radians().tan();
+            assert!((t / (tangent * tangent) - 1.0).abs() < 1e-14, "{k}: {t}");
+        }
+    }
+
+    /// Counts by band of one row, by a division and an arc tangent for each cell.
+    fn by_angles(row: &RowElevations<'_>, receivers: &BitGrid, los: &BitGrid) -> [(u64, u64); N_BANDS] {
+        let mut counts = [(0, 0); N_BANDS];
+        for col in (0..row.n_cols).filter(|col| receivers.contains(0, *col)) {
+            let rise = in_meters(row.uav.2 - row.receivers.height(col));
+            let angle = rise.atan2(row.squared_distance(row.xs[col]).sqrt()).to_degrees();
+            let band = (9 + (angle / 10.0).floor() as i64).clamp(0, 17) as usize;
+            counts[band].0 += 1;
+            counts[band].1 += u64::from(los.contains(0, col));
+        }
+        counts
+    }
+
+    #[test]
+    fn rows_are_counted_as_by_angles_one_by_one() {
+        let n_cols = 333;
+        let (mut receivers, mut los) = (BitGrid::new(1, n_cols), BitGrid::new(1, n_cols));
+        for col in 0..n_cols {
+            if col % 7 != 3 {
+                receivers.insert(0, col);
+                if col % 3 == 1 {
+                    los.insert(0, col);
+                }
+            }
+        }
+        let relief: Vec<i32> = (0..n_cols).map(|col| (col * 7919 % 977) as i32 * 150).collect();
+        let all = [
+            GridReceivers::new(receivers.clone(), StandsOn::Flat(0), 1536),
+            GridReceivers::new(receivers.clone(), StandsOn::Cells(relief.into()), 1536),
+        ];
+        let mut xs: Vec<f64> = (0..n_cols).map(|col| 1000.25 + 0.7 * col as f64).collect();
+        xs.resize(n_cols.div_ceil(64) * 64, 0.0);
+        let mut n = 0;
+        for receivers_on in &all {
+            for z in [-60 * 1024, 2 * 1024, 30 * 1024, 100 * 1024, 3000 * 1024_i64] {
+                for (x, y) in [(1100.3, 7.1), (1000.0, 140.0), (900.0, 0.33), (1117.07, 5.0)] {
+                    let row = RowElevations {
+                        xs: &xs,
+                        n_cols,
+                        uav: (x, y, z),
+                        y: 5.017,
+                        meters_per_unit: 0.9,
+                        receivers: receivers_on,
+                        first_cell: 0,
+                    };
+                    let mut found = [(0, 0); N_BANDS];
+                    row.count(receivers.row(0), los.row(0), &mut |band, receivers, los| {
+                        found[band].0 += receivers;
+                        found[band].1 += los;
+                    });
+                    assert_eq!(found, by_angles(&row, &receivers, &los), "UAV at {x}, {y}, {z}");
+                    n += 1;
+                }
+            }
+        }
+        assert_eq!(n, 40);
+    }
+
+    #[test]
+    fn ninety_degrees_are_in_the_last_band_and_the_horizon_in_the_first_above_it() {
+        let mut receivers = BitGrid::new(1, 64);
+        receivers.insert(0, 0);
+        let xs = vec![0.0; 64];
+        let on = GridReceivers::new(receivers.clone(), StandsOn::Flat(0), 0);
+        let band_from = |x: f64, z: i64| {
+            let row = RowElevations {
+                xs: &xs,
+                n_cols: 1,
+                uav: (x, 0.0, z),
+                y: 0.0,
+                meters_per_unit: 1.0,
+                receivers: &on,
+                first_cell: 0,
+            };
+            let mut found = None;
+            row.count(receivers.row(0), &[0], &mut |band, n, _| found = if n > 0 { Some(band) } else { found });
+            found
+        };
+        assert_eq!(band_from(0.0, 1024), Some(17));
+        assert_eq!(band_from(0.0, -1024), Some(0));
+        assert_eq!(band_from(1.0, 0), Some(9));
+        assert_eq!(band_from(1.0, 1024), Some(13));
+        assert_eq!(band_from(1.0, -1), Some(8));
+    }
+}

@@ -1,0 +1,58 @@
+//! Maps of many UAVs over one scene: several at once, each shared by the threads that are free.
+
+use rayon::prelude::*;
+
+use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
+use crate::error::Result;
+
+/// The maps of some UAVs, in their order.
+#[derive(Debug, Clone)]
+pub struct ManyMaps {
+    /// The maps; without masks and layers where they were not to be kept.
+    pub sites: Vec<SiteCoverage>,
+    /// All masks laid over each other, for more than one UAV.
+    pub overlay: Option<Overlay>,
+}
+
+impl Mapper<'_> {
+    /// Maps what each of some UAVs sees, calling `each` with every map in the order of the UAVs.
+    ///
+    /// Unless `keep`, the masks and layers of a map are dropped after that, so that memory does not grow with the number
+    /// of UAVs: at most [`maps_at_once`] are held. The outcome does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn map_many(
+        &self,
+        uavs: &[Uav],
+        keep: bool,
+        control: &Control,
+        mut each: impl FnMut(&SiteCoverage),
+    ) -> Result<ManyMaps> {
+        let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
+        let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.n_cells()));
+        for chunk in uavs.chunks(maps_at_once()) {
+            let maps: Vec<SiteCoverage> = match chunk {
+                [one] => vec![self.map(one, control)?],
+                _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
+            };
+            for mut site in maps {
+                each(&site);
+                if let Some(overlay) = &mut overlay {
+                    overlay.add(&site.mask);
+                }
+                if !keep {
+                    site.mask = Vec::new();
+                    (site.margin, site.ceiling, site.least_height) = (None, None, None);
+                }
+                sites.push(site);
+            }
+        }
+        Ok(ManyMaps { sites, overlay })
+    }
+}
+
+/// How many maps are made at once: enough to keep every thread busy where maps are small.
+pub fn maps_at_once() -> usize {
+    2 * rayon::current_num_threads()
+}

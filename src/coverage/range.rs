@@ -1,0 +1,129 @@
+//! The cells in range of a UAV: a disc, row by row.
+
+use crate::coverage::Uav;
+use crate::raster::{BitGrid, CellWindow, GeoRef};
+
+/// Which columns of each row are in range.
+#[derive(Debug, Clone)]
+pub(super) struct Range {
+    shape: (usize, usize),
+    /// The rows of the disc and their columns; `None` if every cell is in range.
+    disc: Option<Disc>,
+}
+
+#[derive(Debug, Clone)]
+struct Disc {
+    first_row: usize,
+    /// First column in range and the one after the last, row by row.
+    cols: Vec<(usize, usize)>,
+}
+
+impl Range {
+    /// The cells whose centers are at most `radius` \[CRS units\] from the UAV.
+    pub(super) fn of(grid: &GeoRef, uav: &Uav, radius: Option<f64>) -> Self {
+        let shape = (grid.n_rows(), grid.n_cols());
+        let Some(radius) = radius else { return Range { shape, disc: None } };
+        let place = &uav.station.place;
+        let squared = |row: usize, col: usize| {
+            let (x, y) = grid.world_from_cell(row, col);
+            let (dx, dy) = (place.x - x, place.y - y);
+            dx * dx + dy * dy
+        };
+        let is_in = |row: usize, col: usize| squared(row, col) <= radius * radius;
+        // The column nearest to the UAV, and away from it both ways the distance only grows.
+        let nearest = (0..shape.1).min_by(|a, b| squared(0, *a).total_cmp(&squared(0, *b))).unwrap_or(0);
+        let of_row = |row: usize| {
+            if !is_in(row, nearest) {
+                return (0, 0);
+            }
+            let to_the_east = partition(nearest..shape.1, |col| is_in(row, col));
+            let to_the_west = partition(0..nearest, |col| !is_in(row, col));
+            (to_the_west, to_the_east)
+        };
+        let nearest_row =
+            (0..shape.0).min_by(|a, b| squared(*a, nearest).total_cmp(&squared(*b, nearest))).unwrap_or(0);
+        if !is_in(nearest_row, nearest) {
+            return Range { shape, disc: Some(Disc { first_row: 0, cols: Vec::new() }) };
+        }
+        let first_row = partition(0..nearest_row, |row| !is_in(row, nearest));
+        let end_row = partition(nearest_row..shape.0, |row| is_in(row, nearest));
+        Range { shape, disc: Some(Disc { first_row, cols: (first_row..end_row).map(of_row).collect() }) }
+    }
+
+    /// Whether no cell is out of range for want of a radius.
+    pub(super) fn is_everywhere(&self) -> bool {
+        self.disc.is_none()
+    }
+
+    /// First column in range of a row and the one after the last.
+    pub(super) fn cols(&self, row: usize) -> (usize, usize) {
+        match &self.disc {
+            None => (0, self.shape.1),
+            Some(disc) => row.checked_sub(disc.first_row).and_then(|k| disc.cols.get(k)).copied().unwrap_or((0, 0)),
+        }
+    }
+
+    /// The smallest window that holds all cells in range, and so all cells between them and the UAV.
+    pub(super) fn window(&self) -> CellWindow {
+        match &self.disc {
+            None => CellWindow { row: 0, col: 0, n_rows: self.shape.0, n_cols: self.shape.1 },
+            Some(disc) => {
+                let west = disc.cols.iter().map(|c| c.0).min().unwrap_or(0);
+                let east = disc.cols.iter().map(|c| c.1).max().unwrap_or(0);
+                CellWindow { row: disc.first_row, col: west, n_rows: disc.cols.len(), n_cols: east - west }
+            }
+        }
+    }
+
+    /// The cells of a set that are in range.
+    pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
+        let mut kept = BitGrid::new(self.shape.0, self.shape.1);
+        let per_row = kept.words_per_row();
+        let Some(disc) = &self.disc else { return cells.clone() };
+        for (k, (from, to)) in disc.cols.iter().enumerate() {
+            let row = disc.first_row + k;
+            for word in from / 64..to.div_ceil(64) {
+                kept.words_mut()[row * per_row + word] = cells.row(row)[word] & bits_between(*from, *to, word);
+            }
+        }
+        kept
+    }
+}
+
+/// The bits of word `word` whose columns lie in `from..to`.
+#[inline]
+pub(super) fn bits_between(from: usize, to: usize, word: usize) -> u64 {
+    let below = |col: usize| match col.saturating_sub(64 * word) {
+        n if n >= 64 => u64::MAX,
+        n => (1 << n) - 1,
+    };
+    below(to) & !below(from)
+}
+
+/// The first index of a range for which `holds` is false; it holds for all before and for none after.
+fn partition(range: std::ops::Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (range.start, range.end);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if holds(middle) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_between_cover_words_and_their_ends() {
+        assert_eq!(bits_between(0, 64, 0), u64::MAX);
+        assert_eq!(bits_between(3, 5, 0), 0b11000);
+        assert_eq!(bits_between(3, 5, 1), 0);
+        assert_eq!(bits_between(60, 70, 1), 0b11_1111);
+        assert_eq!(bits_between(7, 7, 0), 0);
+    }
+}

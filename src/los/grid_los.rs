@@ -1,0 +1,238 @@
+//! One UAV against a whole grid of receivers, by whichever engine the scene calls for.
+
+use rayon::prelude::*;
+
+use super::{ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, link_los, shadow_los, shadow_los_relief, sweep_los};
+use crate::height_field::{GridPositions, HeightField, StandsOn, Station};
+use crate::raster::{BitGrid, CellWindow, set_bits};
+
+/// Which engine is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MethodChoice {
+    /// The fastest that is exact on the scene.
+    #[default]
+    Auto,
+    /// A ray per receiver.
+    Ray,
+    /// The bracketed sweep, for columns.
+    Sweep,
+    /// Projected shadows, for prisms.
+    Shadow,
+}
+
+/// Which engine decides. All are exact and give the same cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// A ray per receiver.
+    Ray,
+    /// The bracketed sweep.
+    Sweep,
+    /// Projected shadows.
+    Shadow,
+    /// Projected shadows for the prisms, the sweep for the terrain below them.
+    ShadowSweep,
+    /// Projected shadows for the prisms; a ray per receiver for a terrain on a grid of its own.
+    ShadowRay,
+}
+
+/// Why a method cannot be used on a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WrongMethod {
+    /// What the scene lacks.
+    pub why: &'static str,
+    /// What to ask for instead.
+    pub instead: Method,
+}
+
+impl Method {
+    /// The method that a choice comes to on a scene, and why.
+    ///
+    /// # Errors
+    /// If the choice names an engine for another kind of scene.
+    pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
+        let auto = match (field.prisms().is_some(), field.columns().is_some()) {
+            (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
+            (true, true) if field.columns_are_on_grid() => {
+                (Method::ShadowSweep, "footprints on terrain: shadows for the roofs, one sweep for the terrain")
+            }
+            (true, true) => {
+                (Method::ShadowRay, "terrain on a grid of its own: shadows for the roofs, rays for the terrain")
+            }
+            (false, _) => (Method::Sweep, "a raster: one sweep over its cells"),
+        };
+        match (choice, auto.0) {
+            (MethodChoice::Auto, _) => Ok(auto),
+            (MethodChoice::Ray, _) => Ok((Method::Ray, "asked for")),
+            (MethodChoice::Sweep, Method::Sweep)
+            | (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
+                Ok((auto.0, "asked for"))
+            }
+            (MethodChoice::Sweep, _) => Err(WrongMethod { why: "footprints are no raster", instead: auto.0 }),
+            (MethodChoice::Shadow, _) => Err(WrongMethod { why: "a raster has no footprints", instead: auto.0 }),
+        }
+    }
+
+    /// The word for it in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Ray => "ray",
+            Method::Sweep => "sweep",
+            Method::Shadow => "shadow",
+            Method::ShadowSweep => "shadow+sweep",
+            Method::ShadowRay => "shadow+ray",
+        }
+    }
+}
+
+/// Receivers of one kind on the cells of a grid, ready for many UAVs.
+#[derive(Debug, Clone)]
+pub struct GridReceivers<'a> {
+    /// The cells that hold one.
+    pub cells: BitGrid,
+    /// What they stand on.
+    stands_on: StandsOn<'a>,
+    /// How high they are above it \[1/1024 m\].
+    above: i32,
+    /// The lowest and the highest of `stands_on` over the cells.
+    range: (i32, i32),
+}
+
+impl<'a> GridReceivers<'a> {
+    /// Receivers on some cells, `above` \[1/1024 m\] over what they stand on.
+    pub fn new(cells: BitGrid, stands_on: StandsOn<'a>, above: i32) -> Self {
+        let range = match &stands_on {
+            StandsOn::Flat(z) => (*z, *z),
+            StandsOn::Cells(heights) => {
+                let n_cols = cells.n_cols();
+                let of_row = |row: usize| {
+                    let heights = &heights[row * n_cols..(row + 1) * n_cols];
+                    set_bits(cells.row(row))
+                        .fold((i32::MAX, i32::MIN), |(low, high), col| (low.min(heights[col]), high.max(heights[col])))
+                };
+                let widest = |a: (i32, i32), b: (i32, i32)| (a.0.min(b.0), a.1.max(b.1));
+                let (low, high) =
+                    (0..cells.n_rows()).into_par_iter().map(of_row).reduce(|| (i32::MAX, i32::MIN), widest);
+                if low > high { (0, 0) } else { (low, high) }
+            }
+        };
+        GridReceivers { cells, stands_on, above, range }
+    }
+
+    /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
+    #[inline]
+    pub fn base(&self, cell: usize) -> i32 {
+        match &self.stands_on {
+            StandsOn::Flat(z) => *z,
+            StandsOn::Cells(heights) => heights[cell],
+        }
+    }
+
+    /// Height of the receiver of a cell \[1/1024 m above the datum\].
+    #[inline]
+    pub fn height(&self, cell: usize) -> i64 {
+        i64::from(self.base(cell)) + i64::from(self.above)
+    }
+
+    /// The one height of all receivers, if it is one.
+    pub fn level(&self) -> Option<i64> {
+        (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))
+    }
+}
+
+/// An engine made ready for a scene: what does not depend on the UAV is done once.
+#[derive(Debug)]
+pub struct GridLos<'a> {
+    field: &'a HeightField,
+    method: Method,
+    positions: GridPositions,
+    shadows: Option<ShadowGrid>,
+    level: SimdLevel,
+}
+
+impl<'a> GridLos<'a> {
+    /// Makes ready; the method must be one that [`Method::choose`] gives for the field.
+    pub fn new(field: &'a HeightField, method: Method) -> Self {
+        let positions = field.positions();
+        let shadows =
+            field.prisms().map(|_| ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect()));
+        GridLos { field, method, positions, shadows, level: SimdLevel::new() }
+    }
+
+    /// The same with other vector instructions: no result depends on them.
+    #[must_use]
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.level = level;
+        self
+    }
+
+    /// The engine in use.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Positions of the receivers.
+    pub fn positions(&self) -> &GridPositions {
+        &self.positions
+    }
+
+    /// The receivers of `wanted` that are in line of sight of a UAV.
+    ///
+    /// `wanted` are some of the cells of `receivers`, and `window` holds them, together with all cells between them and
+    /// the UAV.
+    pub fn los(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
+        match self.method {
+            Method::Ray => self.by_rays(uav, receivers, wanted),
+            Method::Sweep => self.by_sweep(uav, receivers, wanted, window),
+            Method::Shadow => self.by_shadows(uav, receivers, wanted),
+            // What the prisms hide need not be asked of the terrain.
+            Method::ShadowSweep => {
+                let left = self.by_shadows(uav, receivers, wanted);
+                self.by_sweep(uav, receivers, &left, window)
+            }
+            Method::ShadowRay => {
+                let left = self.by_shadows(uav, receivers, wanted);
+                self.by_rays(uav, receivers, &left)
+            }
+        }
+    }
+
+    fn by_rays(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
+        let mut los = wanted.clone();
+        let (per_row, n_cols) = (wanted.words_per_row(), wanted.n_cols());
+        los.words_mut().par_chunks_mut(per_row).enumerate().for_each(|(row, los)| {
+            for col in set_bits(wanted.row(row)) {
+                let receiver =
+                    Station { place: self.positions.center(row, col), z: receivers.height(row * n_cols + col) };
+                if !link_los(self.field, uav, &receiver) {
+                    los[col / 64] &= !(1 << (col % 64));
+                }
+            }
+        });
+        los
+    }
+
+    fn by_sweep(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
+        let Some(columns) = self.field.columns() else { return wanted.clone() };
+        let (lowest, highest) = receivers.range;
+        let above = receivers.above;
+        let heights = match &receivers.stands_on {
+            StandsOn::Cells(base) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
+            _ => ReceiverHeights::Flat(lowest + above),
+        };
+        sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los
+    }
+
+    fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
+        let (Some(prisms), Some(grid)) = (self.field.prisms(), &self.shadows) else { return wanted.clone() };
+        let n_bands = rayon::current_num_threads();
+        let scene = ShadowScene { prisms, grid, wanted, level: self.level, n_bands };
+        let n_cols = wanted.n_cols();
+        match receivers.level() {
+            Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,
+            None => {
+                let height = |row: usize, col: usize| receivers.base(row * n_cols + col) + receivers.above;
+                shadow_los_relief(&scene, uav.on_prisms(), &height).los
+            }
+        }
+    }
+}
