@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Format;
-use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
+use crate::coverage::{Overlay, SiteCoverage, class, count_layer, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
     Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
@@ -93,7 +93,7 @@ impl<'a> MapResult<'a> {
             }
             match layer {
                 Layer::Count => {
-                    let mut overlay = Overlay::new(result.georef.n_cells());
+                    let mut overlay = Overlay::new(self.georef.n_cells());
                     masks.iter().for_each(|mask| overlay.add(mask));
                     let count = overlay.count().iter().zip(overlay.union());
                     let count = count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT });
