@@ -31,6 +31,7 @@ mod obstruction;
 mod prisms_ray;
 mod shadow;
 mod shadow_outline;
+mod shadow_spans;
 mod simd;
 mod sweep;
 

@@ -1,0 +1,158 @@
+//! The inner loops of [`super::shadow`]: columns between the bounds of an outline, eight rows at a time, heights against a
+//! ceiling, eight receivers at a time, and words of bits.
+//!
+//! No multiplication is fused with an addition and all rounding is to whole numbers, so every SIMD level computes the
+//! same bits.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f64x8, u64x8};
+
+use super::shadow_outline::{Ceiling, Line, Outline, Plane, Slope};
+
+/// Rows whose bounds are computed at once.
+pub(super) const LANES: usize = 8;
+
+/// Cells `.0[k]...1[k]` of eight rows.
+pub(super) type Lanes = ([u64; LANES], [u64; LANES]);
+
+/// The cells of eight rows that are surely between the bounds of a shadow.
+pub(super) struct Spans {
+    pub(super) sure: Lanes,
+    /// Whether no other cell may be.
+    pub(super) is_all_sure: bool,
+}
+
+/// A number as a double; exact below 2^53.
+#[inline(always)]
+pub(super) fn as_f64<T: TryInto<i64>>(v: T) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "positions and counts are below 2^53")]
+    let v = v.try_into().unwrap_or(i64::MAX) as f64;
+    v
+}
+
+/// The western and the eastern bound of an outline \[columns\] in the eight rows from `row` on, half a column beyond the
+/// wanted ones where there is none.
+#[inline(always)]
+fn bounds<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> (f64x8<S>, f64x8<S>) {
+    let splat = |v: f64| f64x8::splat(simd, v);
+    let q = f64x8::from_slice(simd, &plane.q[row..row + LANES]);
+    let bound = |line: &Line| splat(line.at) + splat(line.per_q) * q;
+    let mut west = splat(as_f64(plane.cols.0) - 0.5);
+    for line in &outline.west {
+        west = west.max(bound(line));
+    }
+    let mut east = splat(as_f64(plane.cols.1) - 0.5);
+    for line in &outline.east {
+        east = east.min(bound(line));
+    }
+    (west, east)
+}
+
+/// Whole numbers of columns, clamped to the wanted ones.
+#[inline(always)]
+fn to_columns<S: Simd>(simd: S, plane: &Plane, v: f64x8<S>) -> [u64; LANES] {
+    let splat = |v: f64| f64x8::splat(simd, v);
+    let within = v.max(splat(as_f64(plane.cols.0))).min(splat(as_f64(plane.cols.1)));
+    // Adding 2^52 leaves a whole number below 2^52 in the lowest bits of the double.
+    let bits: u64x8<S> = (within + splat((1_u64 << 52) as f64)).bitcast();
+    (bits & u64x8::splat(simd, (1 << 52) - 1)).into()
+}
+
+/// The cells that are surely inside an outline in the eight rows from `row` on.
+#[inline(always)]
+pub(super) fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Spans {
+    let (west, east) = bounds(simd, plane, outline, row);
+    let (margin, one) = (f64x8::splat(simd, outline.margin), f64x8::splat(simd, 1.0));
+    // The last column that may be outside in the west, and the first in the east.
+    let (outside_west, outside_east) = ((west + margin).floor(), (east - margin).ceil());
+    let in_doubt = outside_west.simd_ge(west - margin) | outside_east.simd_le(east + margin);
+    Spans {
+        sure: (to_columns(simd, plane, outside_west + one), to_columns(simd, plane, outside_east)),
+        is_all_sure: !in_doubt.any_true(),
+    }
+}
+
+/// The cells that may be inside an outline in the eight rows from `row` on.
+#[inline(always)]
+pub(super) fn maybe_spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Lanes {
+    let (west, east) = bounds(simd, plane, outline, row);
+    let (margin, one) = (f64x8::splat(simd, outline.margin), f64x8::splat(simd, 1.0));
+    let end = (east + margin).floor() + one;
+    (to_columns(simd, plane, (west - margin).ceil()), to_columns(simd, plane, end))
+}
+
+/// Which of the 64 receivers from column `first` on of a row are surely below a ceiling, and which are too near to tell.
+#[inline(always)]
+pub(super) fn below_ceiling<S: Simd>(simd: S, ceiling: &Ceiling, q: f64, first: f64, heights: &[f64]) -> (u64, u64) {
+    let splat = |v: f64| f64x8::splat(simd, v);
+    let (cap, margin) = (splat(ceiling.cap), splat(ceiling.margin));
+    let lane = f64x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    let (mut below, mut near) = (0, 0);
+    for (k, heights) in heights.chunks_exact(LANES).enumerate() {
+        let z = f64x8::from_slice(simd, heights);
+        let col = splat(first + as_f64(k * LANES)) + lane;
+        let mut bound = splat(f64::INFINITY);
+        for Slope { at, per_col, per_q } in &ceiling.slopes {
+            bound = bound.min(splat(at + per_q * q) + splat(*per_col) * col);
+        }
+        let is_below_cap = z.simd_lt(cap);
+        let is_below = z.simd_lt(bound - margin) & is_below_cap;
+        let may_be = z.simd_le(bound + margin) & is_below_cap;
+        below |= is_below.to_bitmask() << (k * LANES);
+        near |= may_be.to_bitmask() << (k * LANES);
+    }
+    (below, near & !below)
+}
+
+#[inline(always)]
+fn as_index(v: u64) -> usize {
+    usize::try_from(v).unwrap_or(usize::MAX)
+}
+
+/// The bits of the word that begins at column `base` which stand for columns outside of `first..end`.
+#[inline(always)]
+pub(super) fn bits_outside(first: u64, end: u64, base: u64) -> u64 {
+    let below = |col: u64| {
+        let n = col.saturating_sub(base).min(64);
+        (1_u64 << (n & 63)).wrapping_sub(1) | (n >> 6).wrapping_neg()
+    };
+    below(first) | !below(end)
+}
+
+/// Clears bits `first..end` of a row; nothing if `first ≥ end`.
+#[inline(always)]
+pub(super) fn clear(words: &mut [u64], first: u64, end: u64) {
+    if first >= end {
+        return;
+    }
+    let last = end - 1;
+    let (from, to) = (as_index(first / 64), as_index(last / 64));
+    let (head, tail) = (u64::MAX << (first % 64), u64::MAX >> (63 - last % 64));
+    if from == to {
+        words[from] &= !(head & tail);
+        return;
+    }
+    words[from] &= !head;
+    words[from + 1..to].fill(0);
+    words[to] &= !tail;
+}
+
+/// The bits of a word of a row that stand for columns `first..end`.
+#[inline(always)]
+pub(super) fn mask_within(word: usize, first: usize, end: usize) -> u64 {
+    let low = first.saturating_sub(word * 64).min(64);
+    let high = end.saturating_sub(word * 64).min(64);
+    if low >= high { 0 } else { (u64::MAX >> (64 - (high - low))) << low }
+}
+
+/// Calls `f` with the columns within `first..end` of the bits that are set.
+#[inline(always)]
+pub(super) fn for_each_bit(words: &[u64], first: usize, end: usize, mut f: impl FnMut(usize)) {
+    for (word, bits) in words.iter().enumerate().take(end.div_ceil(64)).skip(first / 64) {
+        let mut bits = bits & mask_within(word, first, end);
+        while bits != 0 {
+            f(word * 64 + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+        }
+    }
+}
