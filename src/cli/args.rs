@@ -148,7 +148,7 @@ pub(super) struct EngineArgs {
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) method: Method,
     /// Most memory that the run may take, such as 800M or 4G; default: what the machine has left
-    #[arg(long, value_name = "SIZE", value_parser = memory_size)]
+    #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true)]
     pub(super) max_memory: Option<u64>,
 }
 

@@ -330,11 +330,12 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
     ("dsm.asc --ground 0 --uav 15,2,5", "--nodata-as block", "/digest"),
     ("itu:urban --uav 2,2,50", "--size 200", "/scene/cols"),
     ("itu:urban --size 200 --uav 2,2,50", "--seed 2", "/digest"),
-    ("itu:urban --size 200 --uav 2,2,50", "--method ray", ""),
+    ("itu:urban --size 200 --uav 2,2,50", "--method ray", "/method"),
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 14] = [
+const OTHER_FLAGS: [(&str, &str); 15] = [
+    ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),
     ("--height-curve", "table_document_and_plot_of_a_curve_agree_with_maps"),
@@ -357,12 +358,7 @@ fn every_flag_changes_the_plan() {
     for (base, flag, pointer) in PLAN_FLAGS {
         let without = plan(&folder, base);
         let with = plan(&folder, &format!("{base} {flag}"));
-        if pointer.is_empty() {
-            // The only engine there is: the choice changes nothing yet.
-            assert_eq!(without["digest"], with["digest"], "{flag}");
-        } else {
-            assert_ne!(without.pointer(pointer), with.pointer(pointer), "{flag}: {with}");
-        }
+        assert_ne!(without.pointer(pointer), with.pointer(pointer), "{flag}: {with}");
     }
     for command in ["map", "link", "city", "info"] {
         let help = folder.type_in(&format!("{command} --help")).done().out;
@@ -415,10 +411,62 @@ fn threads_do_not_change_results() {
 }
 
 #[test]
+fn the_method_changes_no_result_and_is_chosen_by_the_scene() {
+    let folder = scenes();
+    // Scene, what auto takes, what can be asked for, what cannot.
+    let scenes = [
+        ("city.geojson --uav 2,2,50", "shadow", "shadow", Some("sweep")),
+        ("city.geojson --terrain slope.asc --uav 2,2,90", "shadow+sweep", "shadow", Some("sweep")),
+        ("city.geojson --terrain slope.asc --cell 0.5 --uav 2,2,90", "shadow+ray", "shadow", None),
+        ("dsm.asc --ground 0 --uav 2,2,50 --receivers all", "sweep", "sweep", Some("shadow")),
+        ("dsm.asc --uav 2,2,50", "sweep", "sweep", Some("shadow")),
+        ("itu:urban --size 200 --uav 2,2,50 --receivers roof", "shadow", "shadow", Some("sweep")),
+    ];
+    for (scene, auto, other, wrong) in scenes {
+        let by_auto = plan(&folder, scene);
+        assert_eq!(by_auto["method"], auto, "{scene}");
+        for method in ["ray", other] {
+            let mut by_method = plan(&folder, &format!("{scene} --method {method}"));
+            by_method["method"] = by_auto["method"].clone();
+            assert_eq!(by_auto, by_method, "{scene} --method {method}");
+        }
+        if let Some(wrong) = wrong {
+            let refused = folder.type_in(&format!("map {scene} --method {wrong} --json"));
+            let lines = refused.refused(2);
+            assert!(lines[0].starts_with("error[E118]") && lines[1].contains(auto), "{lines:?}");
+        }
+    }
+    let said = folder.type_in("map dsm.asc --uav 2,2,50 --json").done().err;
+    assert!(said.contains("method sweep (exact; a raster: one sweep over its cells)"), "{said}");
+}
+
+#[test]
+fn a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts() {
+    let folder = scenes();
+    let line = "map itu:urban --size 200 --uav 2,2,50 --json --max-memory";
+    for enough in ["1M", "1048576", "0.5GiB", "2g", "1t"] {
+        folder.type_in(&format!("{line} {enough}")).done();
+    }
+    let refused = folder.type_in(&format!("{line} 300K"));
+    let lines = refused.refused(5);
+    assert!(lines[0].starts_with("error[E501]: cannot map itu:urban: 200×200 cells need at least"), "{lines:?}");
+    assert!(lines[0].contains("`--max-memory`"), "{lines:?}");
+    for nonsense in ["0", "-5", "much", "4Q", "G", "nan"] {
+        assert!(folder.type_in(&format!("{line} {nonsense}")).refused(2)[0].contains("wanted a size"), "{nonsense}");
+    }
+    // Many UAVs whose masks nobody asked for are not held.
+    let many = (0..50).map(|k| format!(" --uav {},7,50", 2 + 3 * k)).collect::<String>();
+    folder.type_in(&format!("map itu:urban --size 200{many} -o a.csv -j 1 --max-memory 1M")).done();
+    folder.type_in(&format!("map itu:urban --size 200{many} -o a.npz -j 1 --max-memory 1M")).refused(5);
+}
+
+#[test]
 fn quiet_says_nothing_but_errors() {
     let folder = scenes();
     let loud = folder.type_in("map dsm.asc --uav 2,2,50 -o a.tif").done();
-    assert!(loud.err.contains("warning[W342]") && loud.err.contains("UAV 1: P_LoS") && loud.err.contains("method ray"));
+    assert!(
+        loud.err.contains("warning[W342]") && loud.err.contains("UAV 1: P_LoS") && loud.err.contains("method sweep")
+    );
     let quiet = folder.type_in("map dsm.asc --uav 2,2,50 -o b.tif -q").done();
     assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
     assert_eq!(folder.type_in("link dsm.asc --uav 2,2,50 --rx 40,40 -q").done().err, "");

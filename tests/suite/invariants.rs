@@ -9,8 +9,8 @@
 
 use rayon::ThreadPoolBuilder;
 use skyshed::coverage::{
-    Control, HeightLayers, MapOptions, Placement, Receivers, SiteCoverage, Uav, class, count_layer, map_site,
-    union_mask, which_layer,
+    Control, HeightLayers, MapOptions, Overlay, Placement, Receivers, SiteCoverage, Uav, class, count_layer, map_site,
+    which_layer,
 };
 use skyshed::height_field::{CellKind, HeightField, Station};
 use skyshed::los::{columns_ceiling, columns_least_height, columns_los, link_los, prisms_ceiling, prisms_los};
@@ -481,7 +481,10 @@ fn union_count_and_which_agree_with_each_other_and_with_the_masks() {
         })
         .collect();
     let masks: Vec<&[u8]> = masks.iter().map(Vec::as_slice).collect();
-    let (union, count, which) = (union_mask(&masks), count_layer(&masks), which_layer(&masks));
+    let mut overlay = Overlay::new(masks[0].len());
+    masks.iter().for_each(|mask| overlay.add(mask));
+    let (union, count, which) = (overlay.union(), count_layer(&masks), which_layer(&masks));
+    assert_eq!(overlay.count(), count);
     assert_eq!(which.len(), 2);
     let mut n_los = 0;
     for i in 0..union.len() {

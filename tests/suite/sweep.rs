@@ -165,12 +165,19 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                     }
                 }
             }
+            for cell in 0..n_rows * n_cols {
+                let (row, col) = (cell / n_cols, cell % n_cols);
+                let rows = window.row..window.row + window.n_rows;
+                if !rows.contains(&row) || !(window.col..window.col + window.n_cols).contains(&col) {
+                    known.words_mut()[row * n_cols.div_ceil(64) + col / 64] &= !(1 << (col % 64));
+                }
+            }
             compare(&columns, uav, receivers, &known, window, level)
         })
         .collect();
     let receivers: u64 = totals.iter().map(|t| t.0).sum();
     let undecided: u64 = totals.iter().map(|t| t.1).sum();
-    assert!(receivers > n * 200, "{receivers} receivers");
+    assert!(receivers > n * 100, "{receivers} receivers");
     assert!(undecided * 4 < receivers, "{undecided} of {receivers} left to ray: the sweep decides nothing");
 }
 

@@ -9,8 +9,9 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use skyshed::coverage::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Uav, class, map_site};
+use skyshed::coverage::{Control, MapOptions, SiteCoverage, Uav, class, map_site};
 use skyshed::height_field::{HeightField, Station};
+use skyshed::los::MethodChoice;
 use skyshed::los::link_los;
 use skyshed::quantity::{Height, LatticePoint, VOID, height_steps};
 use skyshed::raster::GeoTiff;
@@ -120,13 +121,7 @@ impl Referee {
 }
 
 fn options() -> MapOptions {
-    MapOptions {
-        rx_height: height_steps(1.5).unwrap(),
-        receivers: Receivers::Ground,
-        radius: None,
-        meters_per_unit: 1.0,
-        layers: HeightLayers::default(),
-    }
+    MapOptions { rx_height: height_steps(1.5).unwrap(), ..MapOptions::default() }
 }
 
 /// The receiver of a cell that a map has decided.
@@ -192,7 +187,11 @@ fn compare(comparison: Comparison) -> usize {
             height: Height::AboveDatum(number(&uav["z"])),
         };
         let placed = Uav::place(&site, &field, None).unwrap();
-        let SiteCoverage { mask: ours, .. } = map_site(&field, &placed, &options(), &Control::default()).unwrap();
+        let map = |options: &MapOptions| map_site(&field, &placed, options, &Control::default()).unwrap();
+        let SiteCoverage { mask: ours, tally, .. } = map(&options());
+        // The engine for this kind of scene gives what a ray for each receiver gives.
+        let by_rays = map(&MapOptions { method: MethodChoice::Ray, ..options() });
+        assert!(ours == by_rays.mask && tally == by_rays.tally, "the engines differ");
         let theirs = read_mask(&truth.join(mask), band);
         let both: Vec<usize> = (0..ours.len()).filter(|&i| ours[i] <= class::LOS && theirs[i] != 255).collect();
         let differing: Vec<usize> = both.iter().copied().filter(|&i| ours[i] != theirs[i]).collect();
