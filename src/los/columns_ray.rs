@@ -38,36 +38,6 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
     blocked.is_continue()
 }
 
-/// Which way a line of cells lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Across {
-    /// A row of cells, met by going north or south.
-    Row,
-    /// A column of cells, met by going east or west.
-    Column,
-}
-
-/// Whether the part of a link over some whole lines of cells is clear: over the lines from `near` to `far` \[lattice
-/// steps from the UAV\], none of them the receiver's own. The receiver is the center of cell `own` of the raster, and not
-/// farther from the UAV along the lines than across them.
-pub(super) fn columns_los_over_lines(
-    columns: &Columns,
-    uav: LatticePoint,
-    (own, receiver): (usize, LatticePoint),
-    across: Across,
-    (near, far): (i64, i64),
-) -> bool {
-    let mut walk = InnerWalk::new(columns, own, uav, receiver);
-    if !walk.start_and_stop(across, near, far) {
-        return true;
-    }
-    if uav.z >= receiver.z {
-        rising_walk_is_clear(columns, walk, uav, receiver)
-    } else {
-        falling_walk_is_clear(columns, walk, uav, receiver)
-    }
-}
-
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and what sets it.
 /// The receiver's own height plays no part.
 pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
@@ -179,10 +149,7 @@ impl Columns {
 
 /// The hot case: the receiver in the raster, the UAV not below it, the ray not along a grid line.
 fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> bool {
-    rising_walk_is_clear(columns, InnerWalk::new(columns, own, uav, receiver), uav, receiver)
-}
-
-fn rising_walk_is_clear(columns: &Columns, mut walk: InnerWalk, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let mut walk = InnerWalk::new(columns, own, uav, receiver);
     let climb = uav.z - receiver.z;
     let above = i64::from(columns.max_top()) - receiver.z;
     // A crossing no longer matters once the ray is above the highest column.
@@ -193,19 +160,6 @@ fn rising_walk_is_clear(columns: &Columns, mut walk: InnerWalk, uav: LatticePoin
     // EXACT: all factors are at most 2^26, so every product is at most 2^52.
     while let Some(crossing) = walk.step() {
         if (i64::from(tops[walk.index]) - receiver.z) * crossing.d > crossing.n * climb {
-            return false;
-        }
-    }
-    true
-}
-
-/// From a receiver above the UAV a cell binds where the ray leaves it.
-fn falling_walk_is_clear(columns: &Columns, mut walk: InnerWalk, uav: LatticePoint, receiver: LatticePoint) -> bool {
-    let climb = uav.z - receiver.z;
-    let tops = columns.tops();
-    while walk.step().is_some() {
-        let exit = walk.exit();
-        if (i64::from(tops[walk.index]) - receiver.z) * exit.d > exit.n * climb {
             return false;
         }
     }
@@ -261,55 +215,6 @@ impl InnerWalk {
             reach: (length.0.min(to_border(receiver.x, dx, width)), length.1.min(to_border(receiver.y, dy, height))),
             stride: (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row }),
         }
-    }
-
-    /// Moves a walk that begins at the center of a cell ahead to where it enters the line that ends at `far`, and has it
-    /// stop where it leaves the one that begins at `near`, both \[lattice steps from the UAV\]; `false` if it has left the
-    /// raster by then.
-    fn start_and_stop(&mut self, across: Across, near: i64, far: i64) -> bool {
-        let half = CELL / 2;
-        let (across_length, along_length) = match across {
-            Across::Row => (self.length.1, self.length.0),
-            Across::Column => (self.length.0, self.length.1),
-        };
-        let (start, stop) = (across_length - far, across_length - near);
-        let lines = (start - half) / CELL;
-        // Lines of cells crossed sideways before that; one met just there is still to come.
-        // EXACT: lengths are at most 2^26, so every product is at most 2^52.
-        let sideways = ((start * along_length - half * across_length + CELL * across_length - 1)
-            .div_euclid(CELL * across_length))
-        .max(0);
-        let reach = match across {
-            Across::Row => self.reach.0,
-            Across::Column => self.reach.1,
-        };
-        if sideways > 0 && half + (sideways - 1) * CELL >= reach {
-            return false;
-        }
-        let (steps, next) = match across {
-            Across::Row => ((sideways, lines), (half + sideways * CELL, start)),
-            Across::Column => ((lines, sideways), (start, half + sideways * CELL)),
-        };
-        let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
-        self.index = self
-            .index
-            .wrapping_add_signed(shift(steps.0, self.stride.0))
-            .wrapping_add_signed(shift(steps.1, self.stride.1));
-        match across {
-            Across::Row => self.reach.1 = self.reach.1.min(stop),
-            Across::Column => self.reach.0 = self.reach.0.min(stop),
-        }
-        // Along an axis the other line is never met; `order` says so already.
-        if along_length > 0 {
-            self.next = next;
-            self.order = (next.0 * self.length.1, next.1 * self.length.0);
-        } else {
-            match across {
-                Across::Row => self.next.1 = next.1,
-                Across::Column => self.next.0 = next.0,
-            }
-        }
-        true
     }
 
     /// Steps into the next cell and returns where its border was crossed; `None` once no crossing counts any more.

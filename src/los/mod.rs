@@ -24,6 +24,7 @@
 //! the **obstruction** that a user wants named.
 
 mod cell_walk;
+mod columns_lines;
 mod columns_ray;
 mod grid_los;
 mod link;

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use self::kernels::{Decided, LineReceivers};
 use self::wedge::{Line, MAX_PARTS, NEAR, Suspects, Wedge, WedgeFrame};
+use super::columns_lines::{Across, columns_los_over_lines};
 use super::columns_los;
-use super::columns_ray::{Across, columns_los_over_lines};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow};

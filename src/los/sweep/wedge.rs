@@ -153,9 +153,7 @@ impl Wedge {
     /// Makes bins narrower than a cell at distance `far`, and nearer lines finer still, though never finer than the last
     /// one: a bin that splits in two hands its bounds down to both, so what is loose stays loose.
     fn refine(&mut self, frame: &WedgeFrame, far: i64) {
-        // Bins as narrow as a cell at some distance.
-        let level_for = |far: i64| (far.max(0) / CELL + 1).ilog2() + 1;
-        let finest = level_for(frame.last_center + CELL / 2);
+        let finest = level_for(frame.last_center - CELL / 2);
         let level = (level_for(far) + EXTRA_LEVELS).min(finest).max(FIRST_LEVEL);
         while self.level < level {
             self.upper = split(&self.upper, self.len, NOTHING);
@@ -195,7 +193,11 @@ impl Wedge {
         receivers: &LineReceivers<'_>,
         word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
     ) {
-        self.refine(frame, line.far);
+        // The last line hides nobody.
+        let is_last = line.center >= frame.last_center;
+        if !is_last {
+            self.refine(frame, line.far);
+        }
         self.n_lines += 1;
         if self.n_lines % 8 == 0 {
             self.retire(frame, line.center);
@@ -206,7 +208,9 @@ impl Wedge {
             if line.far > NEAR {
                 self.decide(simd, frame, line, receivers, interval, word);
             }
-            self.advance(simd, frame, line, interval);
+            if !is_last {
+                self.advance(simd, frame, line, interval);
+            }
             k += 1;
         }
     }
@@ -375,6 +379,11 @@ impl Wedge {
         }
         self.active = left;
     }
+}
+
+/// The least level at which bins are narrower than a cell at distance `far`.
+fn level_for(far: i64) -> u32 {
+    (far.max(0) / CELL).checked_ilog2().map_or(0, |bits| bits + 1)
 }
 
 /// Values of bins for bins of half their width.

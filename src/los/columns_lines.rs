@@ -1,0 +1,95 @@
+//! A part of a ray over columns, line by line: how the sweep asks about the few lines that may decide a receiver.
+//!
+//! Across the lines the ray moves faster than along them, so in each line it is in one cell or in two neighbors. Where it
+//! is over the higher of the two at its lowest point in the line, the line is clear; only else are the cells looked at one
+//! by one, as `ray` does. The cell is carried from line to line by adding to a remainder.
+
+use crate::height_field::Columns;
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
+
+const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Which way a line of cells lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Across {
+    /// A row of cells, met by going north or south.
+    Row,
+    /// A column of cells, met by going east or west.
+    Column,
+}
+
+/// Whether a link is clear, given that only the lines of cells from `near` to `far` \[lattice steps from the UAV\] can
+/// block it.
+///
+/// The receiver is the center of cell `own` of the raster, in none of these lines, and not farther from the UAV along the
+/// lines than across them. Cost: one comparison per line.
+pub(super) fn columns_los_over_lines(
+    columns: &Columns,
+    uav: LatticePoint,
+    (own, receiver): (usize, LatticePoint),
+    across: Across,
+    (near, far): (i64, i64),
+) -> bool {
+    let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
+    #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
+    let row = columns.n_cols() as isize;
+    let (east, north) = (receiver.x.div_euclid(CELL), receiver.y.div_euclid(CELL));
+    // Rows are counted from the north.
+    let (stride_x, stride_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row });
+    let cells_left = |d: i64, at: i64, n: usize| if d < 0 { at } else { as_i64(n) - 1 - at };
+    let (length, along, stride, sideways, most) = match across {
+        Across::Row => (dy.abs(), dx.abs(), stride_y, stride_x, cells_left(dx, east, columns.n_cols())),
+        Across::Column => (dx.abs(), dy.abs(), stride_x, stride_y, cells_left(dy, north, columns.n_rows())),
+    };
+    let climb = uav.z - receiver.z;
+    let tops = columns.tops();
+
+    // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
+    let whole = CELL * length;
+    let (mut n, stop) = (length - far, length - near);
+    let numerator = CELL / 2 * length + n * along;
+    let (mut passed, mut rest) = (numerator / whole, numerator % whole);
+    let growth = CELL * along;
+    let lines = (n - CELL / 2) / CELL + 1;
+    let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
+    let mut cell = own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways));
+    while n < stop {
+        if passed > most {
+            // Beside the raster nothing blocks.
+            return true;
+        }
+        // The ray enters the line at `n` in `cell`, and leaves it there or in the next one.
+        rest += growth;
+        let steps_over = rest >= whole;
+        rest -= if steps_over { whole } else { 0 };
+        let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
+        let is_inside = passed + i64::from(steps_over) <= most;
+        let first = i64::from(tops[cell]) - receiver.z;
+        let second = if is_inside { i64::from(tops[next]) - receiver.z } else { i64::MIN >> 32 };
+        let end = (n + CELL).min(length);
+        let lowest = if climb >= 0 { n } else { end } * climb;
+        if first.max(second) * length > lowest {
+            // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
+            let border = CELL / 2 + passed * CELL;
+            let crosses = steps_over && rest > 0 && border < along;
+            let blocked = if climb >= 0 {
+                first * length > n * climb || (crosses && second * along > border * climb)
+            } else if crosses {
+                first * along > border * climb || second * length > end * climb
+            } else {
+                first * length > end * climb
+            };
+            if blocked {
+                return false;
+            }
+        }
+        passed += i64::from(steps_over);
+        cell = next.wrapping_add_signed(stride);
+        n += CELL;
+    }
+    true
+}
+
+fn as_i64(n: usize) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
+}
