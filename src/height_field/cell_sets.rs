@@ -1,11 +1,14 @@
 //! What the cells of the receivers' grid are, as sets, and what receivers stand on there.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use super::{CellKind, HeightField};
-use crate::quantity::VOID;
+use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
 /// The cells of open ground and those of buildings; all others are void.
@@ -26,6 +29,18 @@ impl CellSets {
         let (mut open, mut building) = (BitGrid::new(n_rows, n_cols), BitGrid::new(n_rows, n_cols));
         let per_row = open.words_per_row();
         let rows = open.words_mut().par_chunks_mut(per_row).zip(building.words_mut().par_chunks_mut(per_row));
+        let columns = field.columns().filter(|_| field.is_surface_only());
+        if columns.is_some_and(|c| c.min_top() != VOID && c.max_top() < BLOCKS_ALL) {
+            // Receivers stand on every cell of a surface without voids.
+            return CellSets { open: BitGrid::full(n_rows, n_cols), building };
+        }
+        if let Some(cells) = field.raster_cells() {
+            rows.enumerate().for_each(|(row, (open, building))| {
+                let range = row * n_cols..(row + 1) * n_cols;
+                dispatch!(Level::new(), simd => cells.sort_row(simd, range, open, building));
+            });
+            return CellSets { open, building };
+        }
         rows.enumerate().for_each(|(row, (open, building))| {
             for col in 0..n_cols {
                 match field.cell_kind(row * n_cols + col, &positions.center(row, col)) {
@@ -39,6 +54,69 @@ impl CellSets {
     }
 }
 
+/// The cells of a raster scene: what they are follows from their heights.
+pub(super) struct RasterCells<'a> {
+    pub(super) tops: &'a [i32],
+    pub(super) ground: RasterGround<'a>,
+}
+
+/// What is below the surface of a raster scene; a cell higher than the threshold above it is a building.
+pub(super) enum RasterGround<'a> {
+    /// Nothing that is known.
+    Surface,
+    Flat {
+        z: i32,
+        building_threshold: i32,
+    },
+    Terrain {
+        tops: &'a [i32],
+        building_threshold: i32,
+    },
+}
+
+impl RasterCells<'_> {
+    /// Puts the cells of a row into the sets, as [`HeightField::cell_kind`] sorts them one by one.
+    #[inline(always)]
+    fn sort_row<S: Simd>(&self, simd: S, row: Range<usize>, open: &mut [u64], building: &mut [u64]) {
+        let n = S::i32s::LEN;
+        let (void, blocks_all) = (S::i32s::splat(simd, VOID), S::i32s::splat(simd, BLOCKS_ALL));
+        let tops = &self.tops[row.clone()];
+        for (k, tops) in tops.chunks(64).enumerate() {
+            let mut padded = [VOID; 64];
+            padded[..tops.len()].copy_from_slice(tops);
+            let mut grounds = [0; 64];
+            let (mut n_open, mut n_building) = (0_u64, 0_u64);
+            let threshold = match &self.ground {
+                RasterGround::Surface => None,
+                RasterGround::Flat { z, building_threshold } => {
+                    grounds = [*z; 64];
+                    Some(*building_threshold)
+                }
+                RasterGround::Terrain { tops: ground, building_threshold } => {
+                    let ground = &ground[row.start + 64 * k..][..tops.len()];
+                    grounds[..ground.len()].copy_from_slice(ground);
+                    Some(*building_threshold)
+                }
+            };
+            for i in (0..64).step_by(n) {
+                let top = S::i32s::from_slice(simd, &padded[i..i + n]);
+                let known = top.simd_ne(void) & top.simd_ne(blocks_all);
+                let Some(threshold) = threshold else {
+                    n_open |= known.to_bitmask() << i;
+                    continue;
+                };
+                let ground = S::i32s::from_slice(simd, &grounds[i..i + n]);
+                let known = known & ground.simd_ne(void);
+                // Known heights are at most 2^26 apart; others may wrap, and do not count.
+                let is_building = (top - ground).simd_gt(threshold);
+                n_building |= (known & is_building).to_bitmask() << i;
+                n_open |= (known & !is_building).to_bitmask() << i;
+            }
+            (open[k], building[k]) = (n_open, n_building);
+        }
+    }
+}
+
 /// Heights of what receivers stand on \[1/1024 m above the datum\].
 #[derive(Debug, Clone)]
 pub enum StandsOn<'a> {
@@ -46,6 +124,8 @@ pub enum StandsOn<'a> {
     Flat(i32),
     /// A height for each cell, row by row from the north-west; only those of the cells in question mean anything.
     Cells(Cow<'a, [i32]>),
+    /// The same, and bounds on the heights of the cells in question, both included.
+    BoundedCells(&'a [i32], (i32, i32)),
 }
 
 impl HeightField {
@@ -53,6 +133,13 @@ impl HeightField {
     pub fn ground_of_cells(&self) -> StandsOn<'_> {
         if let Some(z) = self.flat_ground() {
             return StandsOn::Flat(z);
+        }
+        if let Some(columns) = self.columns().filter(|_| self.is_surface_only()) {
+            // All cells but the void ones, which are no receivers.
+            return match columns.min_top() {
+                VOID => StandsOn::Cells(Cow::Borrowed(columns.tops())),
+                lowest => StandsOn::BoundedCells(columns.tops(), (lowest, columns.max_top())),
+            };
         }
         if let Some(cells) = self.ground_on_grid() {
             return StandsOn::Cells(Cow::Borrowed(cells));
@@ -72,5 +159,33 @@ impl HeightField {
     /// The roofs of the building cells.
     pub fn roof_of_cells(&self) -> StandsOn<'_> {
         StandsOn::Cells(Cow::Borrowed(self.roofs_on_grid()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{GeoRef, Raster};
+    use crate::scene::{Ground, Solids};
+
+    #[test]
+    fn the_cells_of_a_raster_are_sorted_as_one_by_one() {
+        let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (3, 101), None).expect("a valid grid");
+        let kinds = [VOID, BLOCKS_ALL, 0, 256, 257, 5000, -3000, 1 << 25, -(1 << 25)];
+        let heights = |step: usize| (0..303).map(|i| kinds[i * step % kinds.len()]).collect::<Vec<i32>>();
+        let terrain: Vec<i32> = heights(5).into_iter().map(|z| if z == BLOCKS_ALL { 9 } else { z }).collect();
+        for ground in [Ground::Surface, Ground::Flat(0), Ground::Terrain(Raster::new(grid.clone(), terrain))] {
+            let surface = Raster::new(grid.clone(), heights(1));
+            let solids = Solids::Raster { surface, ground, building_threshold: 256 };
+            let field = HeightField::build(&grid, solids, &mut Vec::new());
+            let positions = field.positions();
+            for cell in 0..303 {
+                let (row, col) = (cell / 101, cell % 101);
+                let kind = field.cell_kind(cell, &positions.center(row, col));
+                let sets = (field.cells().open.contains(row, col), field.cells().building.contains(row, col));
+                let expected = (matches!(kind, CellKind::Open(_)), matches!(kind, CellKind::Building(_)));
+                assert_eq!(sets, expected, "cell {cell}: {kind:?}");
+            }
+        }
     }
 }

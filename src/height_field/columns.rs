@@ -1,5 +1,8 @@
 //! Columns: the solid of a raster, each cell a flat-topped column.
 
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 
 /// Edge length of a cell on the lattice.
@@ -15,6 +18,7 @@ pub struct Columns {
     n_rows: usize,
     tops: Vec<i32>,
     max_top: i32,
+    min_top: i32,
 }
 
 impl Columns {
@@ -24,8 +28,8 @@ impl Columns {
     /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.
     pub fn new(n_rows: usize, n_cols: usize, tops: Vec<i32>) -> Self {
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
-        let max_top = tops.iter().copied().max().unwrap_or(VOID);
-        Columns { n_cols, n_rows, tops, max_top }
+        let (lowest, max_top) = tops.par_chunks(1 << 16).map(extremes).reduce(|| EMPTY, widest);
+        Columns { n_cols, n_rows, tops, max_top, min_top: lowest }
     }
 
     /// Number of columns of cells.
@@ -46,6 +50,11 @@ impl Columns {
     /// The highest top, [`VOID`] if all cells are void.
     pub fn max_top(&self) -> i32 {
         self.max_top
+    }
+
+    /// The lowest top, [`VOID`] if any cell is void.
+    pub fn min_top(&self) -> i32 {
+        self.min_top
     }
 
     /// Top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
@@ -86,6 +95,26 @@ impl Columns {
     }
 }
 
+/// The extremes of no tops.
+const EMPTY: (i32, i32) = (i32::MAX, VOID);
+
+/// The lowest and the highest of some tops.
+fn extremes(tops: &[i32]) -> (i32, i32) {
+    #[inline(always)]
+    fn run<S: Simd>(simd: S, tops: &[i32]) -> (i32, i32) {
+        // PERF: compiled for the instructions of this machine, where the compiler makes vectors of it.
+        simd.vectorize(
+            #[inline(always)]
+            || tops.iter().fold(EMPTY, |range, top| (range.0.min(*top), range.1.max(*top))),
+        )
+    }
+    dispatch!(Level::new(), simd => run(simd, tops))
+}
+
+fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,7 +128,8 @@ mod tests {
         assert_eq!(columns.top(-1, 0), VOID);
         assert_eq!(columns.center(0, 1), (1536, 1536));
         assert_eq!(columns.cell_at(1024, 0), Some(4));
-        assert_eq!(columns.max_top(), 6);
+        assert_eq!((columns.min_top(), columns.max_top()), (1, 6));
+        assert_eq!(Columns::new(1, 2, vec![VOID, 3]).min_top(), VOID);
     }
 
     #[test]

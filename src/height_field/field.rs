@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::cell_sets::{RasterCells, RasterGround};
 use super::prisms::{holds_half_open, side};
 use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
@@ -166,6 +167,23 @@ impl HeightField {
     /// Which cells are open ground and which are buildings.
     pub fn cells(&self) -> &CellSets {
         &self.cells
+    }
+
+    /// The cells of a raster scene.
+    pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
+        if self.prisms.is_some() {
+            return None;
+        }
+        let ground = match &self.floor {
+            Floor::Surface | Floor::Columns => RasterGround::Surface,
+            Floor::Flat { z, building_threshold } => {
+                RasterGround::Flat { z: *z, building_threshold: *building_threshold }
+            }
+            Floor::Terrain { tops, building_threshold } => {
+                RasterGround::Terrain { tops, building_threshold: *building_threshold }
+            }
+        };
+        Some(RasterCells { tops: self.columns()?.tops(), ground })
     }
 
     /// The one height of the ground under all open cells, if it is flat.

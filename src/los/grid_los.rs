@@ -102,16 +102,26 @@ impl<'a> GridReceivers<'a> {
     pub fn new(cells: BitGrid, stands_on: StandsOn<'a>, above: i32) -> Self {
         let range = match &stands_on {
             StandsOn::Flat(z) => (*z, *z),
+            StandsOn::BoundedCells(_, range) => *range,
             StandsOn::Cells(heights) => {
                 let n_cols = cells.n_cols();
                 let of_row = |row: usize| {
                     let heights = &heights[row * n_cols..(row + 1) * n_cols];
-                    set_bits(cells.row(row))
-                        .fold((i32::MAX, i32::MIN), |(low, high), col| (low.min(heights[col]), high.max(heights[col])))
+                    cells.row(row).iter().zip(heights.chunks(64)).fold(NO_RANGE, |range, (word, heights)| {
+                        // Most words are full or empty.
+                        widest(
+                            range,
+                            match *word {
+                                0 => NO_RANGE,
+                                u64::MAX => heights.iter().fold(NO_RANGE, |r, z| widest(r, (*z, *z))),
+                                word => {
+                                    set_bits(&[word]).fold(NO_RANGE, |r, bit| widest(r, (heights[bit], heights[bit])))
+                                }
+                            },
+                        )
+                    })
                 };
-                let widest = |a: (i32, i32), b: (i32, i32)| (a.0.min(b.0), a.1.max(b.1));
-                let (low, high) =
-                    (0..cells.n_rows()).into_par_iter().map(of_row).reduce(|| (i32::MAX, i32::MIN), widest);
+                let (low, high) = (0..cells.n_rows()).into_par_iter().map(of_row).reduce(|| NO_RANGE, widest);
                 if low > high { (0, 0) } else { (low, high) }
             }
         };
@@ -124,6 +134,7 @@ impl<'a> GridReceivers<'a> {
         match &self.stands_on {
             StandsOn::Flat(z) => *z,
             StandsOn::Cells(heights) => heights[cell],
+            StandsOn::BoundedCells(heights, _) => heights[cell],
         }
     }
 
@@ -137,6 +148,13 @@ impl<'a> GridReceivers<'a> {
     pub fn level(&self) -> Option<i64> {
         (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))
     }
+}
+
+/// The range of no heights.
+const NO_RANGE: (i32, i32) = (i32::MAX, i32::MIN);
+
+fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
+    (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// An engine made ready for a scene: what does not depend on the UAV is done once.
@@ -215,8 +233,13 @@ impl<'a> GridLos<'a> {
         let Some(columns) = self.field.columns() else { return wanted.clone() };
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
-        let heights = match &receivers.stands_on {
-            StandsOn::Cells(base) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
+        let base: Option<&[i32]> = match &receivers.stands_on {
+            StandsOn::Flat(_) => None,
+            StandsOn::Cells(heights) => Some(heights),
+            StandsOn::BoundedCells(heights, _) => Some(heights),
+        };
+        let heights = match base {
+            Some(base) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los

@@ -18,6 +18,17 @@ impl BitGrid {
         BitGrid { n_rows, n_cols, words_per_row, words: vec![0; n_rows * words_per_row] }
     }
 
+    /// All cells.
+    pub fn full(n_rows: usize, n_cols: usize) -> Self {
+        let mut all = BitGrid::new(n_rows, n_cols);
+        all.words.fill(u64::MAX);
+        if n_cols % 64 > 0 {
+            let last = (1 << (n_cols % 64)) - 1;
+            all.words.chunks_mut(all.words_per_row).for_each(|row| row[row.len() - 1] = last);
+        }
+        all
+    }
+
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.n_rows
@@ -93,6 +104,8 @@ mod tests {
         assert_eq!(set.count(), 4);
         assert!(set.contains(1, 64) && !set.contains(0, 64) && !set.contains(1, 0));
         assert_eq!(set.row(1), [1 << 63, 1]);
+        assert_eq!(BitGrid::full(3, 65).count(), 195);
+        assert_eq!(BitGrid::full(2, 64).row(1), [u64::MAX]);
         assert_eq!(set_bits(set.row(1)).collect::<Vec<_>>(), [63, 64]);
     }
 }

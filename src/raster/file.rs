@@ -70,6 +70,18 @@ impl RasterFile {
         }
     }
 
+    /// All heights on the lattice \[1/1024 m\], where the file stores them so plainly that no cell needs a word, and the
+    /// number of cells without one; `None` else.
+    ///
+    /// # Errors
+    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
+    pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.read_plain_heights(warnings),
+            RasterFile::AsciiGrid(_) => Ok(None),
+        }
+    }
+
     /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ mod exr_file;
 mod file;
 mod georef;
 mod geotiff;
+mod lattice_rows;
 mod npz;
 mod voids;
 mod world_file;

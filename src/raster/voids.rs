@@ -9,8 +9,8 @@ use crate::error::{Error, Result, Warning};
 use crate::quantity::counted;
 
 /// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
-const LOWEST_LIKELY: f64 = -9000.0;
-const HIGHEST_LIKELY: f64 = 32_000.0;
+pub(super) const LOWEST_LIKELY: f64 = -9000.0;
+pub(super) const HIGHEST_LIKELY: f64 = 32_000.0;
 
 /// How many cells of one kind there were, and between which rows and columns.
 #[derive(Debug, Clone, Copy)]

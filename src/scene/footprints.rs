@@ -195,7 +195,7 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
                 crs: options.crs.clone(),
                 always_hash: options.always_hash,
             };
-            let terrain = read_heights(terrain_path, &surface_options, warnings)?;
+            let (terrain, _) = read_heights(terrain_path, &surface_options, warnings)?;
             refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
                 format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
             })?;

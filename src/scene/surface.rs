@@ -2,10 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{BLOCKS_ALL, MAX_EXTENT_UNITS, VOID, counted, height_steps};
 use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
+
+/// Fewest cells that are worth handing to a thread.
+const PART: usize = 1 << 16;
 
 /// How a raster scene is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,9 +49,8 @@ impl Default for SurfaceOptions {
 /// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
 /// errors for bad numbers.
 pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let (mut surface, mut sources) = (read_heights(path, options, warnings)?, vec![]);
+    let ((mut surface, n_void), mut sources) = (read_heights(path, options, warnings)?, vec![]);
     sources.push(Source::of(path, options.always_hash)?);
-    let n_void = surface.cells().iter().filter(|h| **h == VOID).count();
     if n_void > 0 {
         let effect = match options.nodata_as {
             NodataAs::Clear => "blocks nothing",
@@ -57,17 +61,18 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
             format!(
                 "{}: {} without a height: nodata {effect} and holds no receiver (`--nodata-as`)",
                 path.display(),
-                counted(n_void as u64, "cell", "cells")
+                counted(n_void, "cell", "cells")
             ),
         ));
     }
 
     let ground = match (&options.terrain, options.ground_m) {
         (Some(terrain_path), _) => {
-            let terrain = read_heights(terrain_path, options, warnings)?;
+            let (terrain, _) = read_heights(terrain_path, options, warnings)?;
             let terrain = terrain_on_grid(path, surface.georef(), terrain_path, terrain, warnings)?;
             sources.push(Source::of(terrain_path, options.always_hash)?);
-            let above = surface.cells().iter().zip(terrain.cells()).filter(|(s, t)| **s != VOID && t > s).count();
+            let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
+            let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
             if above > 0 {
                 warnings.push(Warning::new(
                     341,
@@ -83,7 +88,7 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
         (None, Some(ground_m)) => {
             let z = ground_steps(ground_m)?;
             // A surface that is flat where it is ground is often a rounding below the ground that was typed.
-            let buried = surface.cells().iter().filter(|s| **s != VOID && **s < z - 1).count();
+            let buried = surface.cells().par_iter().with_min_len(PART).filter(|s| **s != VOID && **s < z - 1).count();
             if buried > 0 {
                 warnings.push(Warning::new(
                     341,
@@ -113,16 +118,14 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
     let blocking_void = if options.nodata_as == NodataAs::Block { BLOCKS_ALL } else { VOID };
     let mut cells = surface.into_cells();
     if let Ground::Terrain(terrain) = &ground {
-        for (s, t) in cells.iter_mut().zip(terrain.cells()) {
+        cells.par_iter_mut().with_min_len(PART).zip(terrain.cells()).for_each(|(s, t)| {
             if *s != VOID {
                 *s = (*s).max(*t);
             }
-        }
+        });
     }
     if let Ground::Flat(z) = &ground {
-        for s in cells.iter_mut().filter(|s| **s != VOID) {
-            *s = (*s).max(*z);
-        }
+        cells.par_iter_mut().with_min_len(PART).filter(|s| **s != VOID).for_each(|s| *s = (*s).max(*z));
     }
     if blocking_void != VOID {
         // Marked by their height: no real top reaches it.
@@ -151,8 +154,12 @@ pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
     height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
 }
 
-/// Reads heights onto the lattice; nodata becomes [`VOID`].
-pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Raster<i32>> {
+/// Reads heights onto the lattice, with the number of cells that have none and become [`VOID`].
+pub(super) fn read_heights(
+    path: &Path,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Raster<i32>, u64)> {
     let before = warnings.len();
     let file = RasterFile::open(path, warnings)?;
     if options.crs.is_some() {
@@ -166,6 +173,9 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
         None => georef,
     };
     check_crs(path, &georef, warnings)?;
+    if let Some((raster, n_void)) = file.read_plain_heights(warnings)? {
+        return Ok((Raster::new(georef, raster.into_cells()), n_void));
+    }
     let mut out_of_range: Option<f64> = None;
     let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
     let raster = file.read(file.georef().window(), warnings, |v| {
@@ -185,13 +195,14 @@ pub(super) fn read_heights(path: &Path, options: &SurfaceOptions, warnings: &mut
         )
         .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
     }
-    if raster.cells().iter().all(|h| *h == VOID) {
+    let n_void = raster.cells().iter().filter(|h| **h == VOID).count() as u64;
+    if n_void == raster.cells().len() as u64 {
         return Err(Error::file(
             305,
             format!("cannot use {}: all {} cells are nodata, wanted heights", path.display(), georef.n_cells()),
         ));
     }
-    Ok(Raster::new(georef, raster.into_cells()))
+    Ok((Raster::new(georef, raster.into_cells()), n_void))
 }
 
 /// Warns where coordinates are not meters.

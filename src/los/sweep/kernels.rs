@@ -13,6 +13,7 @@ pub(super) const NOTHING: f32 = -1e30;
 
 /// Room that vectors may read or write before and after the part of a buffer that is in use.
 pub(super) const PAD: usize = 128;
+const PAD_I64: i64 = 128;
 
 /// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.
 const DOUBT: f32 = 1.0 / (1 << 20) as f32;
@@ -94,7 +95,7 @@ pub(super) fn look_up_edges<S: Simd>(
 /// Values of the cells under edges, the first of them at `at` and each a step farther.
 #[inline(always)]
 fn look_up_cells<S: Simd>(simd: S, map: EdgeMap, line: &[f32], at: i64, steps: S::u32s) -> S::f32s {
-    let base = (at >> map.shift) - map.first_cell + PAD as i64;
+    let base = (at >> map.shift) - map.first_cell + PAD_I64;
     // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27 and all lanes stay below 2^31.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
     let within = (at & ((1_i64 << map.shift) - 1)) as u32;
@@ -307,7 +308,7 @@ pub(super) fn decide_line<S: Simd>(
         #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
         let last = S::i32s::splat(simd, (bounds.last_bin - bin).min(1 << 20) as i32);
         let index: S::u32s = (guess + wholes).min(last).bitcast();
-        let base = bin - bounds.first_bin + PAD as i64;
+        let base = bin - bounds.first_bin + PAD_I64;
         let upper = look_up_bins(simd, bins_per_receiver, bounds.upper, base, index);
         let lower = look_up_bins(simd, bins_per_receiver, bounds.lower, base, index);
 

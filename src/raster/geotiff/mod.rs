@@ -19,6 +19,7 @@
 //! lossy compression.
 
 mod header;
+mod heights;
 mod lerc;
 mod placement;
 mod read;
