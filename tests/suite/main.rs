@@ -8,7 +8,8 @@ mod oracle_twins; // and against brute-force twins on random scenes
 mod case_file; // reads tests/cases/*.txt
 
 mod agreement; // every engine against the text cases and the oracle
-mod sweep; // the bracketed sweep equals ray on every scene, at every width of vectors
+mod sweep; // the bracketed sweep equals ray on small rasters with every kind of tie
+mod engines; // whole maps by the engine for the scene are those of a ray per receiver
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
 mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
