@@ -251,7 +251,8 @@ mod tests {
         for col in (0..row.n_cols).filter(|col| receivers.contains(0, *col)) {
             let rise = in_meters(row.uav.2 - row.receivers.height(col));
             let angle = rise.atan2(row.squared_distance(row.xs[col]).sqrt()).to_degrees();
-            let band = (9 + (angle / 10.0).floor() as i64).clamp(0, 17) as usize;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
+            let band = (9.0 + (angle / 10.0).floor()).clamp(0.0, 17.0) as usize;
             counts[band].0 += 1;
             counts[band].1 += u64::from(los.contains(0, col));
         }
@@ -270,7 +271,7 @@ mod tests {
                 }
             }
         }
-        let relief: Vec<i32> = (0..n_cols).map(|col| (col * 7919 % 977) as i32 * 150).collect();
+        let relief: Vec<i32> = (0..333).map(|col| (col * 7919 % 977) * 150).collect();
         let all = [
             GridReceivers::new(receivers.clone(), StandsOn::Flat(0), 1536),
             GridReceivers::new(receivers.clone(), StandsOn::Cells(relief.into()), 1536),

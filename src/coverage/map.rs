@@ -73,7 +73,7 @@ pub struct HeightLayers {
 pub struct SiteCoverage {
     /// The UAV.
     pub uav: Uav,
-    /// Classes of [`class`].
+    /// Classes of [`super::class`].
     pub mask: Vec<u8>,
     /// Receiver height less ceiling \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
     pub margin: Option<Vec<f32>>,

@@ -22,6 +22,11 @@
 //! LoS only from `z_U + (h − z_U) / s` up, s being the fraction of the way from the UAV to the obstructing point. The
 //! largest of these bounds is the **ceiling** at that place (the least visible height), and the interval that sets it is
 //! the **obstruction** that a user wants named.
+//!
+//! Three engines decide, and all give the same cells: `ray` visits what one link crosses ([`columns_los`],
+//! [`prisms_los`]) and is the twin to which the others are compared; `shadow` casts the shadows of prisms over a grid
+//! ([`shadow_los`]); `sweep` carries bounds over the cells of a raster ([`sweep_los`]). [`GridLos`] takes the one that a
+//! scene calls for.
 
 mod cell_walk;
 mod columns_lines;

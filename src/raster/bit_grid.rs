@@ -22,7 +22,7 @@ impl BitGrid {
     pub fn full(n_rows: usize, n_cols: usize) -> Self {
         let mut all = BitGrid::new(n_rows, n_cols);
         all.words.fill(u64::MAX);
-        if n_cols % 64 > 0 {
+        if !n_cols.is_multiple_of(64) {
             let last = (1 << (n_cols % 64)) - 1;
             all.words.chunks_mut(all.words_per_row).for_each(|row| row[row.len() - 1] = last);
         }

@@ -13,6 +13,7 @@ pub(super) const NOTHING: f32 = -1e30;
 
 /// Room that vectors may read or write before and after the part of a buffer that is in use.
 pub(super) const PAD: usize = 128;
+/// The same among bins and cells, which are counted with a sign.
 const PAD_I64: i64 = 128;
 
 /// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.

@@ -1,6 +1,62 @@
 //! `sweep` over columns: bounds on what hides a receiver, carried outward from the UAV line by line.
 //!
-//! (essay to come)
+//! # Method
+//!
+//! The plane around the UAV is cut into four quadrants: in the one to the north all cells with |dx| ≤ dy, and so on. Within
+//! a quadrant the sweep goes outward over *lines* of cells (rows to the north and south, columns to the east and west).
+//! Positions are (lateral, distance): distance y > 0 across the lines, t = lateral/y the azimuth, |t| ≤ 1. Slopes are
+//! (z − h_U)/y, so that one slope holds along a whole ray.
+//!
+//! ```text
+//!   distance e ──┬─────┬──x──┬─────┬──   a line spans distances a to e; a bin is what lies
+//!                │     │ / \ │     │     between two azimuths, closed, and narrower than a
+//!   distance a ──┴─────┴x───x┴─────┴──   cell at e
+//!                      /     \           UAV at distance 0, below
+//! ```
+//!
+//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over all lines passed so far:
+//! * `upper`: no ray of the bin is obstructed above this slope. A line raises it to the largest height among the cells under
+//!   both edges of the bin at a and at e. Sorted by position these four points are at most a cell apart (|t| ≤ 1 moves a
+//!   ray by at most a cell per line, and a bin is narrower than a cell), so no cell that a ray of the bin touches is missed.
+//!   A height d = z − h_U obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
+//! * `lower`: every ray of the bin is obstructed at least up to this slope. Each ray leaves the line at e through one of
+//!   the two cells under the edges there (or on the border between), so the lower of these two, at e, obstructs it.
+//!
+//! A receiver is compared with the lines *before* its own: from a cell center, |t| ≤ 1 crosses no other cell of the own
+//! line. If its slope is above `upper` it is LoS, below `lower` NLoS, both proven; the few between go to a walk along
+//! their ray ([`super::columns_lines`]), in exact integers. So the outcome is that of `ray`, cell for cell.
+//!
+//! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
+//! problem: where the ray meets e exactly on a border between cells, look-ups take the cell to the right, and the ray may
+//! have come through the left one (t > 0), through both (t = 0, along the border: solid up to the lower one) or through the
+//! right one (t < 0). For t ≥ 0 the bin to the left of the edge has both cells; for t < 0 the one to the right has the cell
+//! that counts. So receivers on an edge belong to the bin towards the axis, and on the axis to the left one.
+//!
+//! # Rounding
+//!
+//! Which cell is under an edge and which bin a receiver is in are decided in integers: an edge is at
+//! (u·2^k + b·y)/2^(k+10) cells, a receiver in bin ⌊dx·2^k/y⌋. In a vector of lanes only a remainder below 2^31 is left to
+//! add to; nothing is rounded. Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse
+//! distance twice, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
+//! two slopes compare as they would exactly wherever they differ by more than 2^-20 of the sum of their sizes, and what is
+//! closer is left undecided ([`kernels`]). No distance is below half a lattice cell but a = 0 in the UAV's own line, where
+//! 1/a is 10^25: every height above the UAV is then too steep for any receiver, as it must be.
+//!
+//! # What makes it fast
+//!
+//! * Bins of a line are looked up with a permutation of two vectors, since neighbors are at most a cell apart; so are the
+//!   bounds of receivers. All instruction sets do the same operations in the same order: the bits are the same.
+//! * Near lines need few bins: a bin splits in two, which inherit its bounds, when the next line asks for narrower ones.
+//!   What is loose stays loose, so bins are kept one level finer than needed (fewer undecided receivers for a quarter more
+//!   look-ups).
+//! * Bins in which no later receiver can be LoS retire, 64 at a time; in dense cities nearly all do.
+//! * An undecided receiver need only be asked about the lines that can matter: each bin remembers the first and the last
+//!   line that was as steep as any receiver in doubt could be, that is neither below the lowest possible receiver nor below
+//!   `lower`. That is a building or two instead of the whole path. A pyramid of maxima, which lets a walk skip what is
+//!   low, was planned for this; the two line numbers cost less memory and make most walks shorter than its blocks.
+//! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout.
+//!
+//! Cost: about 1.5 look-ups per cell, and a short walk for each undecided receiver (0.02 to 3 % of all).
 
 mod kernels;
 mod wedge;

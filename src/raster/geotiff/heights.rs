@@ -38,7 +38,7 @@ impl GeoTiff {
             && !image.bits_reversed
             && self.mask.is_none()
             && self.metadata.scaling(0) == (1.0, 0.0)
-            && self.meters_per_height_unit().is_none_or(|unit| unit == 1.0)
+            && self.meters_per_height_unit().is_none_or(|unit| (unit - 1.0).abs() < f64::EPSILON)
             && image.blocks.iter().all(|(_, len)| *len > 0);
         if !is_plain {
             return Ok(None);
