@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use skyshed::coverage::{Control, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class, map_site};
 use skyshed::height_field::HeightField;
 use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, simd_levels};
-use skyshed::quantity::{Height, VOID};
+use skyshed::quantity::{Height, VOID, height_steps};
 use skyshed::raster::{CellWindow, GeoRef, Raster};
 use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids, SurfaceOptions, read_surface};
 
@@ -25,10 +25,9 @@ fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
 
 /// A raster scene of the surface of another, each roof cell raised by up to `noise` lattice steps.
 fn as_raster(field: &HeightField, ground: Ground, noise: i64, random: &mut Random) -> HeightField {
-    #[expect(clippy::cast_possible_truncation, reason = "heights of the lattice")]
     let heights = field.surface_m();
     let cells = heights.iter().map(|z| {
-        let z = (f64::from(*z) * 1024.0) as i32;
+        let z = height_steps(f64::from(*z)).unwrap();
         if z > 0 && noise > 0 { z + i32::try_from(random.within(-noise, noise)).unwrap() } else { z }
     });
     let surface = Raster::new(field.grid().clone(), cells.collect());
@@ -73,8 +72,7 @@ fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
     let mut places = vec![(0.5, 0.5), (half.floor(), half.floor())];
     for wants_roof in [false, true] {
         for _ in 0..200 {
-            let (x, y) =
-                (random.within(1, 100 * half as i64) as f64 / 50.0, random.within(1, 100 * half as i64) as f64 / 50.0);
+            let (x, y) = (half * random.within(1, 1999) as f64 / 1000.0, half * random.within(1, 1999) as f64 / 1000.0);
             if field.roof_at(&field.place(x, y)).is_some() == wants_roof {
                 places.push((x, y));
                 break;
@@ -155,7 +153,8 @@ fn hostile(kind: usize, n: i32, uav_z: i32) -> Vec<i32> {
 #[test]
 fn hostile_rasters_agree_with_rays_from_every_kind_of_place() {
     let n = if slow() { 200 } else { 90 };
-    let grid = GeoRef::new((0.0, f64::from(n)), (1.0, 1.0), (n as usize, n as usize), None).unwrap();
+    let side = usize::try_from(n).unwrap();
+    let grid = GeoRef::new((0.0, f64::from(n)), (1.0, 1.0), (side, side), None).unwrap();
     let totals: Vec<(u64, u64)> = (0..11_usize)
         .into_par_iter()
         .map(|kind| {

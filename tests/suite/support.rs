@@ -33,6 +33,11 @@ impl Random {
         usize::try_from(self.next() % u64::try_from(n).unwrap()).unwrap()
     }
 
+    /// An index in `low..=high`.
+    pub(crate) fn index(&mut self, low: usize, high: usize) -> usize {
+        low + usize::try_from(self.next() % (high - low + 1) as u64).unwrap()
+    }
+
     pub(crate) fn chance(&mut self, percent: u64) -> bool {
         self.next() % 100 < percent
     }

@@ -104,7 +104,7 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
         .into_par_iter()
         .map(|seed| {
             let mut random = Random(seed);
-            let (n_rows, n_cols) = (random.within(1, 48) as usize, random.within(1, 48) as usize);
+            let (n_rows, n_cols) = (random.index(1, 48), random.index(1, 48));
             let (columns, uav_z) = small_raster(&mut random, n_rows, n_cols);
             // Over cell centers, corners, edges and anywhere, inside and outside.
             let place = |random: &mut Random, n: usize| {
@@ -125,12 +125,12 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
             let mut window = whole(&columns);
             if random.chance(20) {
                 // A window must hold what lies between its cells and the UAV.
-                let clip = |v: i64, n: usize| usize::try_from(v.div_euclid(1024).clamp(0, n as i64 - 1)).unwrap();
+                let clip = |v: i64, n: usize| usize::try_from(v.div_euclid(1024).max(0)).unwrap().min(n - 1);
                 let (col, row) = (clip(uav.x, n_cols), n_rows - 1 - clip(uav.y, n_rows));
-                let row0 = random.within(0, row as i64) as usize;
-                let col0 = random.within(0, col as i64) as usize;
-                let row1 = random.within(row as i64, n_rows as i64 - 1) as usize;
-                let col1 = random.within(col as i64, n_cols as i64 - 1) as usize;
+                let row0 = random.index(0, row);
+                let col0 = random.index(0, col);
+                let row1 = random.index(row, n_rows - 1);
+                let col1 = random.index(col, n_cols - 1);
                 window = CellWindow { row: row0, col: col0, n_rows: row1 - row0 + 1, n_cols: col1 - col0 + 1 };
             }
             let level = random.choose(&levels);
@@ -140,7 +140,7 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                 1 => ReceiverHeights::Flat(-18 * 1024),
                 2 => ReceiverHeights::Over {
                     base: columns.tops(),
-                    above: i32::try_from(random.choose(&[0, 1, 1536])).unwrap(),
+                    above: random.choose(&[0, 1, 1536]),
                     lowest: lowest_of(columns.tops()),
                     highest: columns.max_top(),
                 },
