@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, Method, ReceiversArg, TifLayoutArg};
+use super::expected::Expected;
 use super::height_curve::CurvePlan;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, memory_words, meters_per_unit, parse_uav,
-    ready, receiver_height, refuse_words_without_picture, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready,
+    receiver_height, refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::words::{pretty, unbreakable};
 use super::{interrupt, messages};
@@ -16,9 +17,9 @@ use crate::coverage::{
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_layers, check_outputs, encode_map};
-use crate::los::{Method as LosMethod, MethodChoice};
+use crate::los::MethodChoice;
 use crate::quantity::tidy;
-use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
+use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest};
 use crate::scene::{Site, read_sites};
@@ -119,8 +120,13 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
     let mapper = Mapper::new(&scene.field, &options)?;
     if !args.out.quiet {
-        let expected = Expected::of(&mapper, scene.field.grid(), uavs.len(), n_measures, bytes_per_cell);
-        expected.say_if_large();
+        let grid = scene.field.grid();
+        let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
+        let n_in_range = (disc / (grid.cell_width() * grid.cell_height())).min(grid.n_cells() as f64);
+        let method = (mapper.method().0, rayon::current_num_threads());
+        let expected =
+            Expected::of(method, (grid.n_cells(), n_in_range), (uavs.len(), n_measures), bytes_per_cell).words();
+        expected.iter().for_each(|words| messages::note(words));
     }
     let control = Control::default();
     let before_los = Instant::now();
@@ -251,40 +257,6 @@ fn check_bare_names(sites: &[Site], outputs: &[(PathBuf, Format)], overwrite: bo
 
 /// What all masks laid over each other take.
 const OVERLAY_BYTES_PER_CELL: usize = 5;
-
-/// What a run will take, as far as can be told before it.
-struct Expected {
-    bytes: u64,
-    seconds: f64,
-}
-
-impl Expected {
-    fn of(mapper: &Mapper<'_>, grid: &GeoRef, n_uavs: usize, n_measures: usize, bytes_per_cell: usize) -> Self {
-        // Nanoseconds per cell on one core of a machine of 2023, for a map and for each layer of heights.
-        let (map, layer) = match mapper.method().0 {
-            LosMethod::Ray | LosMethod::ShadowRay => (150.0, 600.0),
-            LosMethod::Sweep | LosMethod::ShadowSweep => (6.0, 600.0),
-            LosMethod::Shadow => (2.0, 300.0),
-        };
-        let n_cells = grid.n_cells();
-        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        let work = n_cells as f64 * n_uavs as f64 / rayon::current_num_threads() as f64;
-        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        let seconds = work * (map + layer * n_measures as f64) * 1e-9;
-        Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
-    }
-
-    /// Says so before a run that takes longer, or more memory, than one would want to find out.
-    fn say_if_large(&self) {
-        if self.seconds >= 5.0 || self.bytes >= 1 << 30 {
-            messages::note(&format!(
-                "expect about {} of memory and {:.0} s for the line of sight",
-                memory_words(self.bytes),
-                self.seconds.max(1.0)
-            ));
-        }
-    }
-}
 
 /// Everything that outputs are made from.
 struct Writer<'a> {

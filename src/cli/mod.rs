@@ -5,6 +5,7 @@
 
 mod args;
 mod city;
+mod expected;
 mod height_curve;
 mod info;
 mod interrupt;

@@ -1,0 +1,56 @@
+//! What a run will take, told before it starts.
+
+use super::plan::{FIELD_BYTES_PER_CELL, memory_words};
+use crate::los::Method;
+
+/// What a run will take, as far as can be told before it.
+#[derive(Debug)]
+pub(super) struct Expected {
+    bytes: u64,
+    seconds: f64,
+}
+
+impl Expected {
+    /// Of a method on so many threads, from the cells of the grid and those of them in range of a UAV.
+    pub(super) fn of(
+        (method, n_threads): (Method, usize),
+        (n_cells, n_in_range): (usize, f64),
+        (n_uavs, n_measures): (usize, usize),
+        bytes_per_cell: usize,
+    ) -> Self {
+        // Nanoseconds per cell on one core of a server of 2023, for a map and for each layer of heights.
+        let (map, layer) = match method {
+            Method::Ray | Method::ShadowRay => (150.0, 600.0),
+            Method::Sweep | Method::ShadowSweep => (6.0, 600.0),
+            Method::Shadow => (2.0, 300.0),
+        };
+        let work = n_in_range * n_uavs as f64 / n_threads as f64;
+        let seconds = work * (map + layer * n_measures as f64) * 1e-9;
+        Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
+    }
+
+    /// What to say before a run that takes longer, or more memory, than one would want to find out.
+    pub(super) fn words(&self) -> Option<String> {
+        let is_large = self.seconds >= 5.0 || self.bytes >= 1 << 30;
+        is_large.then(|| {
+            let memory = memory_words(self.bytes);
+            format!("expect about {memory} of memory and {:.0} s for the line of sight", self.seconds.max(1.0))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_large_runs_say_what_to_expect() {
+        let cells = 1_000_000;
+        let small = Expected::of((Method::Sweep, 2), (cells, 1e6), (1, 0), 1);
+        assert_eq!(small.words(), None);
+        let long = Expected::of((Method::Ray, 2), (cells, 1e6), (100, 1), 5);
+        assert_eq!(long.words().as_deref(), Some("expect about 12 MiB of memory and 38 s for the line of sight"));
+        let wide = Expected::of((Method::Sweep, 2), (16_384 * 16_384, 1e5), (1, 0), 1);
+        assert_eq!(wide.words().as_deref(), Some("expect about 2.2 GiB of memory and 1 s for the line of sight"));
+    }
+}
