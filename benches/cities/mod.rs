@@ -1,0 +1,47 @@
+//! The cities of the benches: as footprints, and the same as a raster.
+
+use skyshed::coverage::Uav;
+use skyshed::height_field::HeightField;
+use skyshed::quantity::{Height, height_steps};
+use skyshed::raster::{GeoRef, Raster};
+use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
+
+/// The seed of every city.
+pub(crate) const SEED: u64 = 1;
+
+/// A city of footprints on flat ground, `n` cells of 1 m a side.
+pub(crate) fn footprints(environment: &str, n: usize) -> HeightField {
+    let built_up = BuiltUp::named(environment).expect("a named environment");
+    let scene = BuiltUpCity { built_up, size_m: n as f64, cell_m: 1.0, seed: SEED, ground_m: 0.0 }
+        .scene()
+        .expect("a city within the limits");
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+/// The heights of a field at its cell centers \[1/1024 m\].
+pub(crate) fn surface_of(field: &HeightField) -> Raster<i32> {
+    let steps = |m: &f32| height_steps(f64::from(*m)).expect("a generated city has no voids");
+    Raster::new(field.grid().clone(), field.surface_m().iter().map(steps).collect())
+}
+
+/// A raster scene; a cell more than 0.25 m above the ground is a building.
+pub(crate) fn raster(grid: &GeoRef, surface: Raster<i32>, ground: Ground) -> HeightField {
+    let building_threshold = height_steps(0.25).expect("in range");
+    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold }, &mut Vec::new())
+}
+
+/// A UAV over the center of the open cell nearest to the middle.
+pub(crate) fn uav_in_the_middle(field: &HeightField, height_m: f64) -> Uav {
+    let grid = field.grid();
+    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+    let from_middle = |(row, col): &(usize, usize)| row.abs_diff(n_rows / 2) + col.abs_diff(n_cols / 2);
+    let near = |n: usize| n / 2 - (n / 2).min(100)..(n / 2 + 100).min(n);
+    let (row, col) = near(n_rows)
+        .flat_map(|row| near(n_cols).map(move |col| (row, col)))
+        .filter(|(row, col)| field.cells().open.contains(*row, *col))
+        .min_by_key(from_middle)
+        .expect("open ground near the middle");
+    let (x, y) = grid.world_from_cell(row, col);
+    let site = Site { id: "1".into(), x, y, height: Height::AboveGround(height_m) };
+    Uav::place(&site, field, None).expect("in the clear")
+}
