@@ -154,15 +154,21 @@ impl RowElevations<'_> {
         let squared_dy = S::f64s::splat(simd, uav_dy * uav_dy);
         let unit = S::f64s::splat(simd, self.meters_per_unit * self.meters_per_unit);
         let mut counts = [(0_u64, 0_u64); N_BANDS];
+        let Some((bases, above)) = self.receivers.bases() else { return };
+        let uav_above = i32::try_from(self.uav.2 - i64::from(above)).unwrap_or(i32::MAX);
         for (k, (receivers, los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
-            let cols = 64 * k..(64 * k + 64).min(self.n_cols);
+            let first = self.first_cell + 64 * k;
+            let bases = &bases[first..first + (self.n_cols - 64 * k).min(64)];
             let mut rises = [0.0; 64];
-            let mut any_below = false;
-            for (rise, col) in rises.iter_mut().zip(cols.clone()) {
-                let steps = self.uav.2 - self.receivers.height(self.first_cell + col);
-                any_below |= steps < 0 && receivers >> (col % 64) & 1 == 1;
-                *rise = in_meters(steps);
+            for (rise, base) in rises.iter_mut().zip(bases) {
+                // Cells without a receiver may hold anything.
+                *rise = f64::from(uav_above.wrapping_sub(*base)) / f64::from(STEPS_PER_UNIT);
             }
+            let mut below = 0_u64;
+            for i in (0..64).step_by(n) {
+                below |= S::f64s::from_slice(simd, &rises[i..i + n]).simd_lt(0.0).to_bitmask() << i;
+            }
+            let any_below = below & receivers != 0;
             if any_below {
                 // Receivers above the UAV are few.
                 for bit in (0..64).filter(|bit| receivers >> bit & 1 == 1) {

@@ -138,6 +138,15 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
+    /// What the receivers stand on, cell by cell, and how high they are above it \[1/1024 m\]; `None` on flat ground.
+    pub fn bases(&self) -> Option<(&[i32], i32)> {
+        match &self.stands_on {
+            StandsOn::Flat(_) => None,
+            StandsOn::Cells(heights) => Some((heights, self.above)),
+            StandsOn::BoundedCells(heights, _) => Some((heights, self.above)),
+        }
+    }
+
     /// Height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn height(&self, cell: usize) -> i64 {
@@ -233,13 +242,8 @@ impl<'a> GridLos<'a> {
         let Some(columns) = self.field.columns() else { return wanted.clone() };
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
-        let base: Option<&[i32]> = match &receivers.stands_on {
-            StandsOn::Flat(_) => None,
-            StandsOn::Cells(heights) => Some(heights),
-            StandsOn::BoundedCells(heights, _) => Some(heights),
-        };
-        let heights = match base {
-            Some(base) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
+        let heights = match receivers.bases() {
+            Some((base, _)) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los

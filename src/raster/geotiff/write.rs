@@ -406,15 +406,27 @@ fn first_of<T: Copy>(cells: &[T], n_cols: usize, block: Block) -> T {
 }
 
 /// The most frequent class of a block, the smallest one on a tie.
+///
+/// PERF: in most blocks the first class has the majority; else the few classes that occur are counted in a list.
 fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
-    let mut counts = [0_u16; 256];
-    for row in block.rows.0..block.rows.1 {
-        for &class in &cells[row * n_cols + block.cols.0..row * n_cols + block.cols.1] {
-            counts[usize::from(class)] += 1;
+    let rows = || {
+        let cols = block.cols.0..block.cols.1;
+        (block.rows.0..block.rows.1).map(move |row| &cells[row * n_cols + cols.start..row * n_cols + cols.end])
+    };
+    let first = cells[block.rows.0 * n_cols + block.cols.0];
+    let n_first: usize = rows().map(|row| row.iter().filter(|class| **class == first).count()).sum();
+    if 2 * n_first > (block.rows.1 - block.rows.0) * (block.cols.1 - block.cols.0) {
+        return first;
+    }
+    let mut counts: Vec<(u8, usize)> = Vec::with_capacity(8);
+    for &class in rows().flatten() {
+        match counts.iter_mut().find(|(known, _)| *known == class) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((class, 1)),
         }
     }
-    let most = counts.iter().max().copied().unwrap_or(0);
-    (0..=u8::MAX).find(|&class| counts[usize::from(class)] == most).unwrap_or(0)
+    let most = counts.iter().map(|c| c.1).max().unwrap_or(0);
+    counts.iter().filter(|c| c.1 == most).map(|c| c.0).min().unwrap_or(first)
 }
 
 /// How tiles are encoded, but for their predictor.
