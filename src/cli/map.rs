@@ -16,7 +16,7 @@ use crate::coverage::{
     Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, Receivers, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MapResult, OutputRules, bare_name, check_layers, check_outputs, encode_map};
+use crate::export::{Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs};
 use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
@@ -174,10 +174,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         timing,
     };
     for (path, format) in &outputs {
-        for (file, bytes) in job.encode(path, *format)? {
-            interrupt::check()?;
-            batch.add(&file, &bytes)?;
-        }
+        job.add(&mut batch, path, *format)?;
     }
     for (path, format) in curve_plan.outputs() {
         for (file, bytes) in
@@ -271,9 +268,9 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// The files of one output.
-    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+    /// Adds the files of one output to a batch.
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+        interrupt::check()?;
         match format {
             Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz => {
                 let provenance = self.report.document(None).to_string();
@@ -287,8 +284,19 @@ impl Writer<'_> {
                         TifLayoutArg::Plain => TiffLayout::Plain,
                     },
                 };
-                encode_map(&result, path, format)
+                add_map(batch, &result, path, format)
             }
+            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| {
+                interrupt::check()?;
+                batch.add(file, bytes)
+            }),
+        }
+    }
+
+    /// The files of an output that is no raster of values.
+    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+        match format {
             Format::Png if self.args.bare => self.bare(path),
             Format::Png => one(self.picture(false)?),
             Format::Svg => one(self.picture(true)?),
@@ -307,7 +315,7 @@ impl Writer<'_> {
                 let sidecar = crate::export::with_suffix(path, ".json");
                 Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
             }
-            Format::Stdout => Ok(Vec::new()),
+            Format::Stdout | Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz => Ok(Vec::new()),
         }
     }
 

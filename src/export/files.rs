@@ -162,12 +162,16 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
+/// No sidecar is larger \[bytes\].
+const LARGEST_SIDECAR: usize = 1 << 20;
+
 /// Files that appear together: each is written under a temporary name, and all are renamed by [`Batch::commit`].
 /// Dropped without it, the temporary files are removed.
 #[derive(Debug, Default)]
 pub struct Batch {
     files: Vec<(PathBuf, PathBuf)>,
-    digests: HashMap<PathBuf, [u8; 32]>,
+    /// Of files small enough to be a sidecar that two outputs have in common.
+    digests: HashMap<PathBuf, Option<[u8; 32]>>,
     overwrite: bool,
 }
 
@@ -184,30 +188,50 @@ impl Batch {
     /// Usage error if the file exists and may not be replaced (E106) or two outputs want it differently (E105);
     /// internal error if writing fails (E401).
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        // Only sidecars are ever common to two outputs, and they are small.
+        let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| <[u8; 32]>::from(Sha256::digest(bytes)));
+        match self.digests.get(path) {
+            Some(Some(before)) if Some(*before) == digest => Ok(()),
+            _ => self.add_written(path, digest, |file| {
+                file.write_all(bytes).map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))
+            }),
+        }
+    }
+
+    /// Adds a file that `write` writes, without holding it in memory.
+    ///
+    /// # Errors
+    /// As [`Batch::add`]; and those of `write`.
+    pub fn add_streamed(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> Result<()>,
+    ) -> Result<()> {
+        self.add_written(path, None, write)
+    }
+
+    fn add_written(
+        &mut self,
+        path: &Path,
+        digest: Option<[u8; 32]>,
+        write: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> Result<()>,
+    ) -> Result<()> {
         refuse_to_replace(path, self.overwrite)?;
-        let digest: [u8; 32] = Sha256::digest(bytes).into();
-        match self.digests.insert(path.to_path_buf(), digest) {
-            Some(before) if before == digest => return Ok(()),
-            Some(_) => {
-                return Err(Error::usage(
-                    105,
-                    format!("cannot write {}: two outputs of this run need it", path.display()),
-                )
-                .with_hint("give them different names"));
-            }
-            None => {}
+        if self.digests.insert(path.to_path_buf(), digest).is_some() {
+            let text = format!("cannot write {}: two outputs of this run need it", path.display());
+            return Err(Error::usage(105, text).with_hint("give them different names"));
         }
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}.part", std::process::id()));
         let temporary = folder_of(path).join(name);
         self.files.push((temporary.clone(), path.to_path_buf()));
-        let write = || {
-            let mut file = std::fs::File::create(&temporary)?;
-            file.write_all(bytes)?;
-            file.sync_all()
-        };
-        write().map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))
+        let failed = |e: std::io::Error| Error::internal(401, format!("cannot write {}: {e}", path.display()));
+        let file = std::fs::File::create(&temporary).map_err(failed)?;
+        let mut file = std::io::BufWriter::with_capacity(1 << 16, file);
+        write(&mut file)?;
+        let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
+        file.sync_all().map_err(failed)
     }
 
     /// Gives every file its final name.

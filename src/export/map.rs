@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Format;
+use super::{Batch, Format};
 use crate::coverage::{Overlay, SiteCoverage, class, count_layer, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
-    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
-    write_ascii_grid, write_exr, write_npz,
+    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, pam_sidecar, write_ascii_grid,
+    write_exr, write_geotiff, write_npz,
 };
 
 /// Nodata of float rasters in GeoTIFF and ASCII grids.
@@ -146,22 +146,25 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
     Ok(())
 }
 
-/// The bytes of a raster file of a map, and of the files that go beside it.
+/// Adds a raster file of a map to a batch, and the files that go beside it.
 ///
 /// # Errors
-/// Usage error (E107) if the layers do not fit the format; internal errors from the encoders.
-pub fn encode_map(result: &MapResult<'_>, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+/// Usage error (E107) if the layers do not fit the format; those of [`Batch::add`]; internal errors from the encoders.
+pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
     check_layers(result.layers, result.sites.len(), path, format)?;
-    match format {
-        Format::GeoTiff => geotiff(result, path),
-        Format::Exr => exr(result, path),
-        Format::AsciiGrid => ascii_grid(result, path),
-        Format::Npz => npz(result, path),
-        _ => Err(Error::internal(902, "a raster format was asked for")),
-    }
+    let files = match format {
+        Format::GeoTiff => return add_geotiff(batch, result, path),
+        Format::Exr => exr(result, path)?,
+        Format::AsciiGrid => ascii_grid(result, path)?,
+        Format::Npz => npz(result, path)?,
+        _ => return Err(Error::internal(902, "a raster format was asked for")),
+    };
+    files.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
 }
 
-fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+/// Written as it is made: the strips of a mask are the mask itself.
+fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result<()> {
+    let mut add = |image: &GeoTiffImage<'_>| batch.add_streamed(path, |file| write_geotiff(file, image));
     let bands = result.bands();
     let metadata = vec![("SKYSHED".to_string(), result.provenance.to_string())];
     let image = |bands, nodata, palette| {
@@ -175,18 +178,17 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
         });
         let palette = palette();
         let single = bands.len() == 1;
-        let bytes = encode_geotiff(&image(
+        add(&image(
             Bands::Byte(masks.collect()),
             Some(f64::from(class::NODATA)),
             single.then_some(palette.as_slice()),
         ))?;
-        let mut files = vec![(path.to_path_buf(), bytes)];
         if single {
             // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
             let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
-            files.push((with_suffix(path, ".aux.xml"), pam_sidecar(&named).into_bytes()));
+            batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())?;
         }
-        return Ok(files);
+        return Ok(());
     }
     if bands.iter().all(|(_, b)| !matches!(b, Band::Measure(_))) {
         let has_bits = bands.iter().any(|(_, b)| matches!(b, Band::Bits(_)));
@@ -203,7 +205,7 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
             .collect();
         let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
         let nodata = (!has_bits).then_some(f64::from(NO_COUNT));
-        return Ok(vec![(path.to_path_buf(), encode_geotiff(&image(Bands::UInt32(borrowed), nodata, None))?)]);
+        return add(&image(Bands::UInt32(borrowed), nodata, None));
     }
     let mut values: Vec<(String, Vec<f32>)> = Vec::new();
     for (name, band) in bands {
@@ -218,8 +220,7 @@ fn geotiff(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)
         values.push((name, band));
     }
     let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
-    let bytes = encode_geotiff(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))?;
-    Ok(vec![(path.to_path_buf(), bytes)])
+    add(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))
 }
 
 /// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven

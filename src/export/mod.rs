@@ -10,4 +10,4 @@ mod map;
 pub use city::city_geojson;
 pub use files::{Batch, Format, OutputRules, check_outputs};
 pub(crate) use map::with_suffix;
-pub use map::{Layer, MapResult, bare_name, check_layers, encode_map};
+pub use map::{Layer, MapResult, add_map, bare_name, check_layers};

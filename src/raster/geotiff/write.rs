@@ -11,6 +11,7 @@
 //! # References
 //! TIFF 6.0 (1992); OGC 19-008r4, GeoTIFF 1.1; OGC 21-026, Cloud Optimized GeoTIFF; the GDAL driver documentation.
 
+use std::borrow::Cow;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
 use geotiff_core::geokeys::{self, GeoKeyDirectory, GeoKeyValue};
@@ -109,9 +110,9 @@ pub fn write_geotiff(out: &mut impl Write, image: &GeoTiffImage<'_>) -> Result<(
 
 fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> Result<()> {
     let levels = match &image.bands {
-        Bands::Byte(bands) => levels(image, bands, Predictor::None, most_frequent)?,
-        Bands::Float(bands) => levels(image, bands, Predictor::FloatingPoint, first_of)?,
-        Bands::UInt32(bands) => levels(image, bands, Predictor::None, first_of)?,
+        Bands::Byte(bands) => levels(image, bands, Predictor::None, most_frequent, Some)?,
+        Bands::Float(bands) => levels(image, bands, Predictor::FloatingPoint, first_of, |_| None)?,
+        Bands::UInt32(bands) => levels(image, bands, Predictor::None, first_of, |_| None)?,
     };
     let head = head(&levels, force_big)?;
     let failed = |cause: std::io::Error| Error::internal(401, format!("cannot write a GeoTIFF: {cause}"));
@@ -149,19 +150,22 @@ struct Block {
 type Reduce<T> = fn(&[T], usize, Block) -> T;
 
 /// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
-struct Level {
+struct Level<'a> {
     layout: TiffLayout,
     tags: Vec<Tag>,
-    blocks: Vec<Vec<u8>>,
+    blocks: Vec<Cow<'a, [u8]>>,
 }
 
 /// All resolutions, the full one first.
-fn levels<T: TiffWriteSample + Send + Sync>(
+///
+/// `as_bytes` gives the cells as they are stored without compression, if they need no encoding.
+fn levels<'a, T: TiffWriteSample + Send + Sync>(
     image: &GeoTiffImage<'_>,
-    bands: &[(String, &[T])],
+    bands: &[(String, &'a [T])],
     predictor: Predictor,
     reduce: Reduce<T>,
-) -> Result<Vec<Level>> {
+    as_bytes: fn(&'a [T]) -> Option<&'a [u8]>,
+) -> Result<Vec<Level<'a>>> {
     let (n_rows, n_cols) = (image.georef.n_rows(), image.georef.n_cols());
     let names: Vec<&str> = bands.iter().map(|(name, _)| name.as_str()).collect();
     for (name, values) in bands {
@@ -185,8 +189,8 @@ fn levels<T: TiffWriteSample + Send + Sync>(
             _ => tags.push(Tag::new(tiff_core::TAG_NEW_SUBFILE_TYPE, TagValue::Long(vec![1]))),
         }
         let blocks = match image.layout {
-            TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?,
-            TiffLayout::Plain => plain_strips(&cells, shape.1)?,
+            TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?.into_iter().map(Cow::Owned).collect(),
+            TiffLayout::Plain => plain_strips(bands, shape.1, as_bytes)?,
         };
         levels.push(Level { layout: image.layout, tags, blocks });
         let is_last = reduction >= LARGEST_REDUCTION || shape.0.max(shape.1) <= LARGEST_WITHOUT_OVERVIEW;
@@ -471,7 +475,11 @@ fn rows_per_strip<T: TiffWriteSample>(n_cols: usize) -> usize {
 }
 
 /// The strips of all bands, band by band, from the north; the last one of a band holds the rows that are left.
-fn plain_strips<T: TiffWriteSample + Send + Sync>(bands: &[&[T]], n_cols: usize) -> Result<Vec<Vec<u8>>> {
+fn plain_strips<'a, T: TiffWriteSample + Send + Sync>(
+    bands: &[(String, &'a [T])],
+    n_cols: usize,
+    as_bytes: fn(&'a [T]) -> Option<&'a [u8]>,
+) -> Result<Vec<Cow<'a, [u8]>>> {
     let options = BlockEncodingOptions {
         compression: Compression::None,
         predictor: Predictor::None,
@@ -479,13 +487,16 @@ fn plain_strips<T: TiffWriteSample + Send + Sync>(bands: &[&[T]], n_cols: usize)
         ..TILE_ENCODING
     };
     let strip = rows_per_strip::<T>(n_cols) * n_cols;
-    let strips: Vec<&[T]> = bands.iter().flat_map(|band| band.chunks(strip)).collect();
-    let encoded = |(index, cells): (usize, &&[T])| compress_block(cells, options, index).map_err(refused);
+    let strips: Vec<&'a [T]> = bands.iter().flat_map(|(_, band)| band.chunks(strip)).collect();
+    let encoded = |(index, cells): (usize, &&'a [T])| match as_bytes(cells) {
+        Some(bytes) => Ok(Cow::Borrowed(bytes)),
+        None => compress_block(cells, options, index).map(Cow::Owned).map_err(refused),
+    };
     strips.par_iter().enumerate().map(encoded).collect()
 }
 
 /// Header and all directories: everything before the blocks.
-fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
+fn head(levels: &[Level<'_>], force_big: bool) -> Result<Vec<u8>> {
     let data: u64 = levels.iter().map(Level::n_bytes).sum();
     let is_big = force_big || data + head_len(levels, false)? > u64::from(u32::MAX);
     let head_len = head_len(levels, is_big)?;
@@ -522,7 +533,7 @@ fn head(levels: &[Level], force_big: bool) -> Result<Vec<u8>> {
 }
 
 /// Length of [`head`] \[bytes\].
-fn head_len(levels: &[Level], is_big: bool) -> Result<u64> {
+fn head_len(levels: &[Level<'_>], is_big: bool) -> Result<u64> {
     let even = |n: u64| n + n % 2;
     let mut len = encoder::header_len(is_big);
     for level in levels {
@@ -541,7 +552,7 @@ fn write_all(head: &mut Cursor<Vec<u8>>, bytes: &[u8]) -> Result<()> {
     head.write_all(bytes).map_err(|cause| refused(cause.into()))
 }
 
-impl Level {
+impl Level<'_> {
     /// Length of all blocks \[bytes\].
     fn n_bytes(&self) -> u64 {
         self.blocks.iter().map(|block| block.len() as u64).sum()
