@@ -158,7 +158,7 @@ pub fn sweep_los(
         undecided: AtomicU64::new(0),
     };
     let quadrants = [Quadrant::North, Quadrant::South, Quadrant::East, Quadrant::West];
-    let parts = parts();
+    let parts = parts(columns.n_rows().max(columns.n_cols()));
     let wedges: Vec<(Quadrant, i64)> =
         quadrants.iter().flat_map(|q| (-parts..parts).map(move |part| (*q, part))).collect();
     wedges.into_par_iter().for_each(|(quadrant, part)| {
@@ -169,10 +169,14 @@ pub fn sweep_los(
     Swept { los: sweep.into_los(), undecided }
 }
 
-/// Wedges to each side of the axis of a quadrant: enough for every thread, and no more, since long lines are read faster
-/// than short ones.
-fn parts() -> i64 {
-    as_i64((rayon::current_num_threads() / 2).next_power_of_two()).clamp(1, MAX_PARTS)
+/// Cells across a raster beyond which its quadrants are cut once more.
+const LONGEST_LINE: usize = 4096;
+
+/// Wedges to each side of the axis of a quadrant: enough for every thread, and for the bins of a wedge and the lines behind
+/// it to stay in a core's cache; no more, since long lines are read faster than short ones.
+fn parts(n_across: usize) -> i64 {
+    let for_threads = rayon::current_num_threads() / 2;
+    as_i64(for_threads.max(n_across / LONGEST_LINE).next_power_of_two()).clamp(1, MAX_PARTS)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
