@@ -122,6 +122,8 @@ impl CurvePlan {
             sites.push(CurveFacts::of(curve, site, &heights));
         }
         let mut report = HeightCurveReport::of(report, &curves, sites);
+        // Least heights take a walk for each receiver, whichever engine made the map.
+        report.facts.method = "ray";
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
         Ok(Some(Curves { args, curves, report, range, warnings, seconds }))
