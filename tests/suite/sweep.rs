@@ -184,3 +184,39 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
 fn lowest_of(base: &[i32]) -> i32 {
     base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0)
 }
+
+#[test]
+fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
+    let levels = simd_levels();
+    let mut random = Random(99);
+    let mut total = (0, 0);
+    for (n_rows, n_cols) in [(60, 60), (1, 300), (300, 1), (7, 130)] {
+        for _ in 0..if slow() { 200 } else { 12 } {
+            let (columns, _) = small_raster(&mut random, n_rows, n_cols);
+            // The box of the UAV and the raster is at most 2^16 cells a side.
+            let far = |random: &mut Random, n: usize| {
+                let reach = 65_536 - i64::try_from(n).unwrap();
+                let cell = random.choose(&[-reach, reach + i64::try_from(n).unwrap(), 5, -40_000, 32_768, 1000]);
+                (cell * 1024 + random.choose(&[0, 512, 333])).clamp(-reach * 1024, 65_536 * 1024)
+            };
+            let (x, y) = (far(&mut random, n_cols), far(&mut random, n_rows));
+            let z = random.choose(&[1 << 25, 30_000_000, 5 << 20, 60 << 10]);
+            let receivers = ReceiverHeights::Over {
+                base: columns.tops(),
+                above: 1536,
+                lowest: lowest_of(columns.tops()),
+                highest: columns.max_top(),
+            };
+            let mut wanted = every_cell(n_rows, n_cols);
+            for cell in (0..n_rows * n_cols).filter(|c| [VOID, BLOCKS_ALL].contains(&columns.tops()[*c])) {
+                wanted.words_mut()[cell / n_cols * n_cols.div_ceil(64) + cell % n_cols / 64] &=
+                    !(1 << (cell % n_cols % 64));
+            }
+            let level = random.choose(&levels);
+            let (n, undecided) =
+                compare(&columns, LatticePoint { x, y, z }, receivers, &wanted, whole(&columns), level);
+            total = (total.0 + n, total.1 + undecided);
+        }
+    }
+    assert!(total.0 > 20_000 && total.1 < total.0, "{total:?}");
+}

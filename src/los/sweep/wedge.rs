@@ -276,6 +276,9 @@ impl Wedge {
         }
         let low = map.cell(b0, y_a).min(map.cell(b0, y_e));
         let high = map.cell(b1, y_a).max(map.cell(b1, y_e)) + 1;
+        if high <= line.first || low >= end {
+            return;
+        }
         map.first_cell = low;
         let used = usize::try_from(high - low).unwrap_or(0);
         let n_bins = usize::try_from(b1 - b0).unwrap_or(0);
