@@ -4,12 +4,6 @@ use rayon::prelude::*;
 
 use super::class;
 
-/// Number of UAVs that see each cell. Cells that are a receiver of none are 0.
-pub fn count_layer(masks: &[&[u8]]) -> Vec<u32> {
-    let n_cells = masks.first().map_or(0, |m| m.len());
-    (0..n_cells).map(|i| masks.iter().map(|m| u32::from(m[i] == class::LOS)).sum()).collect()
-}
-
 /// Which UAVs see each cell: one word per 32 UAVs, bit k of word w for UAV 32·w + k.
 pub fn which_layer(masks: &[&[u8]]) -> Vec<Vec<u32>> {
     let n_cells = masks.first().map_or(0, |m| m.len());
@@ -79,11 +73,10 @@ mod tests {
     #[test]
     fn counts_bits_and_union_agree() {
         let masks: [&[u8]; 3] = [&[1, 0, 2, 3, 255], &[1, 1, 2, 0, 255], &[0, 0, 2, 3, 255]];
-        assert_eq!(count_layer(&masks), [2, 1, 0, 0, 0]);
         assert_eq!(which_layer(&masks), [[0b11, 0b10, 0, 0, 0]]);
         let mut overlay = Overlay::new(5);
         masks.iter().for_each(|mask| overlay.add(mask));
         assert_eq!(overlay.union(), [1, 1, 2, 0, 255]);
-        assert_eq!(overlay.count(), count_layer(&masks));
+        assert_eq!(overlay.count(), [2, 1, 0, 0, 0]);
     }
 }

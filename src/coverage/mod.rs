@@ -14,7 +14,7 @@ mod tally;
 mod uav;
 
 pub use height_curve::HeightCurve;
-pub use layers::{Overlay, count_layer, which_layer};
+pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, map_site};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Batch, Format};
-use crate::coverage::{Overlay, SiteCoverage, class, count_layer, which_layer};
+use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
     Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, pam_sidecar, write_ascii_grid,
@@ -66,6 +66,13 @@ pub struct MapResult<'a> {
     pub tif_layout: TiffLayout,
 }
 
+/// All masks laid over each other.
+fn overlay_of(masks: &[&[u8]]) -> Overlay {
+    let mut overlay = Overlay::new(masks.first().map_or(0, |mask| mask.len()));
+    masks.iter().for_each(|mask| overlay.add(mask));
+    overlay
+}
+
 /// One band: a name and its values.
 enum Band<'a> {
     Class(&'a [u8]),
@@ -93,8 +100,7 @@ impl<'a> MapResult<'a> {
             }
             match layer {
                 Layer::Count => {
-                    let mut overlay = Overlay::new(self.georef.n_cells());
-                    masks.iter().for_each(|mask| overlay.add(mask));
+                    let overlay = overlay_of(&masks);
                     let count = overlay.count().iter().zip(overlay.union());
                     let count = count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT });
                     let count = count.collect();
@@ -323,7 +329,7 @@ fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     for &layer in result.layers {
         match layer {
             Layer::Los => classes = masks.concat(),
-            Layer::Count => counts = count_layer(&masks),
+            Layer::Count => counts = overlay_of(&masks).count().to_vec(),
             Layer::Which => words = which_layer(&masks).concat(),
             Layer::Margin | Layer::Ceiling | Layer::LeastHeight => {
                 let of = |s: &SiteCoverage| match layer {

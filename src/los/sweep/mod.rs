@@ -391,7 +391,7 @@ impl Sweep<'_> {
 
     /// Asks `ray` for the cells around the UAV that no wedge decides.
     fn near_box(&self) {
-        let (n_rows, n_cols) = (as_i64(self.columns.n_rows()), as_i64(self.columns.n_cols()));
+        let n_rows = as_i64(self.columns.n_rows());
         let window = self.window;
         let (east, north) = (self.uav.x.div_euclid(CELL), self.uav.y.div_euclid(CELL));
         let reach = NEAR / CELL + 1;
@@ -400,7 +400,6 @@ impl Sweep<'_> {
             at(from.max(0)).max(low)..at(to.max(0)).min(high)
         };
         let row = n_rows - 1 - north;
-        debug_assert!(n_cols > 0);
         for row in clip(row - reach, row + reach + 1, window.row, window.row + window.n_rows) {
             for col in clip(east - reach, east + reach + 1, window.col, window.col + window.n_cols) {
                 if self.wanted.contains(row, col) && self.ask(row, col) {
@@ -462,6 +461,7 @@ fn turn(
         });
         for i in 0..cols.len() {
             let line = &mut lines[i * width + start..i * width + start + height];
+            // PERF: of known length, the copy is unrolled.
             if let Ok(line) = <&mut [i32; BLOCK]>::try_from(&mut *line) {
                 for (k, top) in line.iter_mut().enumerate() {
                     *top = sources[k][i];

@@ -180,39 +180,29 @@ impl Wedge {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.pass_inlined(simd, frame, line, receivers, word),
+            || {
+                // The last line hides nobody.
+                let is_last = line.center >= frame.last_center;
+                if !is_last {
+                    self.refine(frame, line.far);
+                }
+                self.n_lines += 1;
+                if self.n_lines % 8 == 0 {
+                    self.retire(frame, line.center);
+                }
+                let mut k = 0;
+                while k < self.active.len() {
+                    let interval = self.active[k];
+                    if line.far > NEAR {
+                        self.decide(simd, frame, line, receivers, interval, word);
+                    }
+                    if !is_last {
+                        self.advance(simd, frame, line, interval);
+                    }
+                    k += 1;
+                }
+            },
         );
-    }
-
-    #[inline(always)]
-    fn pass_inlined<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &WedgeFrame,
-        line: &Line<'_>,
-        receivers: &LineReceivers<'_>,
-        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
-    ) {
-        // The last line hides nobody.
-        let is_last = line.center >= frame.last_center;
-        if !is_last {
-            self.refine(frame, line.far);
-        }
-        self.n_lines += 1;
-        if self.n_lines % 8 == 0 {
-            self.retire(frame, line.center);
-        }
-        let mut k = 0;
-        while k < self.active.len() {
-            let interval = self.active[k];
-            if line.far > NEAR {
-                self.decide(simd, frame, line, receivers, interval, word);
-            }
-            if !is_last {
-                self.advance(simd, frame, line, interval);
-            }
-            k += 1;
-        }
     }
 
     #[inline(always)]

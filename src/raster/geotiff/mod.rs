@@ -21,6 +21,7 @@
 mod header;
 mod heights;
 mod lerc;
+mod overview;
 mod placement;
 mod read;
 mod tags;

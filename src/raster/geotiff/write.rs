@@ -22,6 +22,7 @@ use tiff_writer::{TiffWriteSample, encoder};
 
 use super::super::crs::CrsKind;
 use super::super::{Crs, GeoRef};
+use super::overview::{Reduce, first_of, most_frequent, overview};
 use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
@@ -138,16 +139,6 @@ pub fn pam_sidecar(palette: &[ClassColor]) -> String {
     text.push_str("    </CategoryNames>\n  </PAMRasterBand>\n</PAMDataset>\n");
     text
 }
-
-/// A rectangle of cells that one cell of an overview stands for: first and end row, first and end column.
-#[derive(Clone, Copy)]
-struct Block {
-    rows: (usize, usize),
-    cols: (usize, usize),
-}
-
-/// The value of an overview cell, from all cells of the full resolution, the number of columns and the block.
-type Reduce<T> = fn(&[T], usize, Block) -> T;
 
 /// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
 struct Level<'a> {
@@ -386,53 +377,6 @@ fn xml_text(text: &str) -> String {
     escaped
 }
 
-/// A smaller picture: each cell stands for `reduction` × `reduction` cells.
-fn overview<T: Copy + Send + Sync>(
-    cells: &[T],
-    (n_rows, n_cols): (usize, usize),
-    reduction: usize,
-    reduce: Reduce<T>,
-) -> Vec<T> {
-    let width = n_cols.div_ceil(reduction);
-    let row_of = |row: usize| {
-        let rows = (row * reduction, ((row + 1) * reduction).min(n_rows));
-        (0..width).map(move |col| {
-            let cols = (col * reduction, ((col + 1) * reduction).min(n_cols));
-            reduce(cells, n_cols, Block { rows, cols })
-        })
-    };
-    (0..n_rows.div_ceil(reduction)).into_par_iter().flat_map_iter(row_of).collect()
-}
-
-/// The north-west cell of a block.
-fn first_of<T: Copy>(cells: &[T], n_cols: usize, block: Block) -> T {
-    cells[block.rows.0 * n_cols + block.cols.0]
-}
-
-/// The most frequent class of a block, the smallest one on a tie.
-///
-/// PERF: in most blocks the first class has the majority; else the few classes that occur are counted in a list.
-fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
-    let rows = || {
-        let cols = block.cols.0..block.cols.1;
-        (block.rows.0..block.rows.1).map(move |row| &cells[row * n_cols + cols.start..row * n_cols + cols.end])
-    };
-    let first = cells[block.rows.0 * n_cols + block.cols.0];
-    let n_first: usize = rows().map(|row| row.iter().filter(|class| **class == first).count()).sum();
-    if 2 * n_first > (block.rows.1 - block.rows.0) * (block.cols.1 - block.cols.0) {
-        return first;
-    }
-    let mut counts: Vec<(u8, usize)> = Vec::with_capacity(8);
-    for &class in rows().flatten() {
-        match counts.iter_mut().find(|(known, _)| *known == class) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((class, 1)),
-        }
-    }
-    let most = counts.iter().map(|c| c.1).max().unwrap_or(0);
-    counts.iter().filter(|c| c.1 == most).map(|c| c.0).min().unwrap_or(first)
-}
-
 /// How tiles are encoded, but for their predictor.
 const TILE_ENCODING: BlockEncodingOptions<'static> = BlockEncodingOptions {
     byte_order: ByteOrder::LittleEndian,
@@ -630,13 +574,6 @@ mod tests {
             assert_eq!(file.overview_count(), n_overviews);
             assert_eq!(file.read_band::<f32>(1).unwrap().iter().copied().collect::<Vec<_>>(), cells);
         }
-    }
-
-    #[test]
-    fn the_most_frequent_class_wins_and_the_smaller_on_a_tie() {
-        let cells = [1, 1, 0, 2, 2, 1, 0, 2];
-        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (0, 2) }), 1);
-        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (2, 4) }), 0);
     }
 
     #[test]
