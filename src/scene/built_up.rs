@@ -65,16 +65,18 @@ impl BuiltUp {
         BuiltUp::new(built_up_ratio, n / area_km2, (squares / (2.0 * n)).sqrt()).ok()
     }
 
-    /// The environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`), `high-rise` (or `highrise`).
+    /// The environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`), `high-rise` (or `highrise`); or `ghent`,
+    /// the center of that city as the paper below estimates it.
     ///
     /// # References
-    /// The four tuples: Saboor et al. 2023, Table I; Holis & Pechac 2008, Table I.
+    /// The four tuples: Saboor et al. 2023, Table I; Holis & Pechac 2008, Table I. Ghent: Saboor et al. 2023, section IV.
     pub fn named(name: &str) -> Option<Self> {
         let (built_up_ratio, buildings_per_km2, height_scale) = match name {
             "suburban" => (0.1, 750.0, 8.0),
             "urban" => (0.3, 500.0, 15.0),
             "dense-urban" | "dense" => (0.5, 300.0, 20.0),
             "high-rise" | "highrise" => (0.5, 300.0, 50.0),
+            "ghent" => (0.435, 4679.0, 8.8),
             _ => return None,
         };
         Some(BuiltUp { built_up_ratio, buildings_per_km2, height_scale })
@@ -95,13 +97,55 @@ impl BuiltUp {
         1000.0 / self.buildings_per_km2.sqrt()
     }
 
-    /// Height of building (i, j) of the city with this seed \[m above its ground\], not yet rounded to the lattice.
-    pub fn building_height(&self, seed: u64, i: i32, j: i32) -> f64 {
-        let mut stream = ChaCha8Rng::seed_from_u64(seed);
-        stream.set_stream((u64::from(i.cast_unsigned()) << 32) | u64::from(j.cast_unsigned()));
-        let exponential: f64 = Exp1.sample(&mut stream);
-        // The largest variate of 2^64 draws is below 45, so the bound never acts; it keeps the lattice range proven.
-        (self.height_scale * (2.0 * exponential).sqrt()).min(MAX_HEIGHT_M / 2.0)
+    /// Ends of building k along x or y, counted from the crossroad that begins at 0: \[kT + s, (k + 1)T\]
+    /// \[1/1024 m\]. For |k|·T up to 2^20 m.
+    pub fn building_span(&self, k: i32) -> [i64; 2] {
+        let start = f64::from(k) * self.period();
+        #[expect(clippy::cast_possible_truncation, reason = "at most 2^30 by the documented range")]
+        let steps = |v: f64| (v * f64::from(STEPS_PER_UNIT)).round() as i64;
+        [steps(start + self.street_width()), steps(start + self.period())]
+    }
+
+    /// The heights of the buildings of the city with this seed.
+    pub fn heights(&self, seed: u64) -> BuildingHeights {
+        BuildingHeights {
+            streams: ChaCha8Rng::seed_from_u64(seed),
+            height_scale: self.height_scale,
+            tallest: self.tallest(),
+        }
+    }
+
+    /// A height that no building exceeds \[m\]: γ·√90.
+    ///
+    /// An exponential variate E above 45 has probability e^−45 = 3·10^−20, and is cut there.
+    pub fn tallest(&self) -> f64 {
+        (self.height_scale * 90.0_f64.sqrt()).min(TALLEST_M)
+    }
+}
+
+/// Heights of generated buildings end here \[m\], so that they are within the lattice whatever γ is.
+const TALLEST_M: f64 = MAX_HEIGHT_M / 2.0;
+
+/// The heights of one city's buildings, each drawn when it is asked for.
+#[derive(Debug, Clone)]
+pub struct BuildingHeights {
+    streams: ChaCha8Rng,
+    height_scale: f64,
+    tallest: f64,
+}
+
+impl BuildingHeights {
+    /// Height of building (i, j) \[m above its ground\], not yet rounded to the lattice; always the same for (seed, i, j).
+    pub fn meters(&mut self, i: i32, j: i32) -> f64 {
+        self.streams.set_stream((u64::from(i.cast_unsigned()) << 32) | u64::from(j.cast_unsigned()));
+        self.streams.set_word_pos(0);
+        let exponential: f64 = Exp1.sample(&mut self.streams);
+        (self.height_scale * (2.0 * exponential).sqrt()).min(self.tallest)
+    }
+
+    /// The same height on the lattice \[1/1024 m\], as the city is built.
+    pub fn steps(&mut self, i: i32, j: i32) -> i32 {
+        height_steps(self.meters(i, j)).unwrap_or(0)
     }
 }
 
@@ -146,7 +190,9 @@ impl BuiltUpCity {
                 111,
                 format!("cannot read scene `{word}`: found `{rest}`, wanted a named environment or `α,β,γ`"),
             )
-            .with_hint("itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, or for example itu:0.3,500,15")),
+            .with_hint(
+                "itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, itu:ghent, or for example itu:0.3,500,15",
+            )),
         })
     }
 
@@ -217,17 +263,19 @@ impl BuiltUpCity {
     fn footprints(&self, ground: i32) -> Vec<Footprint> {
         let (street, period) = (self.built_up.street_width(), self.built_up.period());
         #[expect(clippy::cast_possible_truncation, reason = "at most 65536 m in steps of 1/1024 m")]
-        let steps = |v: f64| (v.min(self.size_m) * f64::from(STEPS_PER_UNIT)).round() as i32;
+        let edge = (self.size_m * f64::from(STEPS_PER_UNIT)).round() as i64;
+        #[expect(clippy::cast_possible_truncation, reason = "at most `edge`, which is at most 2^26")]
+        let cut = |v: i64| v.min(edge) as i32;
         let spans: Vec<(i32, [i32; 2])> = (0_i32..)
-            .map(|k| (k, f64::from(k) * period))
-            .take_while(|(_, start)| start + street < self.size_m)
-            .map(|(k, start)| (k, [steps(start + street), steps(start + period)]))
+            .take_while(|k| f64::from(*k) * period + street < self.size_m)
+            .map(|k| (k, self.built_up.building_span(k).map(cut)))
             .filter(|(_, [a, b])| a < b)
             .collect();
+        let mut heights = self.built_up.heights(self.seed);
         let mut footprints = Vec::with_capacity(spans.len() * spans.len());
         for &(j, [y0, y1]) in &spans {
             for &(i, [x0, x1]) in &spans {
-                let height = height_steps(self.built_up.building_height(self.seed, i, j)).unwrap_or(0);
+                let height = heights.steps(i, j);
                 footprints.push(Footprint {
                     id: format!("{i},{j}"),
                     polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
@@ -244,6 +292,12 @@ impl BuiltUpCity {
 mod tests {
     use super::*;
 
+    /// The heights of the first n × n buildings of a city.
+    fn drawn(built_up: BuiltUp, seed: u64, n: i32) -> Vec<f64> {
+        let mut heights = built_up.heights(seed);
+        (0..n * n).map(|k| heights.meters(k / n, k % n)).collect()
+    }
+
     #[test]
     fn widths_of_the_named_environments_are_those_of_the_literature() {
         // reference: w, s [m] = (11.547005, 24.967832), (24.494897, 20.226462), (40.824829, 16.910198).
@@ -258,8 +312,7 @@ mod tests {
     #[test]
     fn the_parameters_of_a_generated_city_are_found_again() {
         let built_up = BuiltUp::named("dense").expect("a known name");
-        let heights: Vec<f64> =
-            (0..100).flat_map(|i| (0..100).map(move |j| built_up.building_height(3, i, j))).collect();
+        let heights = drawn(built_up, 3, 100);
         let area_km2 = (100.0 * built_up.period() / 1000.0).powi(2);
         let found = BuiltUp::estimated(0.5, &heights, area_km2).expect("a city");
         assert!((found.buildings_per_km2 - 300.0).abs() < 1e-6);
@@ -280,7 +333,8 @@ mod tests {
     #[test]
     fn heights_have_the_mean_and_the_tail_of_a_rayleigh_distribution() {
         let city = BuiltUp::named("urban").expect("a known name");
-        let heights: Vec<f64> = (0..200).flat_map(|i| (0..200).map(move |j| city.building_height(7, i, j))).collect();
+        let heights = drawn(city, 7, 200);
+        assert!(heights.iter().all(|h| *h < city.tallest()));
         let n = heights.len() as f64;
         let mean = heights.iter().sum::<f64>() / n;
         // Mean γ·√(π/2), standard deviation γ·√(2 − π/2); four standard errors.

@@ -10,7 +10,7 @@ mod outline;
 mod sites;
 mod surface;
 
-pub use built_up::{BuiltUp, BuiltUpCity};
+pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
 pub use outline::even_odd;
 pub use sites::{Site, read_sites};

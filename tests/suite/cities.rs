@@ -91,7 +91,7 @@ fn a_building_is_the_same_alone_in_a_small_city_and_in_a_large_one() {
         assert_eq!(high, twin_high.map(|v| v.min(edge)), "cut at the edge");
         n_whole += usize::from(high == twin_high);
         let (i, j) = building.id.split_once(',').unwrap();
-        let alone = built_up.building_height(3, i.parse().unwrap(), j.parse().unwrap());
+        let alone = built_up.heights(3).meters(i.parse().unwrap(), j.parse().unwrap());
         assert!((f64::from(building.top) / 1024.0 - alone).abs() <= 0.5 / 1024.0);
     }
     assert!(n_whole > 100 && n_whole < small.len());
@@ -166,7 +166,7 @@ fn heights_pass_a_kolmogorov_smirnov_test_against_the_rayleigh_distribution() {
 #[test]
 fn heights_of_neighbors_are_uncorrelated() {
     let built_up = BuiltUp::named("urban").unwrap();
-    let height = |i: i32, j: i32| built_up.building_height(5, i, j) - 15.0 * (std::f64::consts::PI / 2.0).sqrt();
+    let height = |i: i32, j: i32| built_up.heights(5).meters(i, j) - 15.0 * (std::f64::consts::PI / 2.0).sqrt();
     for (di, dj) in [(0, 1), (1, 0), (1, 1), (1, -1)] {
         let pairs = (0..150).flat_map(|i| (0..150).map(move |j| (i, j)));
         let products: Vec<f64> = pairs.map(|(i, j)| height(i, j) * height(i + di, j + dj)).collect();
