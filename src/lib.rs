@@ -47,6 +47,8 @@ pub mod los;
 
 pub mod coverage;
 
+pub mod los_probability;
+
 pub mod render;
 
 pub mod export;

@@ -16,6 +16,7 @@ mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, e
 mod truth; // real cities against an independent engine's masks
 
 mod cities; // generated cities: golden hashes, statistics
+mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer

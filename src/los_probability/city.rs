@@ -1,0 +1,188 @@
+//! The 3-D city simulator of Saboor et al. 2023 (section III-A): a new city for every draw, looked at from one UAV.
+//!
+//! A draw is a city with all its buildings, large enough that no link leaves it; a UAV over it; and users on a circle
+//! around the point below the UAV, or over the area within a radius. One city serves all settings of a study that share
+//! its α, β, γ, as in the paper, so that curves over angles or heights are smooth where cities differ. Only obstructing
+//! points are compared, in integers ([`LatticeCity`]).
+//!
+//! The circle is turned by a random angle in each draw. Users at whole degrees would include azimuth 0 and 90, along the
+//! streets, where P_LoS is 1 for a set of directions that has no share of the circle.
+//!
+//! Users of one city share its buildings, so the city is the unit of the error: see [`clustered`].
+//!
+//! [`clustered`]: super::estimate::clustered
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::estimate::Count;
+use super::lattice_city::LatticeCity;
+use super::points::unit_interval;
+use super::setting::Setting;
+use super::street_grid::GridZone;
+use crate::error::{Error, Result};
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
+use crate::scene::BuiltUp;
+
+/// The most buildings of one city; each takes 4 bytes per thread.
+const MOST_BUILDINGS: f64 = 1e8;
+
+/// A city of a study: which one it is, and where the UAV hovers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CityDraw {
+    /// Seed of the building heights: `itu:α,β,γ --seed N` builds the same city.
+    pub seed: u64,
+    /// Two numbers in \[0, 1) that place the UAV in its zone.
+    pub position: [f64; 2],
+    /// Two numbers in \[0, 1) that turn the circle of users, or shift their pattern over the area.
+    pub turn: [f64; 2],
+}
+
+impl CityDraw {
+    /// Draw number `k` of a seed.
+    pub fn new(seed: u64, k: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(k);
+        let seed = random.next_u64();
+        let mut number = || unit_interval(random.next_u64());
+        CityDraw { seed, position: [number(), number()], turn: [number(), number()] }
+    }
+}
+
+/// The simulator for settings that share α, β, γ.
+#[derive(Debug, Clone)]
+pub struct CitySimulator {
+    settings: Vec<Setting>,
+    city: LatticeCity,
+    built_up: BuiltUp,
+    n_users: u32,
+    /// Periods around the UAV's own, on each side.
+    n_around: i32,
+}
+
+/// A link of a draw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CityLink {
+    /// The user.
+    pub receiver: LatticePoint,
+    /// The UAV.
+    pub uav: LatticePoint,
+}
+
+impl CitySimulator {
+    /// A simulator of `n_users` users per city and setting.
+    ///
+    /// # Errors
+    /// Limit error (E502) if the cities would have more than 10^8 buildings.
+    ///
+    /// # Panics
+    /// If the settings are of different cities, or there is none.
+    pub fn new(settings: &[Setting], n_users: u32) -> Result<Self> {
+        let built_up = settings.first().expect("there is a setting").built_up;
+        assert!(settings.iter().all(|s| s.built_up == built_up), "one simulator serves one kind of city");
+        let farthest = settings.iter().map(|s| s.reach.farthest()).fold(0.0, f64::max);
+        let n_periods = (farthest / built_up.period()).ceil() + 1.0;
+        let n_buildings = (2.0 * n_periods + 1.0).powi(2);
+        if n_buildings > MOST_BUILDINGS {
+            return Err(Error::limit(
+                502,
+                format!(
+                    "cannot simulate whole cities: links of {farthest:.0} m need cities of {n_buildings:.0} buildings, \
+                     wanted at most {MOST_BUILDINGS}"
+                ),
+            )
+            .with_hint("`--method geometry` or `--method product` draw no whole city; or choose larger angles"));
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "at most 5000 by the check above")]
+        let n_around = n_periods as i32;
+        Ok(CitySimulator {
+            settings: settings.to_vec(),
+            city: LatticeCity::new(built_up, None),
+            built_up,
+            n_users,
+            n_around,
+        })
+    }
+
+    /// Buildings of one city.
+    pub fn n_buildings(&self) -> u64 {
+        let side = u64::from((2 * self.n_around + 1).unsigned_abs());
+        side * side
+    }
+
+    /// Edge length of a city that holds all links \[m\].
+    pub fn city_size_m(&self) -> f64 {
+        f64::from(2 * self.n_around + 1) * self.built_up.period()
+    }
+
+    /// The links of a draw for a setting: whose user counts, in the order of the circle. `None`: the UAV would be inside
+    /// the building below it, and is to be clear of roofs.
+    pub fn links(
+        &self,
+        setting: &Setting,
+        draw: &CityDraw,
+        height: &mut impl FnMut(i32, i32) -> i32,
+    ) -> Option<Vec<CityLink>> {
+        let grid = self.city.grid();
+        // The UAV's period is in the middle of the city, whose south-west corner is the origin.
+        let corner = f64::from(self.n_around) * grid.period();
+        let [x, y] = setting.placement.position(grid, draw.position).map(|v| corner + v);
+        let uav = LatticePoint { x: steps(x), y: steps(y), z: height_of(setting.uav_height_m) };
+        if setting.uav_clear_of_roof
+            && self.city.zone(uav.x, uav.y) == GridZone::Building
+            && i64::from(height(self.n_around, self.n_around)) > uav.z
+        {
+            return None;
+        }
+        let z = height_of(setting.rx_height_m);
+        let n = f64::from(self.n_users);
+        let user = |k: u32| {
+            let azimuth = (f64::from(k) + draw.turn[0]) / n;
+            // The golden section spreads distances evenly, whatever the number of users.
+            let radius = (draw.turn[1] + f64::from(k) * GOLDEN_SECTION).fract();
+            let (offset, street) = setting.offset(azimuth, radius);
+            let receiver = LatticePoint { x: steps(x + offset[0]), y: steps(y + offset[1]), z };
+            setting.counts(self.city.zone(receiver.x, receiver.y), street).then_some(CityLink { receiver, uav })
+        };
+        Some((0..self.n_users).filter_map(user).collect())
+    }
+
+    /// Counts what the UAV of a draw sees, setting by setting.
+    pub fn count(&self, draw: &CityDraw) -> Vec<Count> {
+        // The whole city, as the paper has it, and its highest building.
+        let side = 2 * self.n_around + 1;
+        let mut drawn = self.built_up.heights(draw.seed);
+        let heights: Vec<i32> =
+            (0..side).flat_map(|j| (0..side).map(move |i| (i, j))).map(|(i, j)| drawn.steps(i, j)).collect();
+        let highest = heights.iter().copied().max();
+        let city = LatticeCity::new(self.built_up, highest);
+        #[expect(clippy::cast_sign_loss, reason = "links stay within the city")]
+        let mut height = |i: i32, j: i32| heights[(j * side + i) as usize];
+        let count = |setting: &Setting| {
+            let Some(links) = self.links(setting, draw, &mut height) else { return Count::default() };
+            let los = links.iter().filter(|link| city.los(&link.receiver, &link.uav, &mut height)).count();
+            Count { receivers: links.len() as u64, los: los as u64 }
+        };
+        self.settings.iter().map(count).collect()
+    }
+
+    /// Counts draws `first` to `first + n` of a seed in parallel: `[draw][setting]`, whatever the number of threads.
+    pub fn count_many(&self, seed: u64, first: u64, n: u64) -> Vec<Vec<Count>> {
+        (first..first + n).into_par_iter().map(|k| self.count(&CityDraw::new(seed, k))).collect()
+    }
+}
+
+/// 2/(1 + √5).
+const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_8;
+
+/// Lattice steps of a position \[m\].
+#[expect(clippy::cast_possible_truncation, reason = "positions are within the lattice by the checks of Setting")]
+pub(super) fn steps(v: f64) -> i64 {
+    (v * f64::from(STEPS_PER_UNIT)).round() as i64
+}
+
+/// Lattice steps of a height \[m\].
+pub(super) fn height_of(v: f64) -> i64 {
+    height_steps(v).map_or(0, i64::from)
+}

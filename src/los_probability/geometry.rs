@@ -1,0 +1,89 @@
+//! The geometry simulator of Saboor et al. 2023 (section III-B): one user, one UAV, and the buildings between them.
+//!
+//! A draw places a user and a UAV, and draws the heights of the buildings that the link meets, when it meets them, until one
+//! blocks it. No city is built, so its cost does not grow with the city, and draws are independent: a count of them is
+//! binomial. Building (i, j) has the height that it would have in the whole city of the same seed, so that for the same
+//! seed this simulator and [`super::city`] agree link by link.
+//!
+//! The paper places only the user. Here the UAV may be given a zone, too: draws whose user does not count are
+//! repeated.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::city::{CityLink, height_of, steps};
+use super::estimate::Count;
+use super::lattice_city::LatticeCity;
+use super::points::unit_interval;
+use super::setting::Setting;
+use super::street_grid::GridZone;
+use crate::quantity::LatticePoint;
+use crate::scene::BuildingHeights;
+
+/// A draw gives up after so many placements without a user who counts: no such user can be there.
+const MOST_TRIES: u32 = 10_000;
+
+/// The simulator for one setting.
+#[derive(Debug, Clone)]
+pub struct GeometrySimulator {
+    setting: Setting,
+    city: LatticeCity,
+}
+
+impl GeometrySimulator {
+    /// The simulator for a setting.
+    pub fn new(setting: &Setting) -> Self {
+        GeometrySimulator { setting: *setting, city: LatticeCity::new(setting.built_up, None) }
+    }
+
+    /// Whether draw number `k` of a seed is in line of sight; `None` if there is no user who counts.
+    pub fn draw(&self, seed: u64, k: u64) -> Option<bool> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(k);
+        let setting = &self.setting;
+        for _ in 0..MOST_TRIES {
+            let city_seed = random.next_u64();
+            let mut number = || unit_interval(random.next_u64());
+            let [x, y] = setting.placement.position(self.city.grid(), [number(), number()]);
+            let (offset, street) = setting.offset(number(), number());
+            let receiver =
+                LatticePoint { x: steps(x + offset[0]), y: steps(y + offset[1]), z: height_of(setting.rx_height_m) };
+            if !setting.counts(self.city.zone(receiver.x, receiver.y), street) {
+                continue;
+            }
+            let link = CityLink {
+                receiver,
+                uav: LatticePoint { x: steps(x), y: steps(y), z: height_of(setting.uav_height_m) },
+            };
+            let mut heights = setting.built_up.heights(city_seed);
+            if setting.uav_clear_of_roof && self.is_inside(&link.uav, &mut heights) {
+                continue;
+            }
+            return Some(self.los(&link, &mut heights));
+        }
+        None
+    }
+
+    /// Whether a link is in line of sight in the city with these heights.
+    pub fn los(&self, link: &CityLink, heights: &mut BuildingHeights) -> bool {
+        self.city.los(&link.receiver, &link.uav, |i, j| heights.steps(i, j))
+    }
+
+    /// Counts draws `first` to `first + n` of a seed in parallel: how many have a user, and how many of those are in line
+    /// of sight.
+    pub fn count(&self, seed: u64, first: u64, n: u64) -> Count {
+        let add = |a: Count, b: Count| Count { receivers: a.receivers + b.receivers, los: a.los + b.los };
+        (first..first + n)
+            .into_par_iter()
+            .map(|k| match self.draw(seed, k) {
+                Some(los) => Count { receivers: 1, los: u64::from(los) },
+                None => Count::default(),
+            })
+            .reduce(Count::default, add)
+    }
+
+    fn is_inside(&self, uav: &LatticePoint, heights: &mut BuildingHeights) -> bool {
+        self.city.zone(uav.x, uav.y) == GridZone::Building && i64::from(heights.steps(0, 0)) > uav.z
+    }
+}

@@ -1,0 +1,136 @@
+//! Links of a generated city, decided in integers.
+//!
+//! A simulator need not build a scene to know what one link meets: the walls of building (i, j) and its height are
+//! functions of (i, j) and the seed, and both are on the lattice. So the decision is the one that [`crate::los`] defines,
+//! of the very city that [`crate::scene::BuiltUpCity`] builds, and the engine `ray` gives the same answer link by link.
+//!
+//! With D and E the lengths of the link along its longer and its shorter axis, positions along it are compared as
+//! multiples of 1/(D·E): all products are below 2^53.
+
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
+use crate::scene::BuiltUp;
+
+use super::street_grid::{GridZone, StreetGrid};
+
+/// The walls of a generated city on the lattice.
+#[derive(Debug, Clone, Copy)]
+pub struct LatticeCity {
+    built_up: BuiltUp,
+    grid: StreetGrid,
+    /// Period T \[1/1024 m\], not rounded.
+    period: f64,
+    /// No building is higher \[1/1024 m\].
+    highest: i64,
+}
+
+impl LatticeCity {
+    /// The city of these parameters. No building is higher than `highest` \[1/1024 m\]; `None`: than any ever is.
+    pub fn new(built_up: BuiltUp, highest: Option<i32>) -> Self {
+        let grid = StreetGrid::new(&built_up);
+        let any = || height_steps(built_up.tallest()).map_or(i64::from(i32::MAX), |z| i64::from(z) + 1);
+        let highest = highest.map_or_else(any, i64::from);
+        LatticeCity { built_up, grid, period: grid.period() * f64::from(STEPS_PER_UNIT), highest }
+    }
+
+    /// The widths.
+    pub fn grid(&self) -> &StreetGrid {
+        &self.grid
+    }
+
+    /// The number of the period that holds a coordinate \[1/1024 m\], or a neighbor of it.
+    fn period_of(&self, v: i64) -> i32 {
+        #[expect(clippy::cast_possible_truncation, reason = "positions are below 2^31 and the period above 8 steps")]
+        let k = (v as f64 / self.period).floor() as i32;
+        k
+    }
+
+    /// The zone of a place \[1/1024 m\].
+    pub fn zone(&self, x: i64, y: i64) -> GridZone {
+        let is_street = |v: i64| {
+            let k = self.period_of(v);
+            ![k - 1, k, k + 1].iter().any(|k| {
+                let [start, end] = self.built_up.building_span(*k);
+                start < v && v < end
+            })
+        };
+        match (is_street(x), is_street(y)) {
+            (true, true) => GridZone::Crossroad,
+            (true, false) => GridZone::StreetAlongY,
+            (false, true) => GridZone::StreetAlongX,
+            (false, false) => GridZone::Building,
+        }
+    }
+
+    /// Whether the UAV, not below the receiver, is in line of sight of it; `height(i, j)` gives the height of a building
+    /// \[1/1024 m\] and is asked only for buildings that the link enters.
+    pub fn los(&self, receiver: &LatticePoint, uav: &LatticePoint, mut height: impl FnMut(i32, i32) -> i32) -> bool {
+        debug_assert!(uav.z >= receiver.z, "the obstructing point is the entry");
+        let (dx, dy, dz) = (uav.x - receiver.x, uav.y - receiver.y, uav.z - receiver.z);
+        let swapped = dy.abs() > dx.abs();
+        // Along the longer axis, then along the shorter one, both pointing at the UAV.
+        let (from, to) =
+            if swapped { ([receiver.y, receiver.x], [dy, dx]) } else { ([receiver.x, receiver.y], [dx, dy]) };
+        let [d, e] = to.map(i64::abs);
+        let signs = to.map(|v| if v < 0 { -1_i64 } else { 1 });
+        if d == 0 {
+            let k = |v: i64| self.period_of(v);
+            let is_inside = |v: i64, i: i32| {
+                let [start, end] = self.built_up.building_span(i);
+                start < v && v < end
+            };
+            // Straight up: only a building around both ends is in the way.
+            let (x, y) = (receiver.x, receiver.y);
+            let around = |v: i64| [k(v) - 1, k(v), k(v) + 1].into_iter().find(|i| is_inside(v, *i));
+            return match (around(x), around(y)) {
+                (Some(i), Some(j)) => i64::from(height(i, j)) <= receiver.z,
+                _ => true,
+            };
+        }
+        // The spans of building k ahead of the receiver along an axis.
+        let span = |axis: usize, k: i32| {
+            let [a, b] = self.built_up.building_span(k);
+            if signs[axis] > 0 { [a - from[axis], b - from[axis]] } else { [from[axis] - b, from[axis] - a] }
+        };
+        let step = signs.map(|s| if s > 0 { 1_i32 } else { -1 });
+        let mut col = self.period_of(from[0]) - step[0];
+        loop {
+            let [near, far] = span(0, col);
+            if near >= d {
+                return true;
+            }
+            let (near, far) = (near.max(0), far.min(d));
+            if near < far {
+                // The ray only rises: above the highest building nothing is in the way.
+                if dz * near >= (self.highest - receiver.z) * d {
+                    return true;
+                }
+                // Rows between where the link enters the column and where it leaves it, by a guess that is safe by one
+                // lattice step; the comparison below is exact.
+                let across = |along: i64| along as f64 * (e as f64 / d as f64);
+                let world = |offset: f64| from[1] as f64 + signs[1] as f64 * offset;
+                let (a, b) = (world(across(near) - 1.0), world(across(far) + 1.0));
+                #[expect(clippy::cast_possible_truncation, reason = "as in period_of")]
+                let row_of = |v: f64| (v / self.period).floor() as i32;
+                let (first, last) = (row_of(a.min(b)), row_of(a.max(b)));
+                for row in first..=last {
+                    let [near_row, far_row] = span(1, row);
+                    let enters_by_column = near * e >= near_row * d;
+                    let entry = if enters_by_column { near * e } else { near_row * d };
+                    let exit = (far * e).min(far_row * d);
+                    let crosses = if e == 0 { near_row < 0 && 0 < far_row } else { entry < exit };
+                    if !crosses {
+                        continue;
+                    }
+                    let (i, j) = if swapped { (row, col) } else { (col, row) };
+                    let above = i64::from(height(i, j)) - receiver.z;
+                    let is_blocked =
+                        if e == 0 || enters_by_column { above * d > dz * near } else { above * e > dz * near_row };
+                    if is_blocked {
+                        return false;
+                    }
+                }
+            }
+            col += step[0];
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! What is asked: a city, a UAV, and the users that it is to see.
+
+use super::street_grid::{GridZone, StreetGrid};
+use crate::error::{Error, Result};
+use crate::quantity::{MAX_EXTENT_UNITS, MAX_HEIGHT_M};
+use crate::scene::BuiltUp;
+
+/// Which users are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Users {
+    /// Uniform over all ground that is not building; crossroads have a share of s / (2w + s) of it.
+    Outdoor,
+    /// In a street between two crossroads.
+    Street,
+    /// On a crossroad.
+    Crossroad,
+}
+
+impl Users {
+    /// The word of the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Users::Outdoor => "outdoor",
+            Users::Street => "street",
+            Users::Crossroad => "crossroad",
+        }
+    }
+
+    /// Whether a user in this zone is counted.
+    pub fn include(self, zone: GridZone) -> bool {
+        match self {
+            Users::Outdoor => zone != GridZone::Building,
+            Users::Street => matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY),
+            Users::Crossroad => zone == GridZone::Crossroad,
+        }
+    }
+}
+
+/// Where the UAV hovers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Placement {
+    /// Anywhere over the city, uniformly.
+    Anywhere,
+    /// Over a street, uniformly.
+    Street,
+    /// Over a crossroad, uniformly.
+    Crossroad,
+    /// Over a building, uniformly.
+    Rooftop,
+    /// Over the middle of a street, half-way between two crossroads.
+    StreetCenter,
+    /// Over the middle of a crossroad.
+    CrossroadCenter,
+    /// Over the middle of a building.
+    RooftopCenter,
+}
+
+impl Placement {
+    /// All placements.
+    pub const ALL: [Placement; 7] = [
+        Placement::Anywhere,
+        Placement::Street,
+        Placement::Crossroad,
+        Placement::Rooftop,
+        Placement::StreetCenter,
+        Placement::CrossroadCenter,
+        Placement::RooftopCenter,
+    ];
+
+    /// The word of the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Placement::Anywhere => "anywhere",
+            Placement::Street => "street",
+            Placement::Crossroad => "crossroad",
+            Placement::Rooftop => "rooftop",
+            Placement::StreetCenter => "street-center",
+            Placement::CrossroadCenter => "crossroad-center",
+            Placement::RooftopCenter => "rooftop-center",
+        }
+    }
+
+    /// The position in the period \[0, T\]² that two numbers in \[0, 1) stand for, uniform over the placement's zone.
+    pub fn position(self, grid: &StreetGrid, [u, v]: [f64; 2]) -> [f64; 2] {
+        let (s, t) = (grid.street(), grid.period());
+        let roof = |u: f64| s + (t - s) * u;
+        match self {
+            Placement::Anywhere => [t * u, t * v],
+            Placement::Street => [s * u, roof(v)],
+            Placement::Crossroad => [s * u, s * v],
+            Placement::Rooftop => [roof(u), roof(v)],
+            Placement::StreetCenter => [0.5 * s, roof(0.5)],
+            Placement::CrossroadCenter => [0.5 * s, 0.5 * s],
+            Placement::RooftopCenter => [roof(0.5), roof(0.5)],
+        }
+    }
+}
+
+/// How far users are from the UAV, on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reach {
+    /// All at one distance \[m\], seeing the UAV at one elevation angle \[deg\]: the circle of Saboor et al. 2023.
+    Ring {
+        /// Ground distance \[m\].
+        distance_m: f64,
+        /// Elevation angle \[deg\].
+        theta_deg: f64,
+    },
+    /// Uniform over the area within a radius \[m\].
+    Disc {
+        /// Radius \[m\].
+        radius_m: f64,
+    },
+}
+
+impl Reach {
+    /// The largest ground distance \[m\].
+    pub fn farthest(self) -> f64 {
+        match self {
+            Reach::Ring { distance_m, .. } => distance_m,
+            Reach::Disc { radius_m } => radius_m,
+        }
+    }
+}
+
+/// What P_LoS is asked for. Heights are above ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// The city.
+    pub built_up: BuiltUp,
+    /// Height of the UAV \[m\].
+    pub uav_height_m: f64,
+    /// Height of the users \[m\].
+    pub rx_height_m: f64,
+    /// How far the users are.
+    pub reach: Reach,
+    /// Azimuth from user to UAV \[deg\], 0 across the user's street and 90 along it; `None`: averaged over all.
+    ///
+    /// For users on crossroads, and for all outdoor users together, it is the angle with one of the two axes.
+    pub phi_deg: Option<f64>,
+    /// Which users are counted.
+    pub users: Users,
+    /// Where the UAV is.
+    pub placement: Placement,
+    /// Whether only UAVs outside buildings count; otherwise one inside a building is NLoS for all.
+    pub uav_clear_of_roof: bool,
+}
+
+impl Setting {
+    /// Users who see the UAV at an elevation angle, 0 < θ ≤ 90°.
+    ///
+    /// # Errors
+    /// Usage error (E120) for an angle, height or distance out of range.
+    pub fn reach_at_elevation(theta_deg: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
+        let rise = checked_rise(uav_height_m, rx_height_m)?;
+        if !(theta_deg > 0.0 && theta_deg <= 90.0) {
+            return Err(out_of_range("θ (elevation angle)", theta_deg, "0 < θ ≤ 90 [deg]"));
+        }
+        // tan 90° is not infinite in floating point, and users right below are at distance 0.
+        let distance_m = if theta_deg >= 90.0 { 0.0 } else { rise / theta_deg.to_radians().tan() };
+        checked_distance(distance_m, &format!("θ = {theta_deg} at a height of {uav_height_m} m"))?;
+        Ok(Reach::Ring { distance_m, theta_deg })
+    }
+
+    /// Users at a ground distance \[m\] ≥ 0.
+    ///
+    /// # Errors
+    /// As [`Setting::reach_at_elevation`].
+    pub fn reach_at_distance(distance_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
+        let rise = checked_rise(uav_height_m, rx_height_m)?;
+        if !(distance_m >= 0.0 && distance_m.is_finite()) {
+            return Err(out_of_range("the distance", distance_m, "at least 0 m"));
+        }
+        checked_distance(distance_m, "the distance")?;
+        Ok(Reach::Ring { distance_m, theta_deg: rise.atan2(distance_m).to_degrees() })
+    }
+
+    /// Users within a radius \[m\] > 0 on the ground.
+    ///
+    /// # Errors
+    /// As [`Setting::reach_at_elevation`].
+    pub fn reach_within(radius_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
+        checked_rise(uav_height_m, rx_height_m)?;
+        if !(radius_m > 0.0 && radius_m.is_finite()) {
+            return Err(out_of_range("the radius", radius_m, "above 0 m"));
+        }
+        checked_distance(radius_m, "the radius")?;
+        Ok(Reach::Disc { radius_m })
+    }
+
+    /// The azimuth \[deg\], if it is one: 0 ≤ φ ≤ 90; the rest follows by symmetry.
+    ///
+    /// # Errors
+    /// Usage error (E120) outside.
+    pub fn checked_phi(phi_deg: f64) -> Result<f64> {
+        if (0.0..=90.0).contains(&phi_deg) {
+            Ok(phi_deg)
+        } else {
+            Err(out_of_range("φ (azimuth)", phi_deg, "0 ≤ φ ≤ 90 [deg]; the grid repeats in the other quadrants"))
+        }
+    }
+
+    /// Elevation angle \[deg\], if all users have the same.
+    pub fn theta_deg(&self) -> Option<f64> {
+        match self.reach {
+            Reach::Ring { theta_deg, .. } => Some(theta_deg),
+            Reach::Disc { .. } => None,
+        }
+    }
+
+    /// Rise from a user to the UAV \[m\], > 0.
+    pub fn rise(&self) -> f64 {
+        self.uav_height_m - self.rx_height_m
+    }
+
+    /// A user at an offset from the UAV, chosen by numbers in \[0, 1): `azimuth` for the direction, `radius` for the distance.
+    ///
+    /// Returns the offset of the user \[m\], and which street a street user must be in for the azimuth to be φ.
+    pub fn offset(&self, azimuth: f64, radius: f64) -> ([f64; 2], Option<GridZone>) {
+        let r = match self.reach {
+            Reach::Ring { distance_m, .. } => distance_m,
+            Reach::Disc { radius_m } => radius_m * radius.sqrt(),
+        };
+        let Some(phi) = self.phi_deg else {
+            let (sin, cos) = (azimuth * std::f64::consts::TAU).sin_cos();
+            return ([r * cos, r * sin], None);
+        };
+        // φ is measured from across the street; its mirror images look the same, and a street along x turns it by 90°.
+        let (across, along) = unit_vector(phi);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an octant, 0..8")]
+        let octant = (azimuth * 8.0) as u8;
+        let across = if octant & 1 == 0 { across } else { -across };
+        let along = if octant & 2 == 0 { along } else { -along };
+        if octant & 4 == 0 {
+            ([r * across, r * along], Some(GridZone::StreetAlongY))
+        } else {
+            ([r * along, r * across], Some(GridZone::StreetAlongX))
+        }
+    }
+
+    /// Whether a user in `zone` is counted, given the street that [`Setting::offset`] asked for.
+    pub fn counts(&self, zone: GridZone, street: Option<GridZone>) -> bool {
+        self.users.include(zone) && (self.users != Users::Street || street.is_none_or(|s| s == zone))
+    }
+}
+
+/// Cosine and sine of an angle in \[0, 90\]°, exact at both ends.
+pub fn unit_vector(degrees: f64) -> (f64, f64) {
+    if degrees == 90.0 {
+        return (0.0, 1.0);
+    }
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    (cos, sin)
+}
+
+fn out_of_range(what: &str, found: f64, wanted: &str) -> Error {
+    Error::usage(120, format!("cannot compute P_LoS: {what} is `{found}`, wanted {wanted}"))
+}
+
+fn checked_rise(uav_height_m: f64, rx_height_m: f64) -> Result<f64> {
+    if !(rx_height_m >= 0.0 && rx_height_m.is_finite()) {
+        return Err(out_of_range("the receivers' height", rx_height_m, "at least 0 m"));
+    }
+    if !(uav_height_m > rx_height_m && uav_height_m.is_finite()) {
+        return Err(out_of_range("the UAV's height", uav_height_m, &format!("above the receivers, {rx_height_m} m")));
+    }
+    if uav_height_m > MAX_HEIGHT_M {
+        return Err(out_of_range("the UAV's height", uav_height_m, "at most 32768 m"));
+    }
+    Ok(uav_height_m - rx_height_m)
+}
+
+/// Links are at most half of the lattice's extent, so that a city around the UAV is on it.
+fn checked_distance(distance_m: f64, cause: &str) -> Result<()> {
+    const MOST: f64 = MAX_EXTENT_UNITS / 2.0;
+    if distance_m > MOST {
+        return Err(Error::limit(
+            502,
+            format!("cannot compute P_LoS: {cause} puts users {distance_m:.0} m away, wanted at most {MOST} m"),
+        ));
+    }
+    Ok(())
+}

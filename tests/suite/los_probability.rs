@@ -1,0 +1,438 @@
+//! P_LoS against reference values that an independent program computed, against a brute force written here, and by the
+//! properties that it must have.
+
+use std::collections::HashMap;
+
+use serde_json::Value;
+use skyshed::height_field::HeightField;
+use skyshed::los::prisms_los;
+use skyshed::los_probability::city::{CityDraw, CitySimulator};
+use skyshed::los_probability::estimate::{Estimate, clustered};
+use skyshed::los_probability::geometry::GeometrySimulator;
+use skyshed::los_probability::product::{Product, across_street, factors, link_p_los};
+use skyshed::los_probability::setting::{Placement, Setting, Users};
+use skyshed::los_probability::street_grid::{GridLink, StreetGrid};
+use skyshed::scene::{BuiltUp, BuiltUpCity};
+
+use crate::support::{Random, slow, truth};
+
+/// The five cities of the reference tables.
+const CITIES: [&str; 5] = ["suburban", "urban", "dense", "highrise", "ghent"];
+
+fn built_up(name: &str) -> BuiltUp {
+    BuiltUp::named(name).unwrap()
+}
+
+/// Outdoor users of a UAV anywhere at 100 m, receivers on the ground, as the reference tables have it.
+fn setting(city: &str, theta_deg: f64) -> Setting {
+    at_height(city, theta_deg, 100.0)
+}
+
+fn at_height(city: &str, theta_deg: f64, uav_height_m: f64) -> Setting {
+    Setting {
+        built_up: built_up(city),
+        uav_height_m,
+        rx_height_m: 0.0,
+        reach: Setting::reach_at_elevation(theta_deg, uav_height_m, 0.0).unwrap(),
+        phi_deg: None,
+        users: Users::Outdoor,
+        placement: Placement::Anywhere,
+        uav_clear_of_roof: false,
+    }
+}
+
+fn product(setting: &Setting, points: usize) -> Estimate {
+    let mut product = Product::new(*setting, 7);
+    product.add_points(points);
+    product.estimate(0.95)
+}
+
+/// Rows of a reference table as maps from column to text; `None` where the tables are not at hand.
+fn reference(name: &str) -> Option<Vec<HashMap<String, String>>> {
+    let path = truth()?.join("../reference").join(name);
+    let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    Some(reader.deserialize().map(|row| row.unwrap()).collect())
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+#[test]
+fn the_product_gives_the_reference_values_within_their_errors() {
+    let Some(rows) = reference("plos_reference.csv") else { return };
+    let points = if slow() { 1 << 14 } else { 1 << 10 };
+    let mut known: HashMap<String, (f64, f64)> = HashMap::new();
+    let mut estimate = |setting: Setting| {
+        *known.entry(format!("{setting:?}")).or_insert_with(|| {
+            let exact =
+                (setting.phi_deg == Some(0.0) && setting.users == Users::Street).then(|| across_street(&setting));
+            match exact.flatten() {
+                Some(p) => (p, 0.0),
+                None => {
+                    let e = product(&setting, points);
+                    (e.p_los.unwrap(), e.std_error.unwrap())
+                }
+            }
+        })
+    };
+    let (mut n_rows, mut n_far, mut worst) = (0, 0, 0.0_f64);
+    for row in &rows {
+        let mut asked = at_height(&row["env"], number(row, "theta_deg"), number(row, "h_uav_m"));
+        asked.phi_deg = row["phi_deg"].parse().ok();
+        let mut of = |users: Users| {
+            let (p, error) = estimate(Setting { users, ..asked });
+            (p, error)
+        };
+        let (p, error) = match row["user_class"].as_str() {
+            "street" => of(Users::Street),
+            "crossroad" => of(Users::Crossroad),
+            "outdoor" => of(Users::Outdoor),
+            "strip" => {
+                // One street with one crossroad, as the paper's figure 5 has it: crossroads have s/(s + w) of it.
+                let grid = StreetGrid::new(&asked.built_up);
+                let share = grid.street() / grid.period();
+                let (street, crossroad) = (of(Users::Street), of(Users::Crossroad));
+                let mix = |a: f64, b: f64| (1.0 - share) * a + share * b;
+                (mix(street.0, crossroad.0), mix(street.1.powi(2) * (1.0 - share), crossroad.1.powi(2) * share).sqrt())
+            }
+            other => panic!("unknown class {other}"),
+        };
+        let (wanted, wanted_error) = (number(row, "p_los"), number(row, "std_err"));
+        let combined = error.hypot(wanted_error);
+        let off = (p - wanted).abs();
+        assert!(off <= 5.0 * combined + 1e-6, "{row:?}: {p} ± {error}");
+        n_far += usize::from(off > 3.0 * combined + 1e-6);
+        worst = worst.max((off - 1e-6).max(0.0) / combined.max(1e-300));
+        n_rows += 1;
+    }
+    assert_eq!(n_rows, 1280);
+    assert!(
+        n_far * 100 <= n_rows,
+        "{n_far} of {n_rows} rows are more than 3 standard errors off; the worst {worst:.2}"
+    );
+}
+
+#[test]
+fn single_links_have_the_reference_buildings_and_probabilities() {
+    let Some(folder) = truth() else { return };
+    let text = std::fs::read_to_string(folder.join("../reference/plos_links.json")).unwrap();
+    let links: Vec<Value> = serde_json::from_str(&text).unwrap();
+    assert_eq!(links.len(), 50);
+    let mut n_buildings = 0;
+    for link in &links {
+        let f = |key: &str| link[key].as_f64().unwrap();
+        let end = |key: &str| [0, 1, 2].map(|k| link[key][k].as_f64().unwrap());
+        let city = BuiltUp::new(f("alpha"), f("beta"), f("gamma")).unwrap();
+        let grid = StreetGrid::new(&city);
+        let ends = GridLink { receiver: end("user"), uav: end("uav") };
+        let mut found = factors(&grid, city.height_scale, &ends);
+        found.sort_by(|a, b| a.t_in.total_cmp(&b.t_in));
+        let wanted = link["buildings"].as_array().unwrap();
+        assert_eq!(found.len(), wanted.len(), "{}: {}", link["env"], link["case"]);
+        for (ours, theirs) in found.iter().zip(wanted) {
+            let g = |key: &str| theirs[key].as_f64().unwrap();
+            assert_eq!(i64::from(ours.building.0), theirs["i"].as_i64().unwrap(), "{}", link["case"]);
+            assert_eq!(i64::from(ours.building.1), theirs["j"].as_i64().unwrap(), "{}", link["case"]);
+            for (name, a, b) in [
+                ("t_in", ours.t_in, g("t_in")),
+                ("t_out", ours.t_out, g("t_out")),
+                ("z_min", ours.z, g("z_min")),
+                ("factor", ours.factor, g("factor")),
+            ] {
+                assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{} {name}: {a}, wanted {b}", link["case"]);
+            }
+            n_buildings += 1;
+        }
+        let p = link_p_los(&grid, city.height_scale, &ends);
+        assert!((p - f("p_los")).abs() <= 1e-12, "{}: {p}, wanted {}", link["case"], f("p_los"));
+    }
+    assert!(n_buildings > 200, "{n_buildings}");
+}
+
+#[test]
+fn the_quadrature_across_the_street_gives_the_reference_values_and_the_closed_form() {
+    if let Some(rows) = reference("models_reference.csv") {
+        for row in &rows {
+            let mut asked = setting(&row["env"], number(row, "theta_deg"));
+            (asked.users, asked.phi_deg) = (Users::Street, Some(0.0));
+            let p = across_street(&asked).unwrap();
+            // The reference is a midpoint rule of 200 001 nodes, printed to 6 digits.
+            let wanted = number(row, "exact_phi0_street");
+            assert!((p - wanted).abs() < 3e-6, "{row:?}: {p}");
+        }
+        assert_eq!(rows.len(), 90);
+    }
+    for city in CITIES {
+        let grid = StreetGrid::new(&built_up(city));
+        for theta in [60.0, 75.0, 85.0, 89.0] {
+            let asked = Setting { users: Users::Street, phi_deg: Some(0.0), ..setting(city, theta) };
+            let r = asked.reach.farthest();
+            if r <= grid.period() {
+                let (gamma, tan) = (asked.built_up.height_scale, 100.0 / r);
+                let scale = gamma * (std::f64::consts::PI / 2.0).sqrt() / (grid.street() * tan);
+                let closed = 1.0 - scale * libm::erf(r.min(grid.street()) * tan / (2.0_f64.sqrt() * gamma));
+                let p = across_street(&asked).unwrap();
+                assert!((p - closed).abs() < 1e-9, "{city} {theta}: {p}, closed {closed}");
+            }
+        }
+    }
+}
+
+/// A link crosses a building: the slab test over every building near it, written without thought for speed.
+fn crossed_by_brute_force(grid: &StreetGrid, link: &GridLink) -> Vec<(i32, i32)> {
+    let (s, t) = (grid.street(), grid.period());
+    let d = [link.uav[0] - link.receiver[0], link.uav[1] - link.receiver[1]];
+    let range = |k: usize| {
+        let (a, b) = (link.receiver[k].min(link.uav[k]), link.receiver[k].max(link.uav[k]));
+        ((a / t).floor() as i32 - 2, (b / t).floor() as i32 + 2)
+    };
+    let mut found = Vec::new();
+    for i in range(0).0..=range(0).1 {
+        for j in range(1).0..=range(1).1 {
+            let (mut t_in, mut t_out) = (0.0_f64, 1.0_f64);
+            for (k, index) in [(0, i), (1, j)] {
+                let (low, high) = (f64::from(index) * t + s, f64::from(index + 1) * t);
+                let (a, b) = ((low - link.receiver[k]) / d[k], (high - link.receiver[k]) / d[k]);
+                t_in = t_in.max(a.min(b));
+                t_out = t_out.min(a.max(b));
+            }
+            if t_in < t_out {
+                found.push((i, j));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_interval_walk_finds_what_a_slab_test_of_every_building_finds() {
+    let mut random = Random(5);
+    let mut n_crossed = 0;
+    for round in 0..20_000 {
+        let grid = StreetGrid::new(&built_up(CITIES[round % 5]));
+        let mut place = |scale: f64| random.within(-1_000_000, 1_000_000) as f64 * 1e-6 * scale;
+        let receiver = [place(100.0), place(100.0), 1.5];
+        let uav = [receiver[0] + place(300.0), receiver[1] + place(300.0), 100.0];
+        let link = GridLink { receiver, uav };
+        let mut found = Vec::new();
+        let mut last = 0.0;
+        grid.for_each_crossed(&link, |c| {
+            assert!(c.t_in >= last, "nearer buildings come first");
+            last = c.t_in;
+            found.push(c.building);
+            true
+        });
+        found.sort_unstable();
+        assert_eq!(found, crossed_by_brute_force(&grid, &link), "{link:?}");
+        n_crossed += found.len();
+    }
+    assert!(n_crossed > 50_000, "{n_crossed}");
+}
+
+#[test]
+fn a_straight_line_crosses_four_over_pi_times_the_root_of_alpha_beta_buildings_per_kilometer() {
+    let mut random = Random(9);
+    for city in CITIES {
+        let built_up = built_up(city);
+        let grid = StreetGrid::new(&built_up);
+        let mut unit = || (random.next() >> 11) as f64 / 9_007_199_254_740_992.0;
+        let (mut n, mut n_squared, rounds) = (0.0, 0.0, 4000);
+        for _ in 0..rounds {
+            let (x, y, (sin, cos)) =
+                (unit() * grid.period(), unit() * grid.period(), (unit() * std::f64::consts::TAU).sin_cos());
+            let link = GridLink { receiver: [x, y, 0.0], uav: [x + 1000.0 * cos, y + 1000.0 * sin, 0.0] };
+            let crossed = crossed_by_brute_force(&grid, &link).len();
+            let mut walked = 0_usize;
+            grid.for_each_crossed(&link, |_| {
+                walked += 1;
+                true
+            });
+            assert_eq!(walked, crossed);
+            n += walked as f64;
+            n_squared += (walked * walked) as f64;
+        }
+        let mean = n / f64::from(rounds);
+        let error = ((n_squared / f64::from(rounds) - mean * mean) / f64::from(rounds)).sqrt();
+        // Both ends may be inside a building: one more crossing with probability α.
+        let wanted = 4.0 / std::f64::consts::PI * (built_up.built_up_ratio * built_up.buildings_per_km2).sqrt()
+            + built_up.built_up_ratio;
+        assert!((mean - wanted).abs() < 4.0 * error, "{city}: {mean} ± {error}, wanted {wanted}");
+    }
+}
+
+#[test]
+fn raising_the_city_or_the_angle_of_a_link_moves_p_los_one_way() {
+    let mut random = Random(3);
+    for _ in 0..5_000 {
+        let city = built_up(CITIES[random.below(5)]);
+        let grid = StreetGrid::new(&city);
+        let mut unit = || (random.next() >> 11) as f64 / 9_007_199_254_740_992.0;
+        let (x, y, phi) = (unit() * grid.street(), unit() * grid.period(), unit() * 1.5);
+        let (theta, h) = (0.1 + 1.3 * unit(), 20.0 + 300.0 * unit());
+        let p = |theta: f64, h: f64, gamma: f64| {
+            let r = h / theta.tan();
+            let link = GridLink { receiver: [x, y, 0.0], uav: [x + r * phi.cos(), y + r * phi.sin(), h] };
+            link_p_los(&grid, gamma, &link)
+        };
+        let base = p(theta, h, city.height_scale);
+        let slack = 1e-12;
+        assert!(p(theta, h, 1.1 * city.height_scale) <= base + slack, "higher buildings");
+        assert!(p(theta, 1.2 * h, city.height_scale) <= base + slack, "a higher UAV at the same angle");
+        assert!(p(theta + 0.05, h, city.height_scale) >= base - slack, "a steeper link from the same height");
+    }
+    // From 9γ up the height no longer matters at a given angle.
+    for city in CITIES {
+        let scale = built_up(city).height_scale;
+        let [low, high] = [9.0, 20.0].map(|k| product(&at_height(city, 20.0, k * scale), 256).p_los.unwrap());
+        assert!((low - high).abs() < 1e-12, "{city}: {low} and {high}");
+    }
+}
+
+#[test]
+fn azimuths_have_the_symmetries_of_the_grid() {
+    for city in CITIES {
+        let at = |users: Users, phi: f64| {
+            let e = product(&Setting { users, phi_deg: Some(phi), ..setting(city, 30.0) }, 1 << 10);
+            (e.p_los.unwrap(), e.std_error.unwrap())
+        };
+        for users in [Users::Crossroad, Users::Outdoor] {
+            let ((a, da), (b, db)) = (at(users, 20.0), at(users, 70.0));
+            assert!((a - b).abs() <= 4.0 * da.hypot(db) + 1e-9, "{city} {users:?}: {a} ± {da} and {b} ± {db}");
+        }
+        assert_eq!(at(Users::Street, 90.0).0, 1.0, "along the street nothing is in the way");
+        assert_eq!(at(Users::Crossroad, 0.0).0, 1.0);
+        assert_eq!(at(Users::Crossroad, 90.0).0, 1.0);
+        let overhead = product(&setting(city, 90.0), 64);
+        assert_eq!(overhead.p_los, Some(1.0));
+    }
+}
+
+/// Combinations of placement and users.
+fn kinds() -> Vec<(Placement, Users)> {
+    let placements = [Placement::Anywhere, Placement::Street, Placement::Crossroad, Placement::Rooftop];
+    let users = [Users::Outdoor, Users::Street, Users::Crossroad];
+    placements.into_iter().flat_map(|p| users.into_iter().map(move |u| (p, u))).collect()
+}
+
+#[test]
+fn the_city_and_the_geometry_simulator_agree_with_the_product() {
+    let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (250, 1 << 10) };
+    let angles: Vec<f64> =
+        if slow() { (1..=17).map(|k| 5.0 * f64::from(k)).collect() } else { vec![5.0, 20.0, 45.0, 70.0, 85.0] };
+    let (mut n_far, mut n_compared) = (0, 0);
+    for city in CITIES {
+        let settings: Vec<Setting> = kinds()
+            .into_iter()
+            .flat_map(|(placement, users)| {
+                angles.iter().map(move |theta| Setting { placement, users, ..setting(city, *theta) })
+            })
+            .collect();
+        let counts = CitySimulator::new(&settings, 360).unwrap().count_many(11, 0, n_cities);
+        for (k, asked) in settings.iter().enumerate() {
+            let reference = product(asked, points);
+            let column: Vec<_> = counts.iter().map(|draw| draw[k]).collect();
+            let whole = clustered(&column, 0.95);
+            let Some(wanted) = reference.p_los else {
+                // Right below a roof there is no user; both simulators find none either.
+                assert_eq!(whole.samples, 0, "{asked:?}");
+                continue;
+            };
+            let wanted_error = reference.std_error.unwrap();
+            let n_links = 4 * n_cities;
+            let count = GeometrySimulator::new(asked).count(13, 0, n_links);
+            let p = count.los as f64 / count.receivers as f64;
+            // The error expected of so many draws, which does not vanish when all of few agree.
+            let binomial = |n: f64| (wanted * (1.0 - wanted) / n).sqrt().max(1.0 / n);
+            for (name, p, error) in [
+                ("city", whole.p_los.unwrap(), whole.std_error.unwrap().max(binomial(whole.samples as f64))),
+                ("geometry", p, binomial(count.receivers as f64)),
+            ] {
+                let off = (p - wanted).abs() / error.hypot(wanted_error);
+                assert!(off < 4.0, "{name}, {asked:?}: {p} ± {error}, product {wanted} ± {wanted_error}");
+                n_far += usize::from(off > 2.0);
+                n_compared += 1;
+            }
+        }
+    }
+    assert!(n_compared >= 550, "{n_compared}");
+    // One in twenty is expected beyond 2 standard errors; the rows of one city share their draws.
+    assert!(n_far * 8 < n_compared, "{n_far} of {n_compared} are more than 2 standard errors off");
+}
+
+#[test]
+fn the_simulators_agree_link_by_link_in_the_same_city() {
+    let wanted = if slow() { 1_000_000 } else { 100_000 };
+    let mut n_links = 0;
+    let mut n_los = 0;
+    'cities: for round in 0.. {
+        for city in CITIES {
+            let asked: Vec<Setting> = [5.0, 15.0, 30.0, 50.0, 75.0]
+                .into_iter()
+                .flat_map(|theta| {
+                    [(1.5, 60.0), (0.0, 100.0)].map(|(rx_height_m, uav_height_m)| Setting {
+                        rx_height_m,
+                        uav_height_m,
+                        reach: Setting::reach_at_elevation(theta, uav_height_m, rx_height_m).unwrap(),
+                        ..setting(city, theta)
+                    })
+                })
+                .collect();
+            let simulator = CitySimulator::new(&asked, 360).unwrap();
+            let draw = CityDraw::new(17, round);
+            let counts = simulator.count(&draw);
+            let mut heights = built_up(city).heights(draw.seed);
+            for (asked, count) in asked.iter().zip(counts) {
+                let links = simulator.links(asked, &draw, &mut |i, j| heights.steps(i, j)).unwrap();
+                let geometry = GeometrySimulator::new(asked);
+                let los = links.iter().filter(|link| geometry.los(link, &mut heights)).count() as u64;
+                assert_eq!((count.receivers, count.los), (links.len() as u64, los), "{asked:?}");
+                n_links += count.receivers;
+                n_los += los;
+            }
+            if n_links >= wanted {
+                break 'cities;
+            }
+        }
+    }
+    assert!(n_los * 10 > n_links && n_los * 10 < n_links * 9, "{n_los} of {n_links}");
+}
+
+#[test]
+fn the_simulators_agree_with_rays_through_the_city_as_built() {
+    let wanted = if slow() { 1_000_000 } else { 100_000 };
+    let (mut n_links, mut n_los) = (0_u64, 0_u64);
+    'cities: for round in 0.. {
+        for (k, city) in CITIES.iter().enumerate() {
+            let asked: Vec<Setting> = [8.0, 15.0, 30.0, 60.0]
+                .into_iter()
+                .flat_map(|theta| [20.0, 100.0].map(|height| at_height(city, theta, height)))
+                .collect();
+            let simulator = CitySimulator::new(&asked, 360).unwrap();
+            let draw = CityDraw::new(23 + k as u64, round);
+            let built = BuiltUpCity {
+                built_up: built_up(city),
+                size_m: simulator.city_size_m(),
+                cell_m: 50.0,
+                seed: draw.seed,
+                ground_m: 0.0,
+            };
+            let scene = built.scene().unwrap();
+            let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+            let mut heights = built_up(city).heights(draw.seed);
+            let counts = simulator.count(&draw);
+            for (asked, count) in asked.iter().zip(counts) {
+                let links = simulator.links(asked, &draw, &mut |i, j| heights.steps(i, j)).unwrap();
+                let los =
+                    links.iter().filter(|l| prisms_los(field.prisms().unwrap(), l.uav, l.receiver)).count() as u64;
+                assert_eq!((count.receivers, count.los), (links.len() as u64, los), "{asked:?}");
+                n_links += count.receivers;
+                n_los += los;
+            }
+            if n_links >= wanted {
+                break 'cities;
+            }
+        }
+    }
+    assert!(n_los * 10 > n_links && n_los * 10 < n_links * 9, "{n_los} of {n_links}");
+}
