@@ -26,6 +26,11 @@ impl Estimate {
         Estimate { p_los: Some(p_los), interval: Some((p_los, p_los)), std_error: Some(0.0), samples: 0, clusters: 0 }
     }
 
+    /// The estimate of what nobody was asked about.
+    pub fn none() -> Self {
+        Estimate { p_los: None, interval: None, std_error: None, samples: 0, clusters: 0 }
+    }
+
     /// Half of the interval's width.
     pub fn half_width(&self) -> Option<f64> {
         self.interval.map(|(low, high)| 0.5 * (high - low))
@@ -51,76 +56,89 @@ pub fn normal_quantile(confidence: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
 }
 
-/// A ratio Σx / Σw over independent clusters, and its standard error by linearization.
-struct Ratio {
-    value: f64,
-    std_error: f64,
-    n_clusters: u64,
-}
-
-fn ratio(clusters: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Ratio> {
-    let (x, w) = clusters.clone().fold((0.0, 0.0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
-    if w <= 0.0 {
-        return None;
-    }
-    let value = x / w;
-    let n_clusters = clusters.clone().filter(|c| c.1 > 0.0).count() as u64;
-    let squares: f64 = clusters.map(|(x, w)| (x - value * w).powi(2)).sum();
-    let n = n_clusters as f64;
-    let std_error = if n_clusters > 1 { (n / (n - 1.0) * squares).sqrt() / w } else { f64::INFINITY };
-    Some(Ratio { value, std_error, n_clusters })
-}
-
-/// The estimate Σx / Σw of means over independent randomizations (x, w), with Student's interval.
+/// The estimate Σx / Σw of means over independent randomizations (x, w), with Student's interval; its standard error is
+/// that of a ratio, by linearization.
 pub fn ratio_of_clusters(
     clusters: impl Iterator<Item = (f64, f64)> + Clone,
     samples: u64,
     confidence: f64,
 ) -> Estimate {
-    let Some(ratio) = ratio(clusters) else {
-        return Estimate { p_los: None, interval: None, std_error: None, samples, clusters: 0 };
-    };
-    let is_enough = ratio.n_clusters >= FEWEST_CLUSTERS;
-    let reach = student_quantile(confidence, ratio.n_clusters as f64 - 1.0) * ratio.std_error;
-    let p_los = ratio.value.clamp(0.0, 1.0);
+    let (x, total) = clusters.clone().fold((0.0, 0.0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
+    if total <= 0.0 {
+        return Estimate::none();
+    }
+    let value = x / total;
+    let n_clusters = clusters.clone().filter(|c| c.1 > 0.0).count();
+    let n = n_clusters as f64;
+    let squares: f64 = clusters.map(|(x, w)| (x - value * w).powi(2)).sum();
+    let std_error = (n / (n - 1.0) * squares).sqrt() / total;
+    let is_enough = n_clusters as u64 >= FEWEST_CLUSTERS;
+    let p_los = value.clamp(0.0, 1.0);
+    let reach = || student_quantile(confidence, n - 1.0) * std_error;
     Estimate {
         p_los: Some(p_los),
-        interval: is_enough.then(|| ((p_los - reach).max(0.0), (p_los + reach).min(1.0))),
-        std_error: is_enough.then_some(ratio.std_error),
+        interval: is_enough.then(|| ((p_los - reach()).max(0.0), (p_los + reach()).min(1.0))),
+        std_error: is_enough.then_some(std_error),
         samples,
-        clusters: ratio.n_clusters,
+        clusters: n_clusters as u64,
     }
 }
 
 /// P_LoS from counts in independent clusters, whose users share their buildings.
 ///
-/// The standard error is that of a ratio over clusters. The interval is Wilson's, for as many independent links as would
-/// have that standard error, p(1 − p)/se², and with Student's quantile for the number of clusters: unlike p ± t·se it
-/// stays within \[0, 1\] and is not centered on p, which matters where P_LoS is small and few cities contribute most of it.
+/// The estimate is the ratio of the sums, Σ los / Σ receivers. Three things make its interval true for 30 clusters, too:
+/// * the residual of a cluster with a share h of all receivers is divided by 1 − h, because the cluster pulls the estimate
+///   towards itself (which makes this the jackknife's variance);
+/// * the spread of residuals with long tails is less certain than that of normal ones: the degrees of freedom of Student's
+///   quantile are 2 / CV² of the estimated variance, which the kurtosis of the residuals tells, and at most K − 1;
+/// * the interval is Wilson's for as many independent links as would have this standard error, p(1 − p)/se². It stays within
+///   \[0, 1\] and reaches farther towards 1/2.
+///
+/// Tried and left: p ± t·se (covers 90 % in some cities where P_LoS is above 0.8), intervals on the logit, Johnson's and Hall's
+/// corrections for skewness (88 to 98 %), the bootstrap of t (93 to 98 %).
 ///
 /// # References
-/// Korn & Graubard 1998, Survey Methodology 24, 193–201 (effective sample size); Wilson 1927, JASA 22, 209–212.
+/// MacKinnon & White 1985, J. Econometrics 29, 305–325; Satterthwaite 1946, Biometrics Bulletin 2, 110–114; Korn & Graubard
+/// 1998, Survey Methodology 24, 193–201 (effective sample size); Wilson 1927, JASA 22, 209–212.
 pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
-    let samples = clusters.iter().map(|c| c.receivers).sum();
-    let Some(ratio) = ratio(clusters.iter().map(|c| (c.los as f64, c.receivers as f64))) else {
-        return Estimate { p_los: None, interval: None, std_error: None, samples, clusters: 0 };
-    };
-    let is_enough = ratio.n_clusters >= FEWEST_CLUSTERS;
-    let p = ratio.value;
-    let interval = is_enough.then(|| {
-        let quantile = student_quantile(confidence, ratio.n_clusters as f64 - 1.0);
-        // All links alike tell no spread: as many independent links as clusters, at least.
-        let n = if ratio.std_error > 0.0 { p * (1.0 - p) / ratio.std_error.powi(2) } else { ratio.n_clusters as f64 };
-        wilson_for(p, n, quantile)
-    });
-    Estimate {
+    let (los, samples) = clusters.iter().fold((0, 0), |sum, c| (sum.0 + c.los, sum.1 + c.receivers));
+    if samples == 0 {
+        return Estimate::none();
+    }
+    let (p, total) = (los as f64 / samples as f64, samples as f64);
+    let with_users = || clusters.iter().filter(|c| c.receivers > 0);
+    let n = with_users().count() as f64;
+    let estimate = |interval, std_error| Estimate {
         p_los: Some(p),
         interval,
-        std_error: is_enough.then_some(ratio.std_error),
+        std_error,
         samples,
-        clusters: ratio.n_clusters,
+        clusters: with_users().count() as u64,
+    };
+    if n < FEWEST_CLUSTERS as f64 {
+        return estimate(None, None);
     }
+    let residual = |c: &Count| {
+        let receivers = c.receivers as f64;
+        (c.los as f64 - p * receivers) / (1.0 - receivers / total)
+    };
+    let moment = |power: i32| with_users().map(|c| residual(c).powi(power)).sum::<f64>() / n;
+    let (variance, fourth) = (moment(2), moment(4));
+    let std_error = (variance * n).sqrt() / total;
+    if std_error == 0.0 {
+        // All clusters alike tell no spread. They are worth one link each, at least.
+        return estimate(Some(wilson_for(p, n, student_quantile(confidence, n - 1.0))), Some(0.0));
+    }
+    // The excess kurtosis, corrected for the size of the sample.
+    let excess = (n - 1.0) / ((n - 2.0) * (n - 3.0)) * ((n + 1.0) * (fourth / variance.powi(2) - 3.0) + 6.0);
+    let freedom = (2.0 * n / (excess + 2.0).max(1e-9)).clamp(FEWEST_DEGREES, n - 1.0);
+    let quantile = student_quantile(confidence, freedom);
+    let links = p * (1.0 - p) / std_error.powi(2);
+    estimate(Some(wilson_for(p, links, quantile)), Some(std_error))
 }
+
+/// With fewer degrees of freedom Student's quantile has no meaning left.
+const FEWEST_DEGREES: f64 = 2.0;
 
 /// P_LoS from `los` of `n` independent links, with Wilson's interval.
 ///
@@ -128,7 +146,7 @@ pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
 /// Wilson 1927, JASA 22, 209–212.
 pub fn wilson(los: u64, n: u64, confidence: f64) -> Estimate {
     if n == 0 {
-        return Estimate { p_los: None, interval: None, std_error: None, samples: 0, clusters: 0 };
+        return Estimate::none();
     }
     let p = los as f64 / n as f64;
     let is_enough = n >= FEWEST_CLUSTERS;

@@ -17,3 +17,4 @@ pub mod points;
 pub mod product;
 pub mod setting;
 pub mod street_grid;
+pub mod study;

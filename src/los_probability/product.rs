@@ -116,10 +116,10 @@ impl Product {
 
     /// Adds `n` points to each shift. Shifts run in parallel; each adds its points in order, so that the sums do not
     /// depend on the threads.
-    pub fn add_points(&mut self, n: usize) {
+    pub fn add_points(&mut self, n: u64) {
         let (setting, grid) = (self.setting, self.grid);
         self.shifts.par_iter_mut().for_each(|shift| {
-            for point in shift.points.by_ref().take(n) {
+            for point in shift.points.by_ref().take(usize::try_from(n).unwrap_or(usize::MAX)) {
                 if let Some((p_los, weight)) = sample(&setting, &grid, point) {
                     shift.p_los += p_los;
                     shift.weight += weight;

@@ -41,7 +41,7 @@ fn at_height(city: &str, theta_deg: f64, uav_height_m: f64) -> Setting {
     }
 }
 
-fn product(setting: &Setting, points: usize) -> Estimate {
+fn product(setting: &Setting, points: u64) -> Estimate {
     let mut product = Product::new(*setting, 7);
     product.add_points(points);
     product.estimate(0.95)

@@ -17,6 +17,7 @@ mod truth; // real cities against an independent engine's masks
 
 mod cities; // generated cities: golden hashes, statistics
 mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
+mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer
