@@ -11,10 +11,12 @@
 
 pub mod city;
 pub mod estimate;
+pub mod fit;
 pub mod geometry;
 pub mod lattice_city;
 pub mod points;
 pub mod product;
+pub mod real_city;
 pub mod setting;
 pub mod street_grid;
 pub mod study;

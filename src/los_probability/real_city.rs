@@ -1,0 +1,203 @@
+//! P_LoS over one real city: exact maps from many UAV positions, counted by elevation angle or by distance.
+//!
+//! There is one city, so there are no independent draws of it, and users share both their buildings and the UAVs that look
+//! at them. The interval comes from resampling both: blocks of ground (users of a block share what stands around them) and
+//! UAV positions are drawn with replacement, independently of each other, and the ratio of sums is formed anew, a thousand
+//! times. It says how far another sample of blocks and positions *of a city like this one* would move P_LoS; it is
+//! somewhat too wide, never too narrow, because a cell of blocks × positions varies in both drawings.
+//!
+//! # References
+//! Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1, 386–411.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
+use crate::height_field::{HeightField, Place, Station};
+use crate::los::{GridLos, GridReceivers, Method};
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::{BitGrid, CellWindow};
+
+/// Resamplings behind an interval.
+const RESAMPLINGS: u64 = 1000;
+
+/// Which users are counted together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Band {
+    /// Those who see the UAV at an elevation angle from the first number up to the second one \[deg\].
+    Elevation(f64, f64),
+    /// Those at a ground distance from the first number up to the second one \[m\].
+    Distance(f64, f64),
+}
+
+impl Band {
+    /// Whether a user is in it who is `squared_distance` \[m²\] away on the ground and `rise` \[m\] below.
+    fn holds(&self, squared_distance: f64, rise: f64) -> bool {
+        match *self {
+            Band::Distance(from, to) => squared_distance >= from * from && squared_distance < to * to,
+            Band::Elevation(from, to) => {
+                let theta = rise.atan2(squared_distance.sqrt()).to_degrees();
+                theta >= from && (theta < to || to >= 90.0)
+            }
+        }
+    }
+}
+
+/// A real city made ready for counting.
+#[derive(Debug)]
+pub struct RealCity<'a> {
+    field: &'a HeightField,
+    engine: GridLos<'a>,
+    receivers: GridReceivers<'a>,
+    meters_per_unit: f64,
+    /// Edge of a block \[cells\], and blocks in a row of them.
+    block: (usize, usize),
+    n_blocks_per_row: usize,
+    n_blocks: usize,
+}
+
+impl<'a> RealCity<'a> {
+    /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
+    pub fn new(field: &'a HeightField, method: Method, rx_height: i32, meters_per_unit: f64, block_m: f64) -> Self {
+        let grid = field.grid();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, and saturating")]
+        let cells = |cell: f64| (block_m / (cell * meters_per_unit)).round().max(1.0) as usize;
+        let block = (cells(grid.cell_height()), cells(grid.cell_width()));
+        let n_blocks_per_row = grid.n_cols().div_ceil(block.1);
+        RealCity {
+            field,
+            engine: GridLos::new(field, method),
+            receivers: GridReceivers::new(field.cells().open.clone(), field.ground_of_cells(), rx_height),
+            meters_per_unit,
+            block,
+            n_blocks_per_row,
+            n_blocks: n_blocks_per_row * grid.n_rows().div_ceil(block.0),
+        }
+    }
+
+    /// Number of blocks.
+    pub fn n_blocks(&self) -> usize {
+        self.n_blocks
+    }
+
+    /// Whether a UAV is inside a building.
+    pub fn is_inside(&self, uav: &Station) -> bool {
+        let inside = self.field.inside_prisms_below(&uav.place).max(self.field.inside_columns_below(&uav.place));
+        uav.z < i64::from(inside)
+    }
+
+    /// Counts what a UAV sees, `[block][band]`. One inside a building sees nothing.
+    pub fn count(&self, uav: &Station, bands: &[Band]) -> Vec<Count> {
+        let grid = self.field.grid();
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        let los = if self.is_inside(uav) {
+            BitGrid::new(n_rows, n_cols)
+        } else {
+            let window = CellWindow { row: 0, col: 0, n_rows, n_cols };
+            self.engine.los(uav, &self.receivers, &self.receivers.cells, window)
+        };
+        let mut counts = vec![Count::default(); self.n_blocks * bands.len()];
+        let Place { x, y, .. } = uav.place;
+        for row in 0..n_rows {
+            let wanted = self.receivers.cells.row(row);
+            let seen = los.row(row);
+            let first_block = row / self.block.0 * self.n_blocks_per_row;
+            let mut band = 0;
+            for col in (0..n_cols).filter(|col| wanted[col / 64] >> (col % 64) & 1 == 1) {
+                let (cell_x, cell_y) = grid.world_from_cell(row, col);
+                let (dx, dy) = ((x - cell_x) * self.meters_per_unit, (y - cell_y) * self.meters_per_unit);
+                let squared = dx * dx + dy * dy;
+                #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
+                let rise = (uav.z - self.receivers.height(row * n_cols + col)) as f64 / f64::from(STEPS_PER_UNIT);
+                // Neighbors are mostly in the same band.
+                if !bands[band].holds(squared, rise) {
+                    let Some(found) = bands.iter().position(|b| b.holds(squared, rise)) else { continue };
+                    band = found;
+                }
+                let count = &mut counts[(first_block + col / self.block.1) * bands.len() + band];
+                count.receivers += 1;
+                count.los += seen[col / 64] >> (col % 64) & 1;
+            }
+        }
+        counts
+    }
+}
+
+/// P_LoS by band from counts `[position][block][band]`, with intervals from resampled positions and blocks.
+pub fn resampled(counts: &[Vec<Count>], n_bands: usize, confidence: f64, seed: u64) -> Vec<Estimate> {
+    let n_positions = counts.len();
+    let n_blocks = counts.first().map_or(0, |c| c.len() / n_bands);
+    // Blocks without any user, such as those under one large building, are none of the sample.
+    let blocks: Vec<usize> = (0..n_blocks)
+        .filter(|b| counts.iter().any(|c| c[b * n_bands..(b + 1) * n_bands].iter().any(|c| c.receivers > 0)))
+        .collect();
+    let sum = |weight: &(dyn Fn(usize, usize) -> f64 + Sync)| {
+        let mut sums = vec![(0.0, 0.0); n_bands];
+        for (p, of_position) in counts.iter().enumerate() {
+            for (k, block) in blocks.iter().enumerate() {
+                let weight = weight(p, k);
+                if weight > 0.0 {
+                    for (sum, count) in sums.iter_mut().zip(&of_position[block * n_bands..]) {
+                        sum.0 += weight * count.los as f64;
+                        sum.1 += weight * count.receivers as f64;
+                    }
+                }
+            }
+        }
+        sums
+    };
+    let all = sum(&|_, _| 1.0);
+    let is_enough = n_positions as u64 >= FEWEST_CLUSTERS && blocks.len() as u64 >= FEWEST_CLUSTERS;
+    let resamplings: Vec<Vec<(f64, f64)>> = (0..if is_enough { RESAMPLINGS } else { 0 })
+        .into_par_iter()
+        .map(|k| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream(k);
+            let mut times = |n: usize| {
+                let mut times = vec![0.0; n];
+                for _ in 0..n {
+                    #[expect(clippy::cast_possible_truncation, reason = "below n")]
+                    let drawn = ((u128::from(random.next_u64()) * n as u128) >> 64) as usize;
+                    times[drawn] += 1.0;
+                }
+                times
+            };
+            let (positions, of_blocks) = (times(n_positions), times(blocks.len()));
+            sum(&|p, b| positions[p] * of_blocks[b])
+        })
+        .collect();
+    (0..n_bands)
+        .map(|band| {
+            let (los, receivers) = all[band];
+            if receivers == 0.0 {
+                return Estimate::none();
+            }
+            let mut ratios: Vec<f64> =
+                resamplings.iter().map(|r| r[band]).filter(|r| r.1 > 0.0).map(|r| r.0 / r.1).collect();
+            ratios.sort_by(f64::total_cmp);
+            let n = ratios.len() as f64;
+            // A band that many resamplings miss has too few blocks and positions for an interval.
+            let is_enough = is_enough && n >= 0.99 * RESAMPLINGS as f64;
+            let quantile = |p: f64| {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of `ratios`")]
+                let k = (p * (n - 1.0)).round() as usize;
+                ratios[k]
+            };
+            let tail = 0.5 * (1.0 - confidence);
+            let mean = ratios.iter().sum::<f64>() / n;
+            let deviation = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+            let p_los = los / receivers;
+            let with_users = |b: &&usize| counts.iter().any(|c| c[**b * n_bands + band].receivers > 0);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sum of counts")]
+            let samples = receivers as u64;
+            Estimate {
+                p_los: Some(p_los),
+                interval: is_enough.then(|| (quantile(tail).min(p_los), quantile(1.0 - tail).max(p_los))),
+                std_error: is_enough.then_some(deviation),
+                samples,
+                clusters: blocks.iter().filter(with_users).count() as u64,
+            }
+        })
+        .collect()
+}
