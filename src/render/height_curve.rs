@@ -1,21 +1,22 @@
 //! P_LoS against the UAV's height, one curve per UAV, drawn as the steps that it is.
 
-use super::colors::{INK, MUTED};
-use super::furniture::{self, DETAIL, NAME, TITLE};
-use super::lettering::{self, number};
+use super::colors::MUTED;
+use super::furniture::{self, Block, DETAIL};
+use super::lettering::number;
+use super::line_look::{COLORS, stroke};
 use super::marks::Label;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::plot_axis::{Axis, Direction, Span};
+use super::plot_frame;
+use super::sheet::{Drawing, Sheet};
+use super::side_labels::{self, LEADER, SideLabel};
 
-const MARGIN: f64 = 40.0;
 const HEIGHT: f64 = 760.0;
 const AXIS: f64 = 104.0;
 /// Width of the plot and the labels at its right \[px\].
 const WIDTH: f64 = 1500.0;
-/// From the right end of a curve to its label \[px\].
-const LEADER: f64 = 78.0;
 
-/// Colors of the curves, told apart with any color vision and dark enough on paper; none means NLoS, as orange would.
-const COLORS: [&str; 7] = ["#0072B2", "#D55E00", "#117733", "#AA4499", "#1B1F24", "#8A7A00", "#2A9D97"];
+/// So many colors are used in turn.
+const N_COLORS: usize = 7;
 /// Line patterns, so that neighbors differ in more than color; with the colors 28 different lines.
 const DASHES: [&str; 4] = ["", "18 7", "5 6", "20 6 5 6"];
 /// More labels than this are not placed beside the plot.
@@ -106,29 +107,18 @@ fn compose(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     let words = labels.iter().map(SideLabel::width).fold(0.0, f64::max);
     let side = if labels.is_empty() { 0.0 } else { (LEADER + words).ceil() };
     let window = Window { heights_m: plot.heights_m, width: WIDTH - side };
-    let body_w = AXIS + WIDTH;
-    let title = furniture::paragraph(plot.title, TITLE, body_w);
-    let top = (MARGIN + if title.height > 0.0 { title.height + 24.0 } else { 0.0 }).round();
-    let left = MARGIN + AXIS;
     let mut drawing = Drawing::default();
-    drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
-    drawing.place(&axes(plot, &window), left, top);
-    drawing.place(&curves(plot, &window), left, top);
-    drawing.rect([left - 0.8, top - 0.8, window.width + 1.6, HEIGHT + 1.6], &furniture::frame());
-    drawing.place(&beside(&labels, &window), left, top);
+    let mut framed = axes(plot, &window);
+    framed.svg.push_str(&curves(plot, &window).svg);
+    plot_frame::frame(&mut framed, [window.width, HEIGHT]);
+    framed.svg.push_str(&side_labels::beside(&labels, [window.width, HEIGHT]).svg);
     if plot.curves.len() > MOST_LABELS {
         let rest = format!("+ {} more", plot.curves.len() - MOST_LABELS);
-        drawing.text(left + window.width + LEADER, top + HEIGHT + 32.0, DETAIL, &rest);
+        framed.text(window.width + LEADER, HEIGHT + 32.0, DETAIL, &rest);
     }
-    let mut bottom = top + HEIGHT + 92.0;
-    let caption = furniture::caption(plot.caption, body_w);
-    if caption.height > 0.0 {
-        drawing.line([MARGIN, bottom], [MARGIN + body_w, bottom], &furniture::hairline());
-        drawing.place(&caption.drawing, MARGIN, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let height = bottom + MARGIN - 8.0;
-    Ok(Sheet { width: body_w + 2.0 * MARGIN, height, images: Vec::new(), furniture: drawing })
+    drawing.place(&framed, AXIS, 0.0);
+    let body = Block { width: AXIS + WIDTH, height: HEIGHT + 92.0, drawing };
+    Ok(plot_frame::page(plot.title, 24.0, &body, plot.caption))
 }
 
 fn check(plot: &HeightCurvePlot<'_>) -> Result<(), String> {
@@ -150,35 +140,21 @@ fn check(plot: &HeightCurvePlot<'_>) -> Result<(), String> {
 }
 
 fn axes(plot: &HeightCurvePlot<'_>, window: &Window) -> Drawing {
-    let mut drawing = Drawing::default();
-    let tick = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
-    let grid = "stroke=\"#E3E7EB\" stroke-width=\"1.4\"";
-    let middle = Type { anchor: Anchor::Middle, ..DETAIL };
-    for tenth in 0..=10 {
-        let p_los = f64::from(tenth) / 10.0;
-        let y = window.y(p_los);
-        drawing.line([0.0, y], [window.width, y], grid);
-        drawing.line([-8.0, y], [0.0, y], &tick);
-        drawing.text(-14.0, y + 8.0, Type { anchor: Anchor::End, ..DETAIL }, &number(p_los, 1));
-    }
+    let heights = Span { ends: plot.heights_m, is_log: false };
     let [low, high] = plot.heights_m;
-    for (value, text) in furniture::ticks(low, high, window.width / 150.0) {
-        let x = window.x(value);
-        drawing.line([x, 0.0], [x, HEIGHT], grid);
-        drawing.line([x, HEIGHT], [x, HEIGHT + 8.0], &tick);
-        drawing.text(x, HEIGHT + 32.0, middle, &text);
-    }
-    let name = Type { color: INK, ..middle };
-    drawing.text(window.width / 2.0, HEIGHT + 68.0, name, &format!("{} [m]", plot.height_name));
-    drawing.text_upward(-72.0, HEIGHT / 2.0, name, "P_LoS: share of receivers in line of sight");
-    drawing
+    let height_name = format!("{} [m]", plot.height_name);
+    let ticks = furniture::ticks(low, high, window.width / 150.0);
+    let x = heights.axis_at(&height_name, Direction::Across, window.width, ticks);
+    let tenths = (0..=10).map(|tenth| f64::from(tenth) / 10.0).map(|p| (p, number(p, 1))).collect();
+    let name = "P_LoS: share of receivers in line of sight";
+    let y = Span { ends: [0.0, 1.0], is_log: false }.axis_at(name, Direction::Up, HEIGHT, tenths);
+    plot_frame::axes([window.width, HEIGHT], &x, &Axis { name_at: 72.0, ..y })
 }
 
 /// The look of the line with this index.
 fn line_style(index: usize) -> (&'static str, String) {
-    let (color, dash) = (COLORS[index % COLORS.len()], DASHES[index % DASHES.len()]);
-    let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
-    (color, format!("stroke=\"{color}\" stroke-width=\"4.5\" stroke-linejoin=\"round\"{dash}"))
+    let (color, dash) = (COLORS[index % N_COLORS], DASHES[index % DASHES.len()]);
+    (color, stroke(color, 4.5, dash))
 }
 
 fn curves(plot: &HeightCurvePlot<'_>, window: &Window) -> Drawing {
@@ -273,27 +249,6 @@ fn step_line(curve: &HeightCurveLine<'_>, window: &Window) -> Vec<[f64; 2]> {
     line
 }
 
-/// What stands beside the right end of a curve.
-#[derive(Clone, Debug)]
-struct SideLabel {
-    index: usize,
-    /// Where the curve ends \[px\].
-    y: f64,
-    words: Vec<String>,
-}
-
-impl SideLabel {
-    fn height(&self) -> f64 {
-        if self.words.len() > 1 { 59.0 } else { 31.0 }
-    }
-
-    fn width(&self) -> f64 {
-        let style = |k: usize| if k == 0 { NAME } else { DETAIL };
-        let widths = self.words.iter().enumerate().map(|(k, w)| lettering::width(w, style(k).size, style(k).weight));
-        widths.fold(0.0, f64::max)
-    }
-}
-
 /// The labels of several curves; a single one needs none.
 fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
     if plot.curves.len() < 2 {
@@ -309,58 +264,12 @@ fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
         .map(|(index, curve)| {
             let detail = format!("{} at {} m", p_words(curve), number(curve.marked_m, 2));
             let words = std::iter::once(curve.label.to_string()).chain(two_lines.then_some(detail)).collect();
-            SideLabel { index, y: window.y(curve.p_los(plot.heights_m[1])), words }
+            let y = window.y(curve.p_los(plot.heights_m[1]));
+            SideLabel { y, words, stroke: line_style(index).1 }
         })
         .collect();
     labels.sort_by(|a, b| a.y.total_cmp(&b.y));
     labels
-}
-
-/// Middles of labels from the top down, as near to what they name as they can be without covering each other.
-fn spread(labels: &[SideLabel]) -> Vec<f64> {
-    // Labels that touch form a stack, centered on where its labels want to be, within the plot.
-    struct Stack {
-        n: usize,
-        height: f64,
-        wanted: f64,
-    }
-    let top_of = |s: &Stack| (s.wanted / s.n as f64 - s.height / 2.0).clamp(0.0, (HEIGHT - s.height).max(0.0));
-    let mut stacks: Vec<Stack> = Vec::new();
-    for label in labels {
-        let mut stack = Stack { n: 1, height: label.height(), wanted: label.y };
-        while let Some(above) = stacks.pop_if(|above| top_of(above) + above.height > top_of(&stack)) {
-            stack.n += above.n;
-            stack.height += above.height;
-            stack.wanted += above.wanted;
-        }
-        stacks.push(stack);
-    }
-    let mut rest = labels.iter();
-    let mut middles = Vec::with_capacity(labels.len());
-    for stack in &stacks {
-        let mut top = top_of(stack);
-        for label in rest.by_ref().take(stack.n) {
-            middles.push(top + label.height() / 2.0);
-            top += label.height();
-        }
-    }
-    middles
-}
-
-/// Draws the labels with a line in the look of the curve from its end to its name.
-fn beside(labels: &[SideLabel], window: &Window) -> Drawing {
-    let mut drawing = Drawing::default();
-    for (label, middle) in labels.iter().zip(spread(labels)) {
-        let right = window.width;
-        let leader = [[right + 3.0, label.y], [right + 22.0, middle], [right + LEADER - 12.0, middle]];
-        drawing.polyline(&leader, &line_style(label.index).1);
-        let first = middle + if label.words.len() > 1 { -4.0 } else { 8.5 };
-        for (k, words) in label.words.iter().enumerate() {
-            let style = if k == 0 { NAME } else { DETAIL };
-            drawing.text(right + LEADER, first + 27.0 * k as f64, style, words);
-        }
-    }
-    drawing
 }
 
 #[cfg(test)]
@@ -416,17 +325,11 @@ mod tests {
     }
 
     #[test]
-    fn labels_beside_the_plot_keep_apart_and_stay_in_it() {
-        for n in [2, 8, 12, 24, 60] {
+    fn several_curves_have_labels_and_different_looks() {
+        for n in [1, 2, 12, 24, 60] {
             let curves = vec![CURVE; n];
             let labels = side_labels(&plot(&curves));
-            assert_eq!(labels.len(), n.min(MOST_LABELS));
-            let middles = spread(&labels);
-            for (k, (middle, label)) in middles.iter().zip(&labels).enumerate() {
-                let half = label.height() / 2.0;
-                assert!(middle - half >= -1e-9 && middle + half <= HEIGHT + 1e-9);
-                assert!(k == 0 || middle - half >= middles[k - 1] + half - 1e-9);
-            }
+            assert_eq!(labels.len(), if n == 1 { 0 } else { n.min(MOST_LABELS) });
         }
         let looks: std::collections::HashSet<String> = (0..28).map(|k| line_style(k).1).collect();
         assert_eq!(looks.len(), 28);

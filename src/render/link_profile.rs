@@ -1,12 +1,13 @@
 //! One link from the side: what the ray passes over, and where it stops.
 
 use super::colors::{self, INK};
-use super::furniture::{self, Block, DETAIL, TITLE};
+use super::furniture::{self, Block, DETAIL};
 use super::lettering::{self, Weight, length, number};
 use super::marks::Label;
+use super::plot_axis::{Axis, Direction, Span};
+use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
 
-const MARGIN: f64 = 40.0;
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 620.0;
 const AXIS: f64 = 104.0;
@@ -118,30 +119,18 @@ impl Window {
 fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     check(profile)?;
     let window = Window::new(profile);
-    let body_w = AXIS + WIDTH;
-    let title = furniture::paragraph(profile.title, TITLE, body_w);
-    let top = (MARGIN + if title.height > 0.0 { title.height + 16.0 } else { 0.0 }).round();
-    let left = MARGIN + AXIS;
-    let mut drawing = Drawing::default();
-    drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
-    drawing.place(&axes(profile, &window), left, top);
-    drawing.place(&steps(profile, &window), left, top);
-    drawing.place(&ray(profile, &window), left, top);
-    drawing.rect([left - 0.8, top - 0.8, WIDTH + 1.6, HEIGHT + 1.6], &furniture::frame());
-    let mut bottom = top + HEIGHT + 92.0;
-    let legend = legend(profile);
-    drawing.place(&legend.drawing, left, bottom);
+    let mut framed = axes(profile, &window);
+    framed.svg.push_str(&steps(profile, &window).svg);
+    framed.svg.push_str(&ray(profile, &window).svg);
+    plot_frame::frame(&mut framed, [WIDTH, HEIGHT]);
+    let (legend, below) = (legend(profile), HEIGHT + 92.0);
+    framed.place(&legend.drawing, 0.0, below);
     let stretch = stretch(window.exaggeration());
-    drawing.text(left + WIDTH, bottom + 24.0, Type { anchor: Anchor::End, ..DETAIL }, &stretch);
-    bottom += legend.height + 24.0;
-    let caption = furniture::caption(profile.caption, body_w);
-    if caption.height > 0.0 {
-        drawing.line([MARGIN, bottom], [MARGIN + body_w, bottom], &furniture::hairline());
-        drawing.place(&caption.drawing, MARGIN, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let height = bottom + MARGIN - 8.0;
-    Ok(Sheet { width: body_w + 2.0 * MARGIN, height, images: Vec::new(), furniture: drawing })
+    framed.text(WIDTH, below + 24.0, Type { anchor: Anchor::End, ..DETAIL }, &stretch);
+    let mut drawing = Drawing::default();
+    drawing.place(&framed, AXIS, 0.0);
+    let body = Block { width: AXIS + WIDTH, height: below + legend.height + 24.0, drawing };
+    Ok(plot_frame::page(profile.title, 16.0, &body, profile.caption))
 }
 
 /// Says how the scales of the two axes differ.
@@ -174,25 +163,13 @@ fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
 }
 
 fn axes(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
-    let mut drawing = Drawing::default();
-    let tick = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
-    let grid = "stroke=\"#E3E7EB\" stroke-width=\"1.4\"";
-    let middle = Type { anchor: Anchor::Middle, ..DETAIL };
-    for (value, text) in furniture::ticks(window.height[0], window.height[1], 6.0) {
-        let [_, y] = window.at(0.0, value);
-        drawing.line([0.0, y], [WIDTH, y], grid);
-        drawing.line([-8.0, y], [0.0, y], &tick);
-        drawing.text(-14.0, y + 8.0, Type { anchor: Anchor::End, ..DETAIL }, &text);
-    }
-    for (value, text) in furniture::ticks(0.0, profile.distance_m, 8.0) {
-        let [x, _] = window.at(value, 0.0);
-        drawing.line([x, HEIGHT], [x, HEIGHT + 8.0], &tick);
-        drawing.text(x, HEIGHT + 32.0, middle, &text);
-    }
-    drawing.text(WIDTH / 2.0, HEIGHT + 68.0, Type { color: INK, ..middle }, "Distance from the UAV [m]");
+    let span = |ends| Span { ends, is_log: false };
+    let distances = furniture::ticks(0.0, profile.distance_m, 8.0);
+    let x = span(window.distance).axis_at("Distance from the UAV [m]", Direction::Across, WIDTH, distances);
+    let heights = furniture::ticks(window.height[0], window.height[1], 6.0);
     let name = format!("{} [m]", profile.height_name);
-    drawing.text_upward(-82.0, HEIGHT / 2.0, Type { color: INK, ..middle }, &name);
-    drawing
+    let y = span(window.height).axis_at(&name, Direction::Up, HEIGHT, heights);
+    plot_frame::axes([WIDTH, HEIGHT], &Axis { has_grid: false, ..x }, &Axis { name_at: 82.0, ..y })
 }
 
 const TERRAIN_FILL: &str = "#DAD5CA";

@@ -10,30 +10,43 @@
 //! * [`draw_city`]: a plan and a view of a city.
 //! * [`draw_link_profile`]: one link from the side.
 //! * [`draw_height_curve`]: P_LoS against the UAV's height.
+//! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
 //!
-//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell UAVs apart.
+//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
 mod city_light;
 mod city_picture;
 mod city_solids;
 mod city_view;
 mod colors;
+mod curve_lines;
+mod curve_sheet;
 mod furniture;
 mod height_curve;
 mod hillshade;
+mod legend;
 mod lettering;
+mod line_look;
 mod link_profile;
 mod map_layers;
 mod map_picture;
 mod marks;
 mod paint;
+mod panel_grid;
+mod plot_axis;
+mod plot_frame;
 mod png;
 mod sheet;
+mod side_labels;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
+pub use curve_sheet::{
+    CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet, draw_curve_sheet_svg,
+};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve, draw_height_curve_svg};
 pub use lettering::grouped;
+pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
 pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};
 pub use marks::Mark;

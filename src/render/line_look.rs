@@ -1,0 +1,175 @@
+//! How lines of plots look, so that they are told apart with any color vision and on a gray printer.
+
+use super::sheet::Drawing;
+
+/// Colors of lines, told apart with any color vision and dark enough on paper; none means NLoS, as orange would.
+pub(crate) const COLORS: [&str; 8] =
+    ["#0072B2", "#D55E00", "#117733", "#AA4499", "#1B1F24", "#8A7A00", "#2A9D97", "#332288"];
+
+/// Width of a solid line, and of one with a pattern \[px\].
+const STROKES: [f64; 2] = [4.0, 3.4];
+/// Radius of a circle as large as a marker \[px\].
+pub(crate) const MARKER: f64 = 8.0;
+/// Half the length of the cap of an error bar \[px\].
+const CAP: f64 = 9.0;
+
+/// How a line of a [`CurveSheet`](super::CurveSheet) is drawn. All but `Markers` have a band where the points have
+/// intervals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LineLook {
+    /// A solid line with filled markers at its points, as far as these keep apart.
+    Solid,
+    /// Dashes, without markers, such as a model.
+    Dashed,
+    /// Dashes and dots.
+    DashDot,
+    /// Dots.
+    Dotted,
+    /// Hollow markers with error bars at all points and no line, such as estimates by simulation.
+    Markers,
+}
+
+/// Patterns of the lines with the same look, in their order in the legend.
+const DASHED: [&str; 3] = ["18 8", "9 6", "32 9"];
+const DASH_DOT: [&str; 3] = ["20 6 5 6", "20 6 5 6 5 6", "34 6 5 6"];
+const DOTTED: [&str; 3] = ["4.5 5.5", "4.5 11", "4.5 4.5 4.5 13"];
+
+/// Everything that a line needs to be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LineStyle {
+    look: LineLook,
+    /// SVG color.
+    pub(crate) color: &'static str,
+    dash: &'static str,
+    marker: Marker,
+}
+
+impl LineStyle {
+    /// Makes the style of the `nth` line of its look.
+    pub(crate) fn new(look: LineLook, color_index: usize, nth: usize) -> Self {
+        let dash = match look {
+            LineLook::Solid | LineLook::Markers => "",
+            LineLook::Dashed => DASHED[nth % DASHED.len()],
+            LineLook::DashDot => DASH_DOT[nth % DASH_DOT.len()],
+            LineLook::Dotted => DOTTED[nth % DOTTED.len()],
+        };
+        let color = COLORS[color_index % COLORS.len()];
+        Self { look, color, dash, marker: MARKERS[color_index % MARKERS.len()] }
+    }
+
+    /// Whether points are joined.
+    pub(crate) fn has_line(&self) -> bool {
+        self.look != LineLook::Markers
+    }
+
+    /// Whether points have a marker: some for a solid line, all for markers.
+    pub(crate) fn has_markers(&self) -> bool {
+        matches!(self.look, LineLook::Solid | LineLook::Markers)
+    }
+
+    /// The attributes of the line.
+    pub(crate) fn stroke(&self) -> String {
+        stroke(self.color, STROKES[usize::from(self.look != LineLook::Solid)], self.dash)
+    }
+
+    /// The attributes of the band.
+    pub(crate) fn band(&self) -> String {
+        format!("fill=\"{}\" fill-opacity=\"0.2\"", self.color)
+    }
+
+    /// Draws a marker.
+    pub(crate) fn draw_marker(&self, drawing: &mut Drawing, at: [f64; 2]) {
+        let color = self.color;
+        if self.has_line() {
+            let attributes = format!("fill=\"{color}\" stroke=\"#FFFFFF\" stroke-width=\"1.6\"");
+            self.marker.draw(drawing, at, MARKER, &attributes);
+        } else {
+            let join = "stroke-linejoin=\"round\"";
+            self.marker.draw(
+                drawing,
+                at,
+                MARKER,
+                &format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"3\" {join}"),
+            );
+        }
+    }
+
+    /// Draws an error bar at `x` between `ends`, with caps where `capped` \[px\].
+    pub(crate) fn draw_error_bar(&self, drawing: &mut Drawing, x: f64, ends: [f64; 2], capped: [bool; 2]) {
+        let attributes = stroke(self.color, 2.4, "");
+        drawing.line([x, ends[0]], [x, ends[1]], &attributes);
+        for (y, _) in ends.iter().zip(capped).filter(|(_, capped)| *capped) {
+            drawing.line([x - CAP, *y], [x + CAP, *y], &attributes);
+        }
+    }
+}
+
+/// The attributes of a line.
+pub(crate) fn stroke(color: &str, width: f64, dash: &str) -> String {
+    let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
+    format!("stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}")
+}
+
+/// The shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Marker {
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+    TriangleDown,
+    Cross,
+}
+
+/// Six shapes with eight colors, used in turn, make 24 different markers.
+const MARKERS: [Marker; 6] =
+    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::TriangleDown, Marker::Cross];
+
+impl Marker {
+    /// Draws the shape with about the area of a circle of this radius.
+    fn draw(self, drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64, attributes: &str) {
+        let corners: &[[f64; 2]] = match self {
+            Self::Circle => return drawing.circle([x, y], radius, attributes),
+            Self::Square => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
+            Self::Triangle => &[[0.0, -1.35], [1.17, 0.67], [-1.17, 0.67]],
+            Self::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
+            Self::TriangleDown => &[[0.0, 1.35], [1.17, -0.67], [-1.17, -0.67]],
+            Self::Cross => &[
+                [-0.42, -1.2],
+                [0.42, -1.2],
+                [0.42, -0.42],
+                [1.2, -0.42],
+                [1.2, 0.42],
+                [0.42, 0.42],
+                [0.42, 1.2],
+                [-0.42, 1.2],
+                [-0.42, 0.42],
+                [-1.2, 0.42],
+                [-1.2, -0.42],
+                [-0.42, -0.42],
+            ],
+        };
+        let corners: Vec<[f64; 2]> = corners.iter().map(|[dx, dy]| [x + radius * dx, y + radius * dy]).collect();
+        drawing.polygon(&corners, attributes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn lines_differ_in_more_than_color() {
+        let looks = [LineLook::Dashed, LineLook::DashDot, LineLook::Dotted];
+        let patterns: HashSet<&str> =
+            looks.iter().flat_map(|look| (0..3).map(|nth| LineStyle::new(*look, 0, nth).dash)).collect();
+        assert_eq!(patterns.len(), 9);
+        let shape = |color_index| {
+            let mut drawing = Drawing::default();
+            LineStyle::new(LineLook::Markers, color_index, 0).draw_marker(&mut drawing, [0.0, 0.0]);
+            drawing.svg
+        };
+        assert_eq!((0..24).map(shape).collect::<HashSet<_>>().len(), 24);
+    }
+}
