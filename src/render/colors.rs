@@ -125,6 +125,18 @@ pub(crate) fn hex(color: Rgb) -> String {
     format!("#{:02X}{:02X}{:02X}", color[0], color[1], color[2])
 }
 
+/// Returns the text color that contrasts more with a color, white or ink.
+pub(crate) fn ink_on(color: Rgb) -> &'static str {
+    // Contrast with white and with black is equal at this lightness (WCAG 2.2).
+    if lightness(color) > 0.179 { INK } else { "#FFFFFF" }
+}
+
+/// Relative luminance, 0 for black to 1 for white.
+fn lightness(color: Rgb) -> f64 {
+    let [r, g, b] = Light::tables().linear(color).map(|c| f64::from(c) / f64::from(FULL_LIGHT));
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Rounds a channel value to a byte.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of a byte first")]
 pub(crate) fn byte(value: f64) -> u8 {
@@ -198,11 +210,6 @@ fn srgb_to_linear(code: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn lightness(color: Rgb) -> f64 {
-        let [r, g, b] = Light::tables().linear(color).map(|c| f64::from(c) / f64::from(FULL_LIGHT));
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    }
 
     #[test]
     fn every_byte_survives_linear_light() {

@@ -235,14 +235,22 @@ pub(crate) struct Scale {
     pub(crate) open_high: bool,
 }
 
+/// Length of the point of an open color bar \[px\].
+const POINT: f64 = 20.0;
+
+/// From the left of the block of a color bar to the bar \[px\]: room for a point and for half the text of a tick.
+pub(crate) fn color_bar_inset(scale: Scale) -> f64 {
+    let ticks = ticks(scale.low, scale.high, 5.0);
+    let pad = ticks.iter().map(|(_, text)| lettering::width(text, DETAIL.size, DETAIL.weight) / 2.0);
+    pad.fold(POINT + 2.0, f64::max).ceil().min(60.0)
+}
+
 /// Makes a color bar of `width` \[px\] under its name, with round ticks; the name includes the unit.
 pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f64) -> Block {
     const BAR: f64 = 26.0;
-    const POINT: f64 = 20.0;
     let tick_style = Type { anchor: Anchor::Middle, ..DETAIL };
+    let left = color_bar_inset(scale);
     let ticks = ticks(scale.low, scale.high, 5.0);
-    let pad = ticks.iter().map(|(_, text)| lettering::width(text, tick_style.size, tick_style.weight) / 2.0);
-    let left = pad.fold(POINT + 2.0, f64::max).ceil().min(60.0);
     let (top, right) = (38.0, left + width);
     let mut drawing = Drawing::default();
     drawing.text(left - if scale.open_low { POINT } else { 0.0 }, 24.0, NAME, name);

@@ -11,6 +11,7 @@
 //! * [`draw_link_profile`]: one link from the side.
 //! * [`draw_height_curve`]: P_LoS against the UAV's height.
 //! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
+//! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
@@ -19,9 +20,11 @@ mod city_picture;
 mod city_solids;
 mod city_view;
 mod colors;
+mod contours;
 mod curve_lines;
 mod curve_sheet;
 mod furniture;
+mod heat_sheet;
 mod height_curve;
 mod hillshade;
 mod legend;
@@ -44,6 +47,7 @@ pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, 
 pub use curve_sheet::{
     CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet, draw_curve_sheet_svg,
 };
+pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet, draw_heat_sheet_svg};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve, draw_height_curve_svg};
 pub use lettering::grouped;
 pub use line_look::LineLook;
