@@ -14,6 +14,7 @@
 //! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
+//! | E313 | a curve of P_LoS given as a table |
 //! | E401–E403 | an output cannot be written, encoded, drawn |
 //! | E501–E502 | memory, extent |
 //! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use super::plos::PlosArgs;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
@@ -18,6 +19,7 @@ Examples:
   skyshed map dsm.tif --terrain dtm.tif --uav 691549.7,5334762.2,60 -o coverage.tif -o coverage.json
   skyshed link itu:urban --uav 500,500,100 --rx 630,480
   skyshed info buildings.geojson
+  skyshed plos itu:urban --theta 5:90:5 --method product,itu,alhourani2014 -o plos.png
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
 6 a check failed, 130 interrupted.")]
@@ -53,6 +55,8 @@ pub(super) enum Command {
     City(CityArgs),
     /// What a scene is: size, CRS, heights, faults found
     Info(InfoArgs),
+    /// Probability of line of sight: curves by exact products, simulators, published models, and over real cities
+    Plos(Box<PlosArgs>),
 }
 
 impl Command {
@@ -62,6 +66,7 @@ impl Command {
             Command::Link(args) => &mut args.scene,
             Command::City(args) => &mut args.scene,
             Command::Info(args) => &mut args.scene,
+            Command::Plos(args) => &mut args.scene,
         }
     }
 }
@@ -318,7 +323,7 @@ pub(super) struct InfoArgs {
     pub(super) out: OutputArgs,
 }
 
-fn number(text: &str) -> Result<f64, String> {
+pub(super) fn number(text: &str) -> Result<f64, String> {
     crate::quantity::parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
 }
 
@@ -328,7 +333,7 @@ fn range(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// A number of bytes: `800M`, `4G`, `1.5GiB`, or bytes alone.
-fn memory_size(text: &str) -> Result<u64, String> {
+pub(super) fn memory_size(text: &str) -> Result<u64, String> {
     let wrong = || format!("found `{text}`, wanted a size such as 800M or 4G");
     let upper = text.trim().to_ascii_uppercase();
     let digits = upper.trim_end_matches(|c: char| c.is_ascii_alphabetic());

@@ -13,6 +13,7 @@ mod link;
 mod map;
 mod messages;
 mod plan;
+mod plos;
 mod words;
 
 use std::ffi::OsString;
@@ -45,6 +46,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Map(args) => in_pool(args.out.threads, || map::run(&args, command)),
         args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
         args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
+        args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
         args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
     }
 }
@@ -69,7 +71,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             Err(error) => fail(&error),
         },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
-            &Error::usage(101, "no command, wanted one of `map`, `link`, `city` and `info`")
+            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info` and `plos`")
                 .with_hint("skyshed --help"),
         ),
         _ => {

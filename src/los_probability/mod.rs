@@ -14,6 +14,7 @@ pub mod estimate;
 pub mod fit;
 pub mod geometry;
 pub mod lattice_city;
+pub mod models;
 pub mod points;
 pub mod product;
 pub mod real_city;

@@ -22,23 +22,43 @@ use crate::raster::{BitGrid, CellWindow};
 /// Resamplings behind an interval.
 const RESAMPLINGS: u64 = 1000;
 
-/// Which users are counted together.
+/// Which users are counted together. All comparisons are of squares, so that no root is taken for any user.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Band {
-    /// Those who see the UAV at an elevation angle from the first number up to the second one \[deg\].
-    Elevation(f64, f64),
-    /// Those at a ground distance from the first number up to the second one \[m\].
-    Distance(f64, f64),
+pub struct Band {
+    by: By,
+    from: f64,
+    to: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum By {
+    SquaredTangent,
+    SquaredDistance,
 }
 
 impl Band {
+    /// Users who see the UAV at an elevation angle from `from` up to, but not including, `to` \[deg\], 0 ≤ from < to; up to
+    /// 90 includes it.
+    pub fn elevation(from: f64, to: f64) -> Self {
+        let squared = |theta: f64| if theta >= 90.0 { f64::INFINITY } else { theta.to_radians().tan().powi(2) };
+        Band { by: By::SquaredTangent, from: squared(from), to: squared(to) }
+    }
+
+    /// Users at a ground distance from `from` up to, but not including, `to` \[m\].
+    pub fn distance(from: f64, to: f64) -> Self {
+        Band { by: By::SquaredDistance, from: from * from, to: to * to }
+    }
+
     /// Whether a user is in it who is `squared_distance` \[m²\] away on the ground and `rise` \[m\] below.
+    #[inline]
     fn holds(&self, squared_distance: f64, rise: f64) -> bool {
-        match *self {
-            Band::Distance(from, to) => squared_distance >= from * from && squared_distance < to * to,
-            Band::Elevation(from, to) => {
-                let theta = rise.atan2(squared_distance.sqrt()).to_degrees();
-                theta >= from && (theta < to || to >= 90.0)
+        match self.by {
+            By::SquaredDistance => squared_distance >= self.from && squared_distance < self.to,
+            By::SquaredTangent => {
+                let squared_rise = rise * rise;
+                rise >= 0.0
+                    && squared_rise >= self.from * squared_distance
+                    && (self.to == f64::INFINITY || squared_rise < self.to * squared_distance)
             }
         }
     }

@@ -246,7 +246,7 @@ impl Setting {
 
 /// Cosine and sine of an angle in \[0, 90\]°, exact at both ends.
 pub fn unit_vector(degrees: f64) -> (f64, f64) {
-    if degrees == 90.0 {
+    if degrees >= 90.0 {
         return (0.0, 1.0);
     }
     let (sin, cos) = degrees.to_radians().sin_cos();

@@ -25,6 +25,8 @@ pub enum NpyArray<'a> {
     F64(&'a [f64], Vec<usize>),
     /// One string, an array without dimensions. NumPy drops zeros at its end.
     Text(&'a str),
+    /// Strings, one dimension.
+    Texts(&'a [String]),
 }
 
 /// Writes arrays under their names.
@@ -62,6 +64,7 @@ impl NpyArray<'_> {
             NpyArray::F32(_, shape) => ("<f4".to_string(), shape.as_slice()),
             NpyArray::F64(_, shape) => ("<f8".to_string(), shape.as_slice()),
             NpyArray::Text(text) => (format!("<U{}", text.chars().count().max(1)), [].as_slice()),
+            NpyArray::Texts(texts) => (format!("<U{}", longest(texts)), &[texts.len()][..]),
         };
         out.write_all(&header(&kind, shape))?;
         let n_values = shape.iter().product();
@@ -75,6 +78,13 @@ impl NpyArray<'_> {
                 let text = if text.is_empty() { "\0" } else { text };
                 text.chars().try_for_each(|c| out.write_all(&u32::from(c).to_le_bytes()))
             }
+            NpyArray::Texts(texts) => {
+                let longest = longest(texts);
+                texts.iter().try_for_each(|text| {
+                    let padded = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
+                    out.write_all(&padded.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
+                })
+            }
         }
     }
 
@@ -87,9 +97,15 @@ impl NpyArray<'_> {
             NpyArray::I64(values, _) => values.len() * 8,
             NpyArray::F64(values, _) => values.len() * 8,
             NpyArray::Text(text) => text.len() * 4,
+            NpyArray::Texts(texts) => texts.len() * longest(texts) * 4,
         };
         len as u64
     }
+}
+
+/// Characters of the longest string; NumPy has no strings of none.
+fn longest(texts: &[String]) -> usize {
+    texts.iter().map(|t| t.chars().count()).max().unwrap_or(0).max(1)
 }
 
 /// Magic number, version, and a Python literal padded so that the values begin at a multiple of 64 bytes.

@@ -2,6 +2,8 @@
 
 mod documents;
 mod height_curve;
+mod plos;
 
 pub use documents::{LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
+pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// The stages in order, each with the earlier stages that it may use. `error` and `quantity` are usable everywhere and
 /// use nothing.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("error", &[]),
     ("quantity", &[]),
     ("raster", &[]),
@@ -13,14 +13,15 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("height_field", &["raster", "scene"]),
     ("los", &["raster", "scene", "height_field"]),
     ("coverage", &["raster", "scene", "height_field", "los"]),
-    ("render", &["raster", "scene", "height_field", "los", "coverage"]),
-    ("export", &["raster", "scene", "height_field", "los", "coverage"]),
-    ("report", &["raster", "scene", "height_field", "los", "coverage"]),
-    ("cli", &["raster", "scene", "height_field", "los", "coverage", "render", "export", "report"]),
+    ("los_probability", &["raster", "scene", "height_field", "los"]),
+    ("render", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
+    ("export", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
+    ("report", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
+    ("cli", &["raster", "scene", "height_field", "los", "coverage", "los_probability", "render", "export", "report"]),
 ];
 
 /// Stages that do no I/O and read no clock and no environment.
-const PURE: [&str; 5] = ["quantity", "height_field", "los", "coverage", "render"];
+const PURE: [&str; 6] = ["quantity", "height_field", "los", "coverage", "los_probability", "render"];
 
 /// What a pure stage must not mention.
 const IMPURE: [&str; 6] = ["std::fs", "std::env", "std::time", "std::io::stdout", "std::net", "std::process"];

@@ -1,0 +1,473 @@
+//! `skyshed plos`: P_LoS by every method, over generated and real cities.
+
+mod args;
+mod methods;
+mod plot;
+mod real;
+mod sweep;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub(super) use args::PlosArgs;
+use methods::{Way, Ways, read_curves};
+use real::Real;
+use sweep::Sweeps;
+
+use super::args::SceneArgs;
+use super::words::pretty;
+use super::{interrupt, messages};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
+use crate::los_probability::models::{ModelLink, UserCurve};
+use crate::los_probability::setting::{Placement, Reach, Setting};
+use crate::los_probability::study::{Effort, estimate_all};
+use crate::raster::{NpyArray, write_npz};
+use crate::report::{PlosReport, PlosRow, PlosValue};
+use crate::scene::{BuiltUp, BuiltUpCity, Source};
+
+/// Formats of `skyshed plos`.
+const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
+
+pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
+    let start = Instant::now();
+    check(args)?;
+    let sweeps = Sweeps::of(args)?;
+    let words: Vec<&String> = std::iter::once(&args.scene.scene).chain(&args.more_cities).collect();
+    let curves = read_curves(args)?;
+    let is_generated = |word: &str| BuiltUpCity::parse_built_up(word).is_some();
+    let inputs: Vec<PathBuf> = words
+        .iter()
+        .filter(|w| !is_generated(w))
+        .map(PathBuf::from)
+        .chain(args.scene.terrain.clone())
+        .chain(curves.iter().map(|(_, path)| path.clone()))
+        .collect();
+    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let mut outputs = check_outputs(&args.output, rules)?;
+    if let Some(path) = &args.csv {
+        outputs.extend(check_csv(path, &args.output, rules)?);
+    }
+    let makes_picture = outputs.iter().any(|(_, f)| matches!(f, Format::Png | Format::Svg));
+    if args.title.is_some() && !makes_picture {
+        return Err(Error::usage(116, "`--title` has no meaning without a .png or .svg output"));
+    }
+    refuse_flags_without_meaning(args, &words)?;
+
+    let mut report = PlosReport {
+        command,
+        seed: args.scene.seed,
+        confidence: args.ci,
+        methods: Vec::new(),
+        real_cities: Vec::new(),
+        sources: Vec::new(),
+        rows: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let mut plot = plot::Facts::default();
+    let mut cautions = Cautions::default();
+    for (_, path) in &curves {
+        report.sources.push(Source::of(path, args.scene.hash)?);
+    }
+    let curves: Vec<UserCurve> = curves.into_iter().map(|(curve, _)| curve).collect();
+    for word in words {
+        let (real, built_up) = match BuiltUpCity::parse_built_up(word) {
+            Some(built_up) => (None, Some(built_up?)),
+            None => {
+                let scene = SceneArgs { scene: word.clone(), ..args.scene.clone() };
+                refuse_for_real_city(args, &sweeps, word)?;
+                let real = Real::read(&scene, args.max_memory, &mut report.warnings)?;
+                report.sources.extend(real.sources.clone());
+                plot.attributions.extend(real.attribution.clone());
+                let built_up = real.built_up();
+                (Some(real), built_up)
+            }
+        };
+        let Ways { ways, leave_out } = Ways::of(args, real.is_some(), &curves)?;
+        for way in &ways {
+            let facts = way.facts();
+            let rows = match (way, &real, built_up) {
+                (Way::Maps(engine), Some(real), _) => {
+                    let (rows, facts) = real.rows(args, &sweeps, *engine)?;
+                    report.real_cities.push(facts);
+                    rows
+                }
+                (_, _, None) if leave_out || args.method == ["auto"] => {
+                    let text = format!("method `{}` is left out over {word}: {UNKNOWN_CITY}", way.id());
+                    report.warnings.push(Warning::new(210, text));
+                    Vec::new()
+                }
+                (_, _, None) => {
+                    let text = format!("cannot use `--method {}` over {word}: {UNKNOWN_CITY}", way.id());
+                    return Err(Error::usage(122, text).with_hint(
+                        "`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it",
+                    ));
+                }
+                (_, _, Some(built_up)) => {
+                    statistical_rows(args, &sweeps, (word, built_up), way, leave_out, &mut cautions)?
+                }
+            };
+            let is_model = matches!(way, Way::Model(_) | Way::Curve(_));
+            if let (true, true, Some(built_up), Some(fine)) = (makes_picture, is_model, built_up, sweeps.refined())
+                && !rows.is_empty()
+            {
+                let (city, mut unheard) = ((word.as_str(), built_up), Cautions::default());
+                plot.fine_rows.extend(statistical_rows(args, &fine, city, way, true, &mut unheard)?);
+            }
+            if !rows.is_empty() && !report.methods.contains(&facts) {
+                report.methods.push(facts);
+            }
+            report.rows.extend(rows);
+        }
+    }
+    report.warnings.extend(cautions.warnings());
+    warn_of_intervals(args, &mut report);
+    write(args, &sweeps, &plot, &report, &outputs, start)
+}
+
+const UNKNOWN_CITY: &str = "its α, β, γ are unknown, because its buildings are not known one by one";
+
+/// Numbers that do not depend on a city.
+fn check(args: &PlosArgs) -> Result<()> {
+    if !(args.ci > 0.0 && args.ci < 1.0) {
+        return Err(Error::usage(120, format!("`--ci` is `{}`, wanted above 0 and below 1", args.ci)));
+    }
+    // Each height must be possible with the receivers', whatever the sweep.
+    for height in &args.height.0 {
+        Setting::reach_at_distance(0.0, *height, args.rx_height)?;
+    }
+    Ok(())
+}
+
+fn check_csv(path: &Path, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+        let all: Vec<PathBuf> = others.iter().cloned().chain([path.to_path_buf()]).collect();
+        return Ok(check_outputs(&all, rules)?.split_off(others.len()));
+    }
+    let text = format!("cannot write {}: `--csv` writes a table", path.display());
+    Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"))
+}
+
+/// An ignored input is an error, never silence.
+fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&String]) -> Result<()> {
+    let is_typed = |name: &str| args.scene.typed.iter().any(|typed| typed == name);
+    let has_file = words.iter().any(|w| BuiltUpCity::parse_built_up(w).is_none());
+    let uses = |names: &[&str]| args.method.iter().any(|m| names.contains(&m.trim().to_lowercase().as_str()));
+    let refuse =
+        |flag: &str, why: &str| Err(Error::usage(116, format!("`--{}` has no meaning {why}", flag.replace('_', "-"))));
+    let of_files = [
+        "terrain",
+        "extent",
+        "cell",
+        "crs",
+        "building_threshold",
+        "height_field",
+        "top_field",
+        "missing",
+        "nodata_as",
+        "ground",
+        "hash",
+        "positions",
+        "block",
+        "max_memory",
+    ];
+    if let Some(flag) = of_files.iter().find(|f| is_typed(f)).filter(|_| !has_file) {
+        return refuse(flag, "without a city in a file");
+    }
+    if is_typed("size") {
+        return refuse("size", "here: a city is as large as the links over it");
+    }
+    if is_typed("cities") && !uses(&["city", "all"]) {
+        return refuse("cities", "without `--method city`");
+    }
+    if is_typed("users_per_city") && !uses(&["city", "all"]) {
+        return refuse("users_per_city", "without `--method city`");
+    }
+    if is_typed("links") && !uses(&["geometry", "all"]) {
+        return refuse("links", "without `--method geometry`");
+    }
+    if args.until.is_some() && (is_typed("cities") || is_typed("links")) {
+        return refuse("until", "together with `--cities` or `--links`, which fix the effort");
+    }
+    if is_typed("plot") && !args.output.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Svg))) {
+        return refuse("plot", "without a .png or .svg output");
+    }
+    Ok(())
+}
+
+fn refuse_for_real_city(args: &PlosArgs, sweeps: &Sweeps, word: &str) -> Result<()> {
+    let refuse = |what: &str, hint: &str| {
+        Err(Error::usage(116, format!("{what} has no meaning over {word}, a real city")).with_hint(hint))
+    };
+    if sweeps.vary_the_city() {
+        return refuse("`--alpha`, `--beta` or `--gamma`", "sweep a generated city: itu:α,β,γ");
+    }
+    if args.phi.is_some() {
+        return refuse("`--phi`", "its streets have no common direction");
+    }
+    if args.users != [args::UsersArg::Outdoor] {
+        return refuse("`--users`", "its streets and crossroads are not told apart");
+    }
+    let known = [Placement::Anywhere, Placement::Rooftop];
+    if sweeps.placements.iter().any(|p| !known.contains(p)) {
+        return refuse("this `--placement`", "wanted anywhere or rooftop");
+    }
+    Ok(())
+}
+
+/// The rows of one method over a city that is known by α, β, γ.
+fn statistical_rows(
+    args: &PlosArgs,
+    sweeps: &Sweeps,
+    (word, built_up): (&str, BuiltUp),
+    way: &Way,
+    leave_out: bool,
+    cautions: &mut Cautions,
+) -> Result<Vec<PlosRow>> {
+    let settings = sweeps.settings(built_up, args)?;
+    match way {
+        Way::Estimator(estimator) => {
+            let effort = Effort {
+                seed: args.scene.seed,
+                confidence: args.ci,
+                until: args.until,
+                n_cities: args.cities,
+                n_users: args.users_per_city,
+                n_links: args.links,
+            };
+            let estimates = estimate_all(*estimator, &settings, &effort)?;
+            let value = |e| PlosValue::Estimate(e);
+            Ok(settings.iter().zip(estimates).map(|(s, e)| row(word, s, estimator.name(), value(e))).collect())
+        }
+        Way::Model(model) => {
+            let of = |link: &ModelLink| match model.p_los(link) {
+                Ok(value) => (PlosValue::Model(value.p_los), value.caution),
+                Err(outside) => (PlosValue::None(outside.to_string()), None),
+            };
+            model_rows(&settings, (word, way.id()), leave_out, of, cautions)
+        }
+        Way::Curve(curve) => {
+            let of = |link: &ModelLink| match curve.p_los(link.theta_deg, link.distance_m) {
+                Ok(p_los) => (PlosValue::Model(p_los), None),
+                Err(outside) => (PlosValue::None(outside.to_string()), None),
+            };
+            model_rows(&settings, (word, way.id()), leave_out, of, cautions)
+        }
+        Way::Maps(_) => Ok(Vec::new()),
+    }
+}
+
+/// The rows of a model: it knows neither placements nor kinds of users, so it has one row for all of them.
+fn model_rows(
+    settings: &[Setting],
+    (word, id): (&str, &str),
+    leave_out: bool,
+    of: impl Fn(&ModelLink) -> (PlosValue, Option<String>),
+    cautions: &mut Cautions,
+) -> Result<Vec<PlosRow>> {
+    let first = settings.first().map(|s| (s.placement, s.users));
+    let mut rows = Vec::new();
+    let (mut cares, mut reasons): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
+    for setting in settings.iter().filter(|s| Some((s.placement, s.users)) == first) {
+        let (value, caution) = match setting.reach {
+            Reach::Ring { distance_m, theta_deg } => of(&ModelLink {
+                built_up: setting.built_up,
+                uav_height_m: setting.uav_height_m,
+                rx_height_m: setting.rx_height_m,
+                theta_deg,
+                distance_m,
+                phi_deg: setting.phi_deg,
+            }),
+            Reach::Disc { .. } => {
+                (PlosValue::None("it is a function of one angle or distance, not of an area".into()), None)
+            }
+        };
+        cares.extend(caution.filter(|c| !cares.contains(c)));
+        if let PlosValue::None(reason) = &value {
+            reasons.push(reason.clone());
+        }
+        let row = PlosRow { placement: None, users: None, uav_in_building: None, ..row(word, setting, id, value) };
+        rows.push(row);
+    }
+    if reasons.len() == rows.len() {
+        let reason = reasons.first().cloned().unwrap_or_default();
+        if !leave_out {
+            let text = format!("cannot use model `{id}` over {word}: {reason}");
+            return Err(Error::usage(122, text).with_hint("`--method models` takes all that apply"));
+        }
+        cautions.add(210, format!("model `{id}` is left out: {reason}"), word);
+        return Ok(Vec::new());
+    }
+    if let Some(reason) = reasons.first() {
+        cautions.add(211, format!("model `{id}` has no value for {} of {}: {reason}", reasons.len(), rows.len()), word);
+    }
+    if let Some(care) = cares.first() {
+        let more = if cares.len() > 1 { format!(" (and {} more cautions)", cares.len() - 1) } else { String::new() };
+        cautions.add(212, format!("model `{id}`: {care}{more}"), word);
+    }
+    Ok(rows)
+}
+
+/// What is to be said of models, each once for all cities.
+#[derive(Debug, Default)]
+struct Cautions(Vec<(u16, String, Vec<String>)>);
+
+impl Cautions {
+    fn add(&mut self, code: u16, text: String, city: &str) {
+        match self.0.iter_mut().find(|(c, t, _)| *c == code && *t == text) {
+            Some((_, _, cities)) => cities.push(city.to_string()),
+            None => self.0.push((code, text, vec![city.to_string()])),
+        }
+    }
+
+    fn warnings(self) -> impl Iterator<Item = Warning> {
+        self.0.into_iter().map(|(code, text, cities)| Warning::new(code, format!("{text}; over {}", cities.join(", "))))
+    }
+}
+
+fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow {
+    let (distance_m, radius_m) = match setting.reach {
+        Reach::Ring { distance_m, .. } => (Some(distance_m), None),
+        Reach::Disc { radius_m } => (None, Some(radius_m)),
+    };
+    PlosRow {
+        city: word.to_string(),
+        built_up: Some(setting.built_up),
+        method: method.to_string(),
+        height_m: setting.uav_height_m,
+        rx_height_m: setting.rx_height_m,
+        theta_deg: setting.theta_deg(),
+        phi_deg: setting.phi_deg,
+        distance_m,
+        radius_m,
+        placement: Some(setting.placement.name()),
+        users: Some(setting.users.name()),
+        uav_in_building: Some(if setting.uav_clear_of_roof { "excluded" } else { "nlos" }),
+        value,
+    }
+}
+
+/// Says where intervals are missing, or wider than was asked for.
+fn warn_of_intervals(args: &PlosArgs, report: &mut PlosReport) {
+    let estimates = || report.rows.iter().filter_map(PlosRow::estimate).filter(|e| e.p_los.is_some());
+    let n_missing = estimates().filter(|e| e.interval.is_none()).count();
+    let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count();
+    let until = args.until.unwrap_or(f64::INFINITY);
+    let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count();
+    if n_missing > 0 {
+        let text =
+            format!("{n_missing} values have no interval: it needs at least 10 clusters (cities, positions, blocks)");
+        report.warnings.push(Warning::new(213, text));
+    }
+    if n_wide > 0 {
+        let text =
+            format!("{n_wide} intervals are wider than ±{until}: the effort was spent before they were narrow enough");
+        report.warnings.push(Warning::new(214, text));
+    }
+    if n_empty > 0 {
+        let text = format!("{n_empty} values have no P_LoS: no user of the kind is at that place");
+        report.warnings.push(Warning::new(202, text));
+    }
+}
+
+fn write(
+    args: &PlosArgs,
+    sweeps: &Sweeps,
+    plot: &plot::Facts,
+    report: &PlosReport,
+    outputs: &[(PathBuf, Format)],
+    start: Instant,
+) -> Result<()> {
+    interrupt::begin_writing();
+    let mut batch = Batch::new(args.out.overwrite);
+    for (path, format) in outputs {
+        interrupt::check()?;
+        match format {
+            Format::Csv => {
+                batch.add(path, &encode_table(report)?)?;
+                batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
+            }
+            Format::Json => {
+                let seconds = start.elapsed().as_secs_f64();
+                batch.add(path, pretty(&report.document(Some(seconds))).as_bytes())?;
+            }
+            Format::Npz => batch.add(path, &encode_arrays(report)?)?,
+            Format::Png => batch.add(path, &plot::draw(args, sweeps, plot, report, false)?)?,
+            Format::Svg => batch.add(path, &plot::draw(args, sweeps, plot, report, true)?)?,
+            _ => {}
+        }
+    }
+    batch.commit()?;
+    let seconds = start.elapsed().as_secs_f64();
+    if !args.out.quiet {
+        messages::warnings(&report.warnings);
+        let files: Vec<String> =
+            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
+        let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
+        messages::note(&format!("{} values of P_LoS in {seconds:.2} s{wrote}", report.rows.len()));
+    }
+    if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+        return messages::answer(&pretty(&report.document(Some(seconds))));
+    }
+    if outputs.is_empty() {
+        let table = encode_table(report)?;
+        return messages::answer(&String::from_utf8_lossy(&table));
+    }
+    Ok(())
+}
+
+fn encode_table(report: &PlosReport) -> Result<Vec<u8>> {
+    let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in report.table() {
+        writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
+    }
+    writer.into_inner().map_err(|e| failed(e.to_string()))
+}
+
+/// One array per column of the table.
+fn encode_arrays(report: &PlosReport) -> Result<Vec<u8>> {
+    let rows = &report.rows;
+    let numbers =
+        |of: &dyn Fn(&PlosRow) -> Option<f64>| -> Vec<f64> { rows.iter().map(|r| of(r).unwrap_or(f64::NAN)).collect() };
+    let interval = |r: &PlosRow| r.estimate().and_then(|e| e.interval);
+    let columns: Vec<(&str, Vec<f64>)> = vec![
+        ("alpha", numbers(&|r| r.built_up.map(|b| b.built_up_ratio))),
+        ("beta_per_km2", numbers(&|r| r.built_up.map(|b| b.buildings_per_km2))),
+        ("gamma_m", numbers(&|r| r.built_up.map(|b| b.height_scale))),
+        ("height_m", numbers(&|r| Some(r.height_m))),
+        ("rx_height_m", numbers(&|r| Some(r.rx_height_m))),
+        ("theta_deg", numbers(&|r| r.theta_deg)),
+        ("phi_deg", numbers(&|r| r.phi_deg)),
+        ("distance_m", numbers(&|r| r.distance_m)),
+        ("radius_m", numbers(&|r| r.radius_m)),
+        ("p_los", numbers(&PlosRow::p_los)),
+        ("ci_low", numbers(&|r| interval(r).map(|i| i.0))),
+        ("ci_high", numbers(&|r| interval(r).map(|i| i.1))),
+        ("std_error", numbers(&|r| r.estimate().and_then(|e| e.std_error))),
+    ];
+    let counts: Vec<(&str, Vec<i64>)> = vec![
+        ("samples", rows.iter().map(|r| signed(r.estimate().map_or(0, |e| e.samples))).collect()),
+        ("clusters", rows.iter().map(|r| signed(r.estimate().map_or(0, |e| e.clusters))).collect()),
+    ];
+    let texts = |of: &dyn Fn(&PlosRow) -> &str| -> Vec<String> { rows.iter().map(|r| of(r).to_string()).collect() };
+    let words = [
+        ("city", texts(&|r| &r.city)),
+        ("method", texts(&|r| &r.method)),
+        ("placement", texts(&|r| r.placement.unwrap_or_default())),
+        ("users", texts(&|r| r.users.unwrap_or_default())),
+    ];
+    let provenance = report.provenance().to_string();
+    let mut arrays: Vec<(String, NpyArray<'_>)> =
+        columns.iter().map(|(name, v)| ((*name).to_string(), NpyArray::F64(v, vec![v.len()]))).collect();
+    arrays.extend(counts.iter().map(|(name, v)| ((*name).to_string(), NpyArray::I64(v, vec![v.len()]))));
+    arrays.extend(words.iter().map(|(name, texts)| ((*name).to_string(), NpyArray::Texts(texts))));
+    arrays.push(("provenance".to_string(), NpyArray::Text(&provenance)));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    write_npz(&mut bytes, &arrays)?;
+    Ok(bytes.into_inner())
+}
+
+fn signed(n: u64) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
+}

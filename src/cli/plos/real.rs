@@ -1,0 +1,202 @@
+//! P_LoS over a real city: maps from many positions, and the statistical city that is most like it.
+
+use rayon::prelude::*;
+
+use super::args::PlosArgs;
+use super::sweep::{Far, Sweeps};
+use crate::cli::args::SceneArgs;
+use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene, receiver_height};
+use crate::error::{Error, Result, Warning};
+use crate::height_field::{HeightField, Station};
+use crate::los::{Method, MethodChoice};
+use crate::los_probability::estimate::{Count, Estimate};
+use crate::los_probability::fit::BuiltUpFit;
+use crate::los_probability::points::Points;
+use crate::los_probability::real_city::{Band, RealCity, resampled};
+use crate::los_probability::setting::Placement;
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::report::{PlosRow, PlosValue, RealCityFacts};
+use crate::scene::{BuiltUp, Solids, Source};
+
+/// A real city, read and built.
+pub(super) struct Real {
+    word: String,
+    field: HeightField,
+    pub(super) fit: Option<BuiltUpFit>,
+    pub(super) sources: Vec<Source>,
+    pub(super) attribution: Option<String>,
+}
+
+impl Real {
+    /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
+    pub(super) fn read(args: &SceneArgs, most: Option<u64>, warnings: &mut Vec<Warning>) -> Result<Real> {
+        let scene = read_scene(args, warnings)?;
+        let grid = scene.grid.clone();
+        let heights: Vec<f64> = match &scene.solids {
+            Solids::Vector { footprints, .. } => footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect(),
+            Solids::Raster { .. } => Vec::new(),
+        };
+        check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
+        let field = HeightField::build(&grid, scene.solids, warnings);
+        let (open, building) = (field.cells().open.count(), field.cells().building.count());
+        let unit = meters_per_unit(&grid);
+        let area_km2 = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min()) * unit * unit / 1e6;
+        let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
+        Ok(Real { word: args.scene.clone(), field, fit, sources: scene.sources, attribution: scene.attribution })
+    }
+
+    /// The statistical city to lay over: fitted, or as α, β, γ were typed.
+    pub(super) fn built_up(&self) -> Option<BuiltUp> {
+        self.fit.as_ref().map(|fit| fit.built_up)
+    }
+
+    /// P_LoS from maps, for each height and each angle or distance.
+    pub(super) fn rows(
+        &self,
+        args: &PlosArgs,
+        sweeps: &Sweeps,
+        choice: MethodChoice,
+    ) -> Result<(Vec<PlosRow>, RealCityFacts)> {
+        let grid = self.field.grid();
+        let unit = meters_per_unit(grid);
+        for frame in [self.field.prisms_frame(), self.field.columns_frame()].into_iter().flatten() {
+            let extent =
+                ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
+            if extent > MAX_EXTENT_UNITS {
+                let text = format!("cannot map {}: it spans {extent:.0} units, wanted at most 65536", self.word);
+                return Err(Error::limit(502, text).with_hint("choose a part of it with `--extent`"));
+            }
+        }
+        let (method, _) = Method::choose(&self.field, choice).map_err(|wrong| {
+            Error::usage(118, format!("the method that was asked for cannot decide {}: {}", self.word, wrong.why))
+                .with_hint(format!("`--method maps` takes `{}` here", wrong.instead.name()))
+        })?;
+        let size = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
+        let block_m = args.block.unwrap_or((size / 8.0).max(100.0));
+        if block_m <= 0.0 {
+            return Err(Error::usage(113, format!("`--block` is `{block_m}`, wanted above 0 m")));
+        }
+        let city = RealCity::new(&self.field, method, receiver_height(args.rx_height)?, unit, block_m);
+        let (bands, is_nested) = bands(&sweeps.far);
+        let mut rows = Vec::new();
+        let (mut n_positions, mut n_inside) = (0, 0);
+        for &placement in &sweeps.placements {
+            for &height in &sweeps.heights {
+                let uavs = self.positions(args, placement, height)?;
+                n_positions += uavs.len();
+                n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
+                let uavs: Vec<Station> =
+                    uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
+                let mut counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| city.count(uav, &bands)).collect();
+                if is_nested {
+                    counts.iter_mut().for_each(|of_uav| add_inner_rings(of_uav, bands.len()));
+                }
+                let estimates = resampled(&counts, bands.len(), args.ci, args.scene.seed);
+                rows.extend(
+                    sweeps.far.iter().zip(estimates).map(|(far, e)| self.row(args, (placement, height, *far), e)),
+                );
+            }
+        }
+        let facts = RealCityFacts {
+            city: self.word.clone(),
+            positions: (n_positions, n_inside),
+            engine: method.name(),
+            blocks: (city.n_blocks(), block_m),
+            fit: self.fit.clone(),
+        };
+        Ok((rows, facts))
+    }
+
+    fn row(&self, args: &PlosArgs, (placement, height, far): (Placement, f64, Far), estimate: Estimate) -> PlosRow {
+        let rise = height - args.rx_height;
+        let (theta_deg, distance_m, radius_m) = match far {
+            // Over uneven ground an angle and a distance do not tell each other.
+            Far::Theta(theta) => (Some(theta), None, None),
+            Far::Distance(distance) => (Some(rise.atan2(distance).to_degrees()), Some(distance), None),
+            Far::Radius(radius) => (None, None, Some(radius)),
+        };
+        PlosRow {
+            city: self.word.clone(),
+            built_up: self.built_up(),
+            method: "maps".into(),
+            height_m: height,
+            rx_height_m: args.rx_height,
+            theta_deg,
+            phi_deg: None,
+            distance_m,
+            radius_m,
+            placement: Some(placement.name()),
+            users: Some("outdoor"),
+            uav_in_building: Some(if args.uav_clear_of_roof { "excluded" } else { "nlos" }),
+            value: PlosValue::Estimate(estimate),
+        }
+    }
+
+    /// Evenly spread positions over the city.
+    fn positions(&self, args: &PlosArgs, placement: Placement, height: f64) -> Result<Vec<Station>> {
+        let grid = self.field.grid();
+        let above = height_steps(height)
+            .ok_or_else(|| Error::usage(113, format!("`--height` is `{height}`, wanted within 32768 m")))?;
+        let station = |[u, v, ..]: [f64; 4]| {
+            let x = grid.x_min() + u * (grid.x_max() - grid.x_min());
+            let y = grid.y_min() + v * (grid.y_max() - grid.y_min());
+            let place = self.field.place(x, y);
+            let ground = self.field.ground_at(&place);
+            let is_wanted = match placement {
+                Placement::Rooftop => self.field.roof_at(&place).is_some(),
+                _ => true,
+            };
+            (ground != VOID && is_wanted).then(|| Station { place, z: i64::from(ground) + i64::from(above) })
+        };
+        let n = usize::try_from(args.positions).unwrap_or(usize::MAX);
+        let found: Vec<Station> = Points::new(args.scene.seed, 0).filter_map(station).take(n).collect();
+        if found.is_empty() {
+            return Err(Error::site(204, format!("cannot place UAVs over {}: there is no such place", self.word)));
+        }
+        Ok(found)
+    }
+}
+
+/// A band around each angle or distance, up to half-way to its neighbors; and whether they are the rings of discs.
+fn bands(far: &[Far]) -> (Vec<Band>, bool) {
+    let values: Vec<f64> = far
+        .iter()
+        .map(|f| match *f {
+            Far::Theta(v) | Far::Distance(v) | Far::Radius(v) => v,
+        })
+        .collect();
+    // Half a step to each side; a lone value stands for what a step of 5° or a tenth would be.
+    let half = |k: usize, other: Option<usize>, alone: f64| match other {
+        Some(other) => (values[other] - values[k]).abs() / 2.0,
+        None => alone,
+    };
+    let ends = |k: usize, alone: f64| {
+        let (before, after) = (k.checked_sub(1), (k + 1 < values.len()).then_some(k + 1));
+        let low = half(k, before.or(after), alone);
+        let high = half(k, after.or(before), alone);
+        ((values[k] - low).max(0.0), values[k] + high)
+    };
+    let band = |k: usize| match far[k] {
+        Far::Theta(_) => {
+            let (low, high) = ends(k, 2.5);
+            Band::elevation(low, high.min(90.0))
+        }
+        Far::Distance(v) => {
+            let (low, high) = ends(k, (0.05 * v).max(0.5));
+            Band::distance(low, high)
+        }
+        Far::Radius(v) => Band::distance(if k > 0 { values[k - 1].next_up() } else { 0.0 }, v.next_up()),
+    };
+    ((0..values.len()).map(band).collect(), matches!(far.first(), Some(Far::Radius(_))))
+}
+
+/// Makes counts of rings, `[block][ring]`, counts of discs.
+fn add_inner_rings(counts: &mut [Count], n_rings: usize) {
+    for of_block in counts.chunks_mut(n_rings) {
+        for k in 1..n_rings {
+            let inner = of_block[k - 1];
+            of_block[k].receivers += inner.receivers;
+            of_block[k].los += inner.los;
+        }
+    }
+}

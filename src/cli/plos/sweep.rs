@@ -1,0 +1,224 @@
+//! The sweeps of a study: what was typed as settings, in the order of the table.
+
+use super::args::{Numbers, PlacementArg, PlosArgs, UsersArg};
+use crate::error::{Error, Result};
+use crate::los_probability::setting::{Placement, Reach, Setting, Users};
+use crate::scene::BuiltUp;
+
+/// More values than this are refused.
+const MOST_VALUES: usize = 1_000_000;
+
+/// How far users are, as it was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Far {
+    Theta(f64),
+    Distance(f64),
+    Radius(f64),
+}
+
+/// What varies, beside city and method.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sweeps {
+    pub(super) placements: Vec<Placement>,
+    pub(super) users: Vec<Users>,
+    pub(super) alphas: Option<Vec<f64>>,
+    pub(super) betas: Option<Vec<f64>>,
+    pub(super) gammas: Option<Vec<f64>>,
+    pub(super) heights: Vec<f64>,
+    /// `None`: the mean over all azimuths.
+    pub(super) phis: Vec<Option<f64>>,
+    pub(super) far: Vec<Far>,
+}
+
+/// A quantity on an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Theta,
+    Distance,
+    Radius,
+    Phi,
+    Height,
+    Gamma,
+    Alpha,
+    Beta,
+}
+
+impl Quantity {
+    pub(super) const ALL: [Quantity; 8] = [
+        Quantity::Theta,
+        Quantity::Distance,
+        Quantity::Radius,
+        Quantity::Phi,
+        Quantity::Height,
+        Quantity::Gamma,
+        Quantity::Alpha,
+        Quantity::Beta,
+    ];
+}
+
+impl Sweeps {
+    /// Checks what was typed.
+    pub(super) fn of(args: &PlosArgs) -> Result<Sweeps> {
+        let list = |numbers: &Option<Numbers>| numbers.as_ref().map(|n| sorted(&n.0));
+        let far = match (&args.distance, &args.radius, &args.theta) {
+            (Some(d), _, _) => sorted(&d.0).into_iter().map(Far::Distance).collect(),
+            (_, Some(r), _) => sorted(&r.0).into_iter().map(Far::Radius).collect(),
+            (_, _, Some(t)) => sorted(&t.0).into_iter().map(Far::Theta).collect(),
+            _ => (1..=18).map(|k| Far::Theta(5.0 * f64::from(k))).collect(),
+        };
+        let phis = match list(&args.phi) {
+            Some(phis) => phis.into_iter().map(|phi| Setting::checked_phi(phi).map(Some)).collect::<Result<_>>()?,
+            None => vec![None],
+        };
+        let placement = |p: &PlacementArg| match p {
+            PlacementArg::Anywhere => Placement::Anywhere,
+            PlacementArg::Street => Placement::Street,
+            PlacementArg::Crossroad => Placement::Crossroad,
+            PlacementArg::Rooftop => Placement::Rooftop,
+            PlacementArg::StreetCenter => Placement::StreetCenter,
+            PlacementArg::CrossroadCenter => Placement::CrossroadCenter,
+            PlacementArg::RooftopCenter => Placement::RooftopCenter,
+        };
+        let users = |u: &UsersArg| match u {
+            UsersArg::Outdoor => Users::Outdoor,
+            UsersArg::Street => Users::Street,
+            UsersArg::Crossroad => Users::Crossroad,
+        };
+        let sweeps = Sweeps {
+            placements: once_each(args.placement.iter().map(placement)),
+            users: once_each(args.users.iter().map(users)),
+            alphas: list(&args.alpha),
+            betas: list(&args.beta),
+            gammas: list(&args.gamma),
+            heights: sorted(&args.height.0),
+            phis,
+            far,
+        };
+        let count = |values: &Option<Vec<f64>>| values.as_ref().map_or(1, Vec::len);
+        let n = [
+            sweeps.placements.len(),
+            sweeps.users.len(),
+            count(&sweeps.alphas),
+            count(&sweeps.betas),
+            count(&sweeps.gammas),
+            sweeps.heights.len(),
+            sweeps.phis.len(),
+            sweeps.far.len(),
+        ];
+        let n = n.into_iter().fold(1_usize, usize::saturating_mul);
+        if n > MOST_VALUES {
+            return Err(Error::limit(
+                502,
+                format!("cannot compute P_LoS for {n} combinations of what was swept, wanted at most {MOST_VALUES}"),
+            ));
+        }
+        Ok(sweeps)
+    }
+
+    /// Whether α, β or γ vary, which they cannot over a real city.
+    pub(super) fn vary_the_city(&self) -> bool {
+        self.alphas.is_some() || self.betas.is_some() || self.gammas.is_some()
+    }
+
+    /// The settings over a city, angles or distances running fastest.
+    pub(super) fn settings(&self, built_up: BuiltUp, args: &PlosArgs) -> Result<Vec<Setting>> {
+        let mut settings = Vec::new();
+        for &placement in &self.placements {
+            for &users in &self.users {
+                for built_up in self.cities(built_up)? {
+                    for &height in &self.heights {
+                        for &phi_deg in &self.phis {
+                            for far in &self.far {
+                                settings.push(Setting {
+                                    built_up,
+                                    uav_height_m: height,
+                                    rx_height_m: args.rx_height,
+                                    reach: far.reach(height, args.rx_height)?,
+                                    phi_deg,
+                                    users,
+                                    placement,
+                                    uav_clear_of_roof: args.uav_clear_of_roof,
+                                });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(settings)
+    }
+
+    /// The city with every α, β, γ that was asked for.
+    fn cities(&self, own: BuiltUp) -> Result<Vec<BuiltUp>> {
+        let or = |values: &Option<Vec<f64>>, own: f64| values.clone().unwrap_or_else(|| vec![own]);
+        let mut cities = Vec::new();
+        for gamma in or(&self.gammas, own.height_scale) {
+            for alpha in or(&self.alphas, own.built_up_ratio) {
+                for beta in or(&self.betas, own.buildings_per_km2) {
+                    cities.push(BuiltUp::new(alpha, beta, gamma)?);
+                }
+            }
+        }
+        Ok(cities)
+    }
+
+    /// The same with many more angles or distances, from the first to the last; `None` if there is only one.
+    pub(super) fn refined(&self) -> Option<Sweeps> {
+        const STEPS: u32 = 400;
+        let between = |a: f64, b: f64| (0..=STEPS).map(move |k| a + (b - a) * f64::from(k) / f64::from(STEPS));
+        let far = match (self.far.first()?, self.far.last()?) {
+            (Far::Theta(a), Far::Theta(b)) if a < b => between(*a, *b).map(Far::Theta).collect(),
+            (Far::Distance(a), Far::Distance(b)) if a < b => between(*a, *b).map(Far::Distance).collect(),
+            _ => return None,
+        };
+        Some(Sweeps { far, ..self.clone() })
+    }
+
+    /// The quantities with more than one value, and their values.
+    pub(super) fn varying(&self) -> Vec<(Quantity, Vec<f64>)> {
+        let values = |quantity: Quantity| -> Vec<f64> {
+            let far = |pick: &dyn Fn(&Far) -> Option<f64>| self.far.iter().filter_map(pick).collect();
+            let list = |values: &Option<Vec<f64>>| values.clone().unwrap_or_default();
+            match quantity {
+                Quantity::Theta => far(&|f| if let Far::Theta(v) = f { Some(*v) } else { None }),
+                Quantity::Distance => far(&|f| if let Far::Distance(v) = f { Some(*v) } else { None }),
+                Quantity::Radius => far(&|f| if let Far::Radius(v) = f { Some(*v) } else { None }),
+                Quantity::Phi => self.phis.iter().flatten().copied().collect(),
+                Quantity::Height => self.heights.clone(),
+                Quantity::Gamma => list(&self.gammas),
+                Quantity::Alpha => list(&self.alphas),
+                Quantity::Beta => list(&self.betas),
+            }
+        };
+        Quantity::ALL.into_iter().map(|q| (q, values(q))).filter(|(_, v)| v.len() > 1).collect()
+    }
+}
+
+impl Far {
+    /// Where users are, for heights above ground \[m\].
+    pub(super) fn reach(self, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
+        match self {
+            Far::Theta(theta) => Setting::reach_at_elevation(theta, uav_height_m, rx_height_m),
+            Far::Distance(distance) => Setting::reach_at_distance(distance, uav_height_m, rx_height_m),
+            Far::Radius(radius) => Setting::reach_within(radius, uav_height_m, rx_height_m),
+        }
+    }
+}
+
+/// Ascending, each once.
+fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+fn once_each<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut kept = Vec::new();
+    for value in values {
+        if !kept.contains(&value) {
+            kept.push(value);
+        }
+    }
+    kept
+}

@@ -1,0 +1,181 @@
+//! A curve of P_LoS given as a table: measurements, or a model whose formula is not public.
+
+use super::{OutsideDomain, outside};
+use crate::error::{Error, Result};
+use crate::quantity::{counted, parse_number};
+
+/// What the values of a [`UserCurve`] are given over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurveAxis {
+    /// Elevation angle \[deg\], column `theta_deg`.
+    Theta,
+    /// Ground distance \[m\], column `distance_m`.
+    Distance,
+}
+
+impl CurveAxis {
+    /// The name of its column.
+    pub fn column(self) -> &'static str {
+        match self {
+            CurveAxis::Theta => "theta_deg",
+            CurveAxis::Distance => "distance_m",
+        }
+    }
+}
+
+/// P_LoS over the elevation angle or the ground distance, from a table; between its rows linear, beyond them refused.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UserCurve {
+    name: String,
+    axis: CurveAxis,
+    /// (angle or distance, P_LoS), ascending, at least two.
+    points: Vec<(f64, f64)>,
+}
+
+impl UserCurve {
+    /// Reads a curve from comma-separated text with the columns `p_los` (0 to 1) and `theta_deg` (0 to 90) or
+    /// `distance_m` (≥ 0), in any order of columns and rows. Other columns are ignored, and `distance_m` too where
+    /// `theta_deg` is given; lines that begin with `#` are comments. `name` is what messages call it.
+    ///
+    /// # Errors
+    /// File error E313 that names the line, what was found there and what was wanted.
+    pub fn parse(name: &str, text: &str) -> Result<Self> {
+        let refuse = |found: String| {
+            Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(
+                "a curve is a table separated by commas with the columns `theta_deg,p_los` or `distance_m,p_los`",
+            )
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .flexible(true)
+            .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+        let headers = reader.headers().map_err(|e| refuse(e.to_string()))?.clone();
+        let column = |name: &str| headers.iter().position(|h| h.eq_ignore_ascii_case(name));
+        let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
+        let (Some((axis, axis_column)), Some(p_column)) = (axis, column("p_los")) else {
+            let found: Vec<&str> = headers.iter().collect();
+            let found = found.join(",");
+            return Err(refuse(format!("found columns `{found}`, wanted `p_los` and `theta_deg` or `distance_m`")));
+        };
+        let (axis_range, axis_wanted) = match axis {
+            CurveAxis::Theta => (0.0..=90.0, "0 to 90"),
+            CurveAxis::Distance => (0.0..=f64::MAX, "at least 0"),
+        };
+
+        let mut rows: Vec<(f64, f64, u64)> = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|e| refuse(e.to_string()))?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| {
+                let number = parse_number(record.get(column).unwrap_or_default());
+                match number {
+                    Ok(v) if range.contains(&v) => Ok(v),
+                    Ok(v) => Err(refuse(format!("line {line}: `{name}` is `{v}`, wanted {wanted}"))),
+                    Err(found) => Err(refuse(format!("line {line}: `{name}`: {found}, wanted {wanted}"))),
+                }
+            };
+            let at = number(axis_column, axis.column(), axis_range.clone(), axis_wanted)?;
+            rows.push((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, line));
+        }
+        if rows.len() < 2 {
+            let rows = counted(rows.len() as u64, "row", "rows");
+            return Err(refuse(format!("found {rows} of values, wanted at least 2")));
+        }
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        if let Some([first, second]) = rows.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
+            let (column, at) = (axis.column(), first.0);
+            let lines = format!("line {}: `{column}` is `{at}`, as on line {}", second.2, first.2);
+            return Err(refuse(format!("{lines}, wanted each value once")));
+        }
+        let points = rows.into_iter().map(|(at, p, _)| (at, p)).collect();
+        Ok(UserCurve { name: name.to_string(), axis, points })
+    }
+
+    /// What the curve is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What its values are given over.
+    pub fn axis(&self) -> CurveAxis {
+        self.axis
+    }
+
+    /// The first and last elevation angle \[deg\] or ground distance \[m\] of the curve.
+    pub fn range(&self) -> (f64, f64) {
+        (self.points[0].0, self.points[self.points.len() - 1].0)
+    }
+
+    /// The value at an elevation angle \[deg\] or ground distance \[m\], whichever the curve is given over.
+    ///
+    /// # Errors
+    /// [`OutsideDomain`] before the first and after the last row.
+    pub fn p_los(&self, theta_deg: f64, distance_m: f64) -> std::result::Result<f64, OutsideDomain> {
+        let (at, what, unit) = match self.axis {
+            CurveAxis::Theta => (theta_deg, "elevation angle", "°"),
+            CurveAxis::Distance => (distance_m, "ground distance", " m"),
+        };
+        let (first, last) = self.range();
+        if !(first..=last).contains(&at) {
+            return outside(format!("the {what} is {at}{unit}, wanted {first}{unit} to {last}{unit}"));
+        }
+        // The first row beyond `at`, or the last row.
+        let above = self.points.partition_point(|(x, _)| *x <= at).min(self.points.len() - 1);
+        let ((x0, p0), (x1, p1)) = (self.points[above - 1], self.points[above]);
+        let share = (at - x0) / (x1 - x0);
+        Ok(p0 * (1.0 - share) + p1 * share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::assert_near;
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        let error = UserCurve::parse("c.csv", text).unwrap_err();
+        assert_eq!(error.code(), "E313");
+        error.to_string()
+    }
+
+    #[test]
+    fn rows_and_columns_come_in_any_order() {
+        let text = "\u{feff}source, P_LoS ,theta_deg,distance_m\n# measured\nx,1,90,0\ny,0.2,10,567\nz,0.4,30,173\n";
+        let curve = UserCurve::parse("c.csv", text).unwrap();
+        assert_eq!((curve.name(), curve.axis(), curve.range()), ("c.csv", CurveAxis::Theta, (10.0, 90.0)));
+        for (theta, p) in [(10.0, 0.2), (15.0, 0.25), (30.0, 0.4), (60.0, 0.7), (90.0, 1.0)] {
+            assert_near(curve.p_los(theta, 0.0).unwrap(), p, 1e-15);
+        }
+        for theta in [9.99, 90.01, f64::NAN] {
+            assert!(curve.p_los(theta, 0.0).unwrap_err().reason.contains("wanted 10° to 90°"));
+        }
+    }
+
+    #[test]
+    fn a_curve_may_be_given_over_the_distance() {
+        let curve = UserCurve::parse("c", "distance_m,p_los\n0,1\n100,0.5\n").unwrap();
+        assert_eq!(curve.axis(), CurveAxis::Distance);
+        assert_near(curve.p_los(-5.0, 25.0).unwrap(), 0.875, 1e-15);
+        assert!(curve.p_los(45.0, 101.0).unwrap_err().reason.contains("101 m, wanted 0 m to 100 m"));
+    }
+
+    #[test]
+    fn each_fault_names_its_line() {
+        for (text, wanted) in [
+            ("", "found columns ``, wanted `p_los` and `theta_deg` or `distance_m`"),
+            ("theta,p_los\n1,0\n2,1\n", "found columns `theta,p_los`, wanted"),
+            ("theta_deg,p_los\n1,0\n", "found 1 row of values, wanted at least 2"),
+            ("theta_deg,p_los\n", "found 0 rows of values, wanted at least 2"),
+            ("theta_deg,p_los\n1,0\n2,45\n", "line 3: `p_los` is `45`, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,0\n91,1\n", "line 3: `theta_deg` is `91`, wanted 0 to 90"),
+            ("distance_m,p_los\n-1,0\n91,1\n", "line 2: `distance_m` is `-1`, wanted at least 0"),
+            ("theta_deg,p_los\n1,0\n2\n", "line 3: `p_los`: found ``, which is not a number, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,nan\n", "line 2: `p_los`: found `NaN`, which is not finite, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,0\n2,1\n1,0.5\n", "line 4: `theta_deg` is `1`, as on line 2, wanted each value once"),
+        ] {
+            let found = refusal(text);
+            assert!(found.starts_with("cannot read the curve c.csv: ") && found.contains(wanted), "{found}");
+        }
+    }
+}
