@@ -142,8 +142,11 @@ impl CitySimulator {
             // The golden section spreads distances evenly, whatever the number of users.
             let radius = (draw.turn[1] + f64::from(k) * GOLDEN_SECTION).fract();
             let (offset, street) = setting.offset(azimuth, radius);
-            let receiver = LatticePoint { x: steps(x + offset[0]), y: steps(y + offset[1]), z };
-            setting.counts(self.city.zone(receiver.x, receiver.y), street).then_some(CityLink { receiver, uav })
+            // Zones are those of the exact position: on the lattice a wall is as wide as a step, and its points would count
+            // as street. A user outside a wall stays outside, because both are rounded alike.
+            let user = [x + offset[0], y + offset[1]];
+            let receiver = LatticePoint { x: steps(user[0]), y: steps(user[1]), z };
+            setting.counts(grid.zone(user[0], user[1]), street).then_some(CityLink { receiver, uav })
         };
         Some((0..self.n_users).filter_map(user).collect())
     }

@@ -47,13 +47,12 @@ impl GeometrySimulator {
             let mut number = || unit_interval(random.next_u64());
             let [x, y] = setting.placement.position(self.city.grid(), [number(), number()]);
             let (offset, street) = setting.offset(number(), number());
-            let receiver =
-                LatticePoint { x: steps(x + offset[0]), y: steps(y + offset[1]), z: height_of(setting.rx_height_m) };
-            if !setting.counts(self.city.zone(receiver.x, receiver.y), street) {
+            let user = [x + offset[0], y + offset[1]];
+            if !setting.counts(self.city.grid().zone(user[0], user[1]), street) {
                 continue;
             }
             let link = CityLink {
-                receiver,
+                receiver: LatticePoint { x: steps(user[0]), y: steps(user[1]), z: height_of(setting.rx_height_m) },
                 uav: LatticePoint { x: steps(x), y: steps(y), z: height_of(setting.uav_height_m) },
             };
             let mut heights = setting.built_up.heights(city_seed);

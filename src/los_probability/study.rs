@@ -129,6 +129,9 @@ fn by_product(setting: &Setting, effort: &Effort) -> Estimate {
 fn by_geometry(setting: &Setting, effort: &Effort) -> Estimate {
     let simulator = GeometrySimulator::new(setting);
     let mut n = if effort.until.is_some() { FIRST_LINKS } else { effort.n_links };
+    if simulator.draw(effort.seed, 0).is_none() {
+        return Estimate::none();
+    }
     let mut count = simulator.count(effort.seed, 0, n);
     loop {
         let estimate = wilson(count.los, count.receivers, effort.confidence);

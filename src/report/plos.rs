@@ -133,9 +133,14 @@ pub struct PlosReport {
 const COLUMNS: &str = "city,alpha,beta_per_km2,gamma_m,method,height_m,rx_height_m,theta_deg,phi_deg,distance_m,\
                        placement,users,uav_in_building,p_los,ci_low,ci_high,std_error,samples,clusters,radius_m";
 
+/// A number to 12 digits: more are noise, and differ between machines.
+fn digits(v: f64) -> f64 {
+    format!("{v:.11e}").parse().unwrap_or(v)
+}
+
 /// A number that may not exist.
 fn cell(value: Option<f64>) -> String {
-    value.map_or(String::new(), |v| v.to_string())
+    value.map_or(String::new(), |v| digits(v).to_string())
 }
 
 impl PlosReport {
@@ -155,8 +160,8 @@ impl PlosReport {
                 cell(row.built_up.map(|b| b.buildings_per_km2)),
                 cell(row.built_up.map(|b| b.height_scale)),
                 row.method.clone(),
-                row.height_m.to_string(),
-                row.rx_height_m.to_string(),
+                cell(Some(row.height_m)),
+                cell(Some(row.rx_height_m)),
                 cell(row.theta_deg),
                 cell(row.phi_deg),
                 cell(row.distance_m),
@@ -227,25 +232,26 @@ impl PlosReport {
 
 fn row_json(row: &PlosRow) -> Value {
     let mut object = Map::new();
+    let of = |value: Option<f64>| Value::from(value.map(digits));
     object.insert("city".into(), row.city.clone().into());
-    object.insert("alpha".into(), row.built_up.map(|b| b.built_up_ratio).into());
-    object.insert("beta_per_km2".into(), row.built_up.map(|b| b.buildings_per_km2).into());
-    object.insert("gamma_m".into(), row.built_up.map(|b| b.height_scale).into());
+    object.insert("alpha".into(), of(row.built_up.map(|b| b.built_up_ratio)));
+    object.insert("beta_per_km2".into(), of(row.built_up.map(|b| b.buildings_per_km2)));
+    object.insert("gamma_m".into(), of(row.built_up.map(|b| b.height_scale)));
     object.insert("method".into(), row.method.clone().into());
     object.insert("height_m".into(), row.height_m.into());
     object.insert("rx_height_m".into(), row.rx_height_m.into());
-    object.insert("theta_deg".into(), row.theta_deg.into());
+    object.insert("theta_deg".into(), of(row.theta_deg));
     object.insert("phi_deg".into(), row.phi_deg.into());
-    object.insert("distance_m".into(), row.distance_m.into());
+    object.insert("distance_m".into(), of(row.distance_m));
     object.insert("radius_m".into(), row.radius_m.into());
     object.insert("placement".into(), row.placement.into());
     object.insert("users".into(), row.users.into());
     object.insert("uav_in_building".into(), row.uav_in_building.into());
-    object.insert("p_los".into(), row.p_los().into());
+    object.insert("p_los".into(), of(row.p_los()));
     let interval = row.estimate().and_then(|e| e.interval);
-    object.insert("ci_low".into(), interval.map(|i| i.0).into());
-    object.insert("ci_high".into(), interval.map(|i| i.1).into());
-    object.insert("std_error".into(), row.estimate().and_then(|e| e.std_error).into());
+    object.insert("ci_low".into(), of(interval.map(|i| i.0)));
+    object.insert("ci_high".into(), of(interval.map(|i| i.1)));
+    object.insert("std_error".into(), of(row.estimate().and_then(|e| e.std_error)));
     object.insert("samples".into(), row.estimate().map(|e| e.samples).into());
     object.insert("clusters".into(), row.estimate().map(|e| e.clusters).into());
     if let Some(reason) = row.reason() {

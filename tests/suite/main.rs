@@ -25,6 +25,7 @@ mod bad_inputs; // every bad file gets its documented answer
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
+mod cli_plos; // P_LoS studies as tables, documents and plots
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod regressions; // one test per bug
 mod layering; // data flows one way

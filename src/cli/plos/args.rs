@@ -50,11 +50,8 @@ pub(in crate::cli) struct Numbers(pub(in crate::cli) Vec<f64>);
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct PlosArgs {
-    // First, so that its city is the first of them.
-    #[command(flatten)]
-    pub(in crate::cli) scene: SceneArgs,
     /// More cities
-    #[arg(value_name = "CITY")]
+    #[arg(value_name = "SCENE", index = 2)]
     pub(in crate::cli) more_cities: Vec<String>,
     /// Methods, separated by commas: product, city, geometry, maps (real cities), models by their ids (itu, alhourani2014,
     /// holis2008, mohammed2023, kang2019, saboor2024, tr36777_uma_av, tr38811 …), `models` for all that apply, `all`;
@@ -147,6 +144,8 @@ pub(in crate::cli) struct PlosArgs {
     pub(in crate::cli) max_memory: Option<u64>,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
+    #[command(flatten)]
+    pub(in crate::cli) scene: SceneArgs,
 }
 
 /// More numbers than this are refused.

@@ -22,6 +22,7 @@ use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, estimate_all};
+use crate::quantity::counted;
 use crate::raster::{NpyArray, write_npz};
 use crate::report::{PlosReport, PlosRow, PlosValue};
 use crate::scene::{BuiltUp, BuiltUpCity, Source};
@@ -350,22 +351,27 @@ fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow
 /// Says where intervals are missing, or wider than was asked for.
 fn warn_of_intervals(args: &PlosArgs, report: &mut PlosReport) {
     let estimates = || report.rows.iter().filter_map(PlosRow::estimate).filter(|e| e.p_los.is_some());
+    let have = |n: usize, one: &str, many: &str| counted(n as u64, one, many);
     let n_missing = estimates().filter(|e| e.interval.is_none()).count();
     let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count();
     let until = args.until.unwrap_or(f64::INFINITY);
     let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count();
     if n_missing > 0 {
-        let text =
-            format!("{n_missing} values have no interval: it needs at least 10 clusters (cities, positions, blocks)");
+        let text = format!(
+            "{} no interval: it needs at least 10 clusters (cities, positions, blocks)",
+            have(n_missing, "value has", "values have")
+        );
         report.warnings.push(Warning::new(213, text));
     }
     if n_wide > 0 {
-        let text =
-            format!("{n_wide} intervals are wider than ±{until}: the effort was spent before they were narrow enough");
+        let text = format!(
+            "{} wider than ±{until}: the effort was spent before",
+            have(n_wide, "interval is", "intervals are")
+        );
         report.warnings.push(Warning::new(214, text));
     }
     if n_empty > 0 {
-        let text = format!("{n_empty} values have no P_LoS: no user of the kind is at that place");
+        let text = format!("{} no P_LoS: no user of the kind is there", have(n_empty, "value has", "values have"));
         report.warnings.push(Warning::new(202, text));
     }
 }
@@ -404,7 +410,10 @@ fn write(
         let files: Vec<String> =
             outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
         let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
-        messages::note(&format!("{} values of P_LoS in {seconds:.2} s{wrote}", report.rows.len()));
+        messages::note(&format!(
+            "{} of P_LoS in {seconds:.2} s{wrote}",
+            counted(report.rows.len() as u64, "value", "values")
+        ));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         return messages::answer(&pretty(&report.document(Some(seconds))));

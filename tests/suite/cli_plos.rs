@@ -1,0 +1,364 @@
+//! `skyshed plos` from outside: tables, documents, plots, its flags, and what it refuses.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::Folder;
+
+/// Two small blocks and a tower, so that every kind of real-city output exists.
+const CITY: &str = r#"{"type": "FeatureCollection", "attribution": "drawn by hand", "features": [
+  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18},
+   "geometry": {"type": "Polygon", "coordinates": [[[20,20],[60,20],[60,60],[20,60],[20,20]]]}},
+  {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30},
+   "geometry": {"type": "Polygon", "coordinates": [[[90,20],[130,20],[130,60],[90,60],[90,20]]]}},
+  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
+   "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
+  {"type": "Feature", "properties": {"building:levels": 5},
+   "geometry": {"type": "Polygon", "coordinates": [[[90,90],[130,90],[130,130],[90,130],[90,90]]]}}]}"#;
+
+const HEADER: &str = "city,alpha,beta_per_km2,gamma_m,method,height_m,rx_height_m,theta_deg,phi_deg,distance_m,placement,\
+                      users,uav_in_building,p_los,ci_low,ci_high,std_error,samples,clusters";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("city.geojson", CITY);
+    folder.write("curve.csv", "theta_deg,p_los\n0,0\n90,1\n");
+    let row = |row: usize| {
+        let cells = (0..40).map(|col| match (row, col) {
+            (8..16, 8..16) => "30",
+            (20..24, 4..36) => "0.5",
+            (30, 30) => "-9999",
+            _ => "0",
+        });
+        cells.collect::<Vec<_>>().join(" ")
+    };
+    let rows: Vec<String> = (0..40).map(row).collect();
+    let head = "ncols 40\nnrows 40\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n";
+    folder.write("dsm.asc", &format!("{head}{}\n", rows.join("\n")));
+    let flat: Vec<String> = (0..40).map(|_| ["1"; 40].join(" ")).collect();
+    folder.write("slope.asc", &format!("{head}{}\n", flat.join("\n")));
+    folder
+}
+
+/// A table as maps from column to text.
+fn table(text: &str) -> Vec<HashMap<String, String>> {
+    csv::Reader::from_reader(text.as_bytes()).deserialize().map(|row| row.unwrap()).collect()
+}
+
+fn document(folder: &Folder, line: &str) -> Value {
+    folder.type_in(&format!("plos {line} --json")).done().json()
+}
+
+#[test]
+fn without_outputs_the_table_is_the_answer() {
+    let folder = folder();
+    let answer = folder.type_in("plos itu:urban --theta 20:60:20 --method product,itu").done();
+    assert!(answer.out.starts_with(HEADER), "{}", answer.out);
+    let rows = table(&answer.out);
+    assert_eq!(rows.len(), 6);
+    let thetas: Vec<&str> = rows.iter().map(|r| r["theta_deg"].as_str()).collect();
+    assert_eq!(thetas, ["20", "40", "60", "20", "40", "60"]);
+    for row in &rows[..3] {
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        assert_eq!(row["method"], "product");
+        assert!(number("ci_low") < number("p_los") && number("p_los") < number("ci_high"), "{row:?}");
+        assert!(number("ci_high") - number("ci_low") <= 0.002 && number("clusters") >= 10.0);
+        assert_eq!((row["placement"].as_str(), row["users"].as_str()), ("anywhere", "outdoor"));
+        assert_eq!((row["uav_in_building"].as_str(), row["rx_height_m"].as_str()), ("nlos", "1.5"));
+    }
+    for row in &rows[3..] {
+        assert_eq!(row["method"], "itu");
+        assert!(["placement", "ci_low", "std_error", "samples"].iter().all(|c| row[*c].is_empty()), "{row:?}");
+    }
+    assert!(folder.files().iter().all(|f| !f.ends_with(".part")));
+}
+
+#[test]
+fn every_format_holds_the_same_values() {
+    let folder = folder();
+    let line = "itu:urban itu:ghent --theta 10:80:10 --method product,city,geometry,kang2019 --cities 40 \
+                -o a.csv -o a.json -o a.npz -o a.png -o a.svg --csv b.csv";
+    folder.type_in(&format!("plos {line}")).done();
+    assert_eq!(folder.text("a.csv"), folder.text("b.csv"));
+    let rows = table(&folder.text("a.csv"));
+    assert_eq!(rows.len(), 2 * 4 * 8);
+    let document = folder.json("a.json");
+    assert_eq!(document["schema"], "skyshed/plos/1");
+    assert_eq!(document["digest"], folder.json("a.csv.json")["digest"]);
+    let of_document = document["rows"].as_array().unwrap();
+    assert_eq!(of_document.len(), rows.len());
+    for (row, object) in rows.iter().zip(of_document) {
+        assert_eq!(row["p_los"].parse::<f64>().unwrap(), object["p_los"].as_f64().unwrap());
+        assert_eq!(row["ci_low"].parse::<f64>().ok(), object["ci_low"].as_f64());
+        assert_eq!(row["city"], object["city"].as_str().unwrap());
+    }
+    // Pictures know where they come from, and name what they show.
+    let svg = folder.text("a.svg");
+    for words in ["Product over buildings", "3-D city simulator", "Kang 2019", "Ghent", "Urban", "receivers 1.5"] {
+        assert!(svg.to_lowercase().contains(&words.to_lowercase()), "{words}");
+    }
+    let png = folder.read("a.png");
+    assert!(png.windows(14).any(|w| w == b"skyshed/plos/1"), "provenance in the picture");
+    // The archive has an array per column.
+    let npz = folder.read("a.npz");
+    for name in ["p_los.npy", "theta_deg.npy", "method.npy", "city.npy", "ci_high.npy", "provenance.npy"] {
+        assert!(npz.windows(name.len()).any(|w| w == name.as_bytes()), "{name}");
+    }
+}
+
+#[test]
+fn equal_runs_give_equal_files_on_any_number_of_threads() {
+    let folder = folder();
+    let maps = "city.geojson --cell 5 --block 20 --positions 15 --theta 15:75:15 --method maps";
+    let cities = "itu:dense-urban --theta 15:75:15 --method all --cities 30";
+    for threads in [1, 2, 5] {
+        folder.type_in(&format!("plos {maps} -j {threads} -o t{threads}.csv")).done();
+        folder.type_in(&format!("plos {cities} -j {threads} -o gt{threads}.csv")).done();
+    }
+    for name in ["t2.csv", "t5.csv"] {
+        assert_eq!(folder.text("t1.csv"), folder.text(name));
+        assert_eq!(folder.text("gt1.csv"), folder.text(&format!("g{name}")));
+    }
+}
+
+#[test]
+fn until_stops_when_intervals_are_narrow_enough() {
+    let folder = folder();
+    for method in ["product", "city", "geometry"] {
+        let wide = document(&folder, &format!("itu:urban --theta 30,60 --method {method} --until ±0.03"));
+        let narrow = document(&folder, &format!("itu:urban --theta 30,60 --method {method} --until 0.01"));
+        let samples = |d: &Value| d["rows"][0]["samples"].as_u64().unwrap();
+        assert!(samples(&narrow) >= samples(&wide), "{method}");
+        for row in narrow["rows"].as_array().unwrap() {
+            let reach = (row["ci_high"].as_f64().unwrap() - row["ci_low"].as_f64().unwrap()) / 2.0;
+            assert!(reach <= 0.01, "{method}: ±{reach}");
+        }
+        if method != "product" {
+            assert!(samples(&narrow) > 2 * samples(&wide), "{method}: nothing more was drawn");
+        }
+    }
+}
+
+#[test]
+fn too_few_clusters_leave_no_interval() {
+    let folder = folder();
+    let answer = folder.type_in("plos itu:urban --theta 45 --method city --cities 9").done();
+    assert_eq!(answer.warnings(), ["W213"]);
+    let row = &table(&answer.out)[0];
+    assert_eq!((row["ci_low"].as_str(), row["std_error"].as_str(), row["clusters"].as_str()), ("n/a", "n/a", "9"));
+    assert!(row["p_los"].parse::<f64>().is_ok());
+    let row = document(&folder, "itu:urban --theta 45 --method city --cities 9 -q")["rows"][0].clone();
+    assert!(row["ci_low"].is_null() && row["reason"].as_str().unwrap().contains("at least 10"), "{row}");
+}
+
+#[test]
+fn a_place_without_users_has_no_p_los() {
+    let folder = folder();
+    let answer =
+        folder.type_in("plos itu:urban --theta 90 --placement rooftop --method product,city,geometry --json").done();
+    assert_eq!(answer.warnings(), ["W202"]);
+    for row in answer.json()["rows"].as_array().unwrap() {
+        assert!(row["p_los"].is_null() && row["reason"] == "no user is there", "{row}");
+    }
+}
+
+#[test]
+fn a_real_city_is_mapped_and_the_city_that_fits_it_laid_over() {
+    let folder = folder();
+    let line = "city.geojson --cell 2 --theta 10:80:10 --positions 40 --block 20 --height 80 --missing levels";
+    folder.type_in(&format!("plos {line} -o p.json -o p.svg -o p.png")).done();
+    let document = folder.json("p.json");
+    let fit = &document["real_cities"][0]["fit"];
+    // γ² = ΣH²/(2n) of 20, 12, 50 and 15 m.
+    let gamma = ((400.0 + 144.0 + 2500.0 + 225.0) / 8.0_f64).sqrt();
+    assert!((fit["gamma_m"].as_f64().unwrap() - gamma).abs() < 1e-9, "{fit}");
+    assert_eq!(fit["buildings"], 4);
+    let methods: Vec<&str> =
+        document["methods"].as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect();
+    assert_eq!(methods, ["maps", "product"]);
+    let svg = folder.text("p.svg");
+    for words in ["Rayleigh, most likely", "Building heights", "drawn by hand", "(estimated)"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    // Where a UAV cannot be inside a building, more is seen.
+    let low = |flag: &str| {
+        let line = format!("city.geojson --cell 2 --radius 60 --positions 60 --height 10 --method maps {flag}");
+        self::document(&folder, &line)["rows"][0]["p_los"].as_f64().unwrap()
+    };
+    assert!(low("--uav-clear-of-roof") > low(""), "UAVs inside buildings see nothing");
+}
+
+#[test]
+fn a_raster_has_maps_but_no_city_that_fits() {
+    let folder = folder();
+    let line = "plos dsm.asc --ground 0 --theta 20:80:20 --positions 12 --block 40 --height 60";
+    let answer = folder.type_in(&format!("{line} --json")).done();
+    assert!(answer.warnings().contains(&"W210"), "{answer:?}");
+    let document = answer.json();
+    assert!(document["rows"].as_array().unwrap().iter().all(|r| r["method"] == "maps"));
+    let refused = folder.type_in(&format!("{line} --method product"));
+    assert!(refused.refused(2)[0].contains("α, β, γ are unknown"), "{refused:?}");
+}
+
+/// Lines that change the digest: a study without a flag, and the flag.
+const FLAGS: [(&str, &str); 35] = [
+    ("itu:urban --phi 45", "--theta 40"),
+    ("itu:urban", "--distance 50:200:50"),
+    ("itu:urban", "--radius 50,100"),
+    ("itu:urban --theta 30", "--phi 30"),
+    ("itu:urban --theta 30", "--height 40"),
+    ("itu:urban --theta 30", "--alpha 0.2"),
+    ("itu:urban --theta 30", "--beta 300"),
+    ("itu:urban --theta 30", "--gamma 30"),
+    ("itu:urban --theta 30", "--users crossroad"),
+    ("itu:urban --theta 30", "--placement rooftop"),
+    ("itu:urban --theta 30", "--method geometry"),
+    ("itu:urban --theta 30", "--rx-height 0"),
+    ("itu:high-rise --theta 30", "--uav-clear-of-roof"),
+    ("itu:urban --theta 30", "--curve mine=curve.csv"),
+    ("itu:urban --theta 30 --method geometry", "--until 0.02"),
+    ("itu:urban --theta 30", "--ci 0.99"),
+    ("itu:urban --theta 30", "--seed 2"),
+    ("itu:urban --theta 30 --method city", "--cities 20"),
+    ("itu:urban --theta 30 --method city", "--users-per-city 90"),
+    ("itu:urban --theta 30 --method geometry", "--links 3000"),
+    ("itu:urban --theta 30", "itu:ghent"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--positions 20"),
+    ("city.geojson --theta 30 --height 25 --cell 5", "--block 20"),
+    ("city.geojson --theta 30 --height 25 --block 30", "--cell 5"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--missing levels"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--height-field tall"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--top-field z_top"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--extent 0,0,150,150"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30 --top-field z_top", "--ground 3"),
+    ("city.geojson --theta 30 --height 25 --block 30 --top-field z_top", "--terrain slope.asc"),
+    ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--building-threshold 0.7"),
+    ("dsm.asc --ground 0 --theta 5 --height 20 --block 30", "--nodata-as block"),
+    ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--rx-height 9"),
+    ("dsm.asc --theta 10 --height 20 --block 30", "--ground 0"),
+    ("itu:0.3,500,15 --theta 30", "--users street"),
+];
+
+/// Flags that change what is written or said, not the values.
+const OTHER: [&str; 13] = [
+    "--output",
+    "--csv",
+    "--plot",
+    "--title",
+    "--json",
+    "--overwrite",
+    "--threads",
+    "--quiet",
+    "--max-memory",
+    "--hash",
+    "--crs",
+    "--help",
+    "--version",
+];
+
+#[test]
+fn every_flag_changes_the_values() {
+    let folder = folder();
+    let digest = |line: &str| document(&folder, &format!("{line} -q"))["digest"].clone();
+    for (line, flag) in FLAGS {
+        assert_ne!(digest(line), digest(&format!("{line} {flag}")), "{line} {flag}");
+    }
+    let help = folder.type_in("plos --help").done().out;
+    for line in help.lines().map(str::trim_start).filter(|line| line.starts_with('-')) {
+        let Some(flag) = line.split([' ', ',']).find(|word| word.starts_with("--")) else { continue };
+        // Refused here, as tested below.
+        let is_known = OTHER.contains(&flag)
+            || flag == "--size"
+            || FLAGS.iter().any(|(_, words)| words.split(' ').next() == Some(flag));
+        assert!(is_known, "plos {flag}: add it to the flags above");
+    }
+}
+
+#[test]
+fn plots_are_chosen_by_what_is_swept() {
+    let folder = folder();
+    let svg = |line: &str| {
+        folder.type_in(&format!("plos {line} -o p.svg --overwrite")).done();
+        folder.text("p.svg")
+    };
+    let heat = svg("itu:urban --theta 20:80:20 --phi 0:90:30");
+    assert!(heat.contains("Azimuth φ") && heat.contains("Elevation angle θ"), "{}", &heat[..500]);
+    let curves = svg("itu:urban --theta 20:80:20 --phi 0:90:30 --plot curves");
+    assert!(curves.contains("φ = 30°") && !curves.contains("Azimuth φ"));
+    assert!(svg("itu:urban --theta 30:60:30 --title Mine").contains("Mine"));
+    let refused = folder.type_in("plos itu:urban --theta 30 --plot heat -o q.png");
+    assert!(refused.refused(2)[0].contains("0 quantities are swept"), "{refused:?}");
+    assert!(!folder.files().iter().any(|f| f.contains("q.png")), "{:?}", folder.files());
+    // A point is enough for a plot.
+    assert!(svg("itu:urban --theta 45").contains("Elevation angle"));
+}
+
+#[test]
+fn bad_parameters_are_refused_with_their_range() {
+    let folder = folder();
+    for (line, wanted) in [
+        ("itu:urban --theta 0", "0 < θ ≤ 90"),
+        ("itu:urban --theta 90.001", "0 < θ ≤ 90"),
+        ("itu:urban --theta -5", "0 < θ ≤ 90"),
+        ("itu:urban --theta nan", "finite"),
+        ("itu:1,500,15", "0 < α < 1"),
+        ("itu:nan,500,15", "0 < α < 1"),
+        ("itu:0.3,0,15", "β > 0"),
+        ("itu:0.3,500,-1", "0 < γ ≤ 2048"),
+        ("itu:urban --alpha 1", "0 < α < 1"),
+        ("itu:urban --beta 0", "β > 0"),
+        ("itu:urban --gamma 0:20:10", "0 < γ ≤ 2048"),
+        ("itu:urban --height 1", "above the receivers, 1.5 m"),
+        ("itu:urban --height 40000", "at most 32768 m"),
+        ("itu:urban --rx-height -1", "at least 0 m"),
+        ("itu:urban --phi 91", "0 ≤ φ ≤ 90"),
+        ("itu:urban --distance -1", "at least 0 m"),
+        ("itu:urban --radius 0", "above 0 m"),
+        ("itu:urban --ci 1", "above 0 and below 1"),
+        ("itu:urban --until 0", "above 0 and below 0.5"),
+        ("itu:urban --theta 5:90", "A:B:S"),
+        ("itu:urban --theta 10 --distance 5", "cannot be used with"),
+        ("itu:urban --method nothing", "wanted product, city, geometry"),
+        ("itu:urban --method icc", "wanted product, city, geometry"),
+        ("itu:urban --method maps", "no meaning for a generated city"),
+        ("itu:ghent --method alhourani2014", "wanted both above 0"),
+        ("itu:urban --size 500", "no meaning"),
+        ("itu:urban --cell 2", "no meaning without a city in a file"),
+        ("itu:urban --cities 10", "without `--method city`"),
+        ("itu:urban --curve mine", "NAME=FILE"),
+        ("itu:urban --curve itu=curve.csv", "another method has that name"),
+        ("city.geojson --gamma 5,6", "a real city"),
+        ("city.geojson --users street", "a real city"),
+        ("city.geojson --phi 30", "a real city"),
+        ("itu:urban --title Mine", "without a .png or .svg"),
+        ("itu:urban --csv table.txt", "ends in .csv"),
+    ] {
+        let answer = folder.type_in(&format!("plos {line}"));
+        let said = answer.refused(2).join(" ");
+        assert!(said.contains(wanted), "{line}: {said}");
+    }
+    assert!(folder.type_in("plos itu:urban --theta 0.01").refused(5)[0].contains("wanted at most 32768 m"));
+    assert!(folder.type_in("plos itu:urban --curve mine=none.csv").refused(3)[0].contains("none.csv"));
+    folder.write("bad.csv", "theta_deg,p_los\n0,0\n10,1.5\n");
+    assert!(folder.type_in("plos itu:urban --curve mine=bad.csv").refused(3)[0].contains("line 3"));
+    assert!(!Path::new(&folder.word("table.txt")).exists());
+}
+
+#[test]
+fn models_without_a_value_are_left_out_or_told() {
+    let folder = folder();
+    let answer = folder.type_in("plos itu:ghent --theta 10:90:10 --method models --json").done();
+    let document = answer.json();
+    let methods: Vec<&str> =
+        document["methods"].as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect();
+    for id in ["itu", "kang2019", "mohammed2023", "tr36777_uma_av"] {
+        assert!(methods.contains(&id), "{methods:?}");
+    }
+    for id in ["alhourani2014", "holis2008", "tr38811", "saboor2024"] {
+        assert!(!methods.contains(&id), "{methods:?}");
+    }
+    assert!(answer.warnings().contains(&"W210"));
+    assert!(document["methods"].as_array().unwrap().iter().all(|m| m["source"].as_str().is_some_and(|s| s.len() > 20)));
+}
