@@ -11,6 +11,7 @@
 //! |---|---|
 //! | E101–E109 | words of the command line, sites and receivers as typed, outputs that cannot be written as asked |
 //! | E110–E119 | generated cities, numbers out of range, flags without meaning for the scene |
+//! | E120–E124 | P_LoS: a parameter out of range, methods, models, curves, plots |
 //! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
@@ -18,6 +19,7 @@
 //! | E401–E403 | an output cannot be written, encoded, drawn |
 //! | E501–E502 | memory, extent |
 //! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |
+//! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W360 | footprints: what was mended or left out |

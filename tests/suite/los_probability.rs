@@ -319,6 +319,32 @@ fn kinds() -> Vec<(Placement, Users)> {
 }
 
 #[test]
+fn uavs_over_the_middle_of_a_crossroad_street_or_building_see_what_the_reference_says() {
+    let Some(rows) = reference("plos_uav_location.csv") else { return };
+    let mut worst = 0.0_f64;
+    for row in &rows {
+        let placement = match row["uav_location"].as_str() {
+            "crossroad_centre" => Placement::CrossroadCenter,
+            "street_centre" => Placement::StreetCenter,
+            "building_centre" => Placement::RooftopCenter,
+            other => panic!("unknown place {other}"),
+        };
+        let asked = Setting { placement, ..setting(&row["env"], number(row, "theta_deg")) };
+        for (clear, column) in [(false, "p_los_outdoor_users"), (true, "p_los_given_roof_below_uav")] {
+            let Ok(wanted) = row[column].parse::<f64>() else { continue };
+            let e = product(&Setting { uav_clear_of_roof: clear, ..asked }, if slow() { 1 << 11 } else { 1 << 8 });
+            let Some(p) = e.p_los else { continue };
+            // The reference has one point in each of many directions: its error is unknown, and taken as 1e-3.
+            let off = (p - wanted).abs();
+            worst = worst.max(off);
+            assert!(off <= 5.0 * e.std_error.unwrap() + 1e-3, "{row:?}: {p} ± {:?}", e.std_error);
+        }
+    }
+    assert_eq!(rows.len(), 255);
+    assert!(worst < 0.01, "{worst}");
+}
+
+#[test]
 fn the_city_and_the_geometry_simulator_agree_with_the_product() {
     let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (250, 1 << 10) };
     let angles: Vec<f64> =

@@ -5,8 +5,11 @@
 //! a, b = Σⱼ₌₀..₃ Σᵢ₌₀..₃₋ⱼ Cᵢⱼ (αβ)^i γ^j                                       (6)
 //! ```
 //!
+//! It is a smooth fit to the product of [`itu`](super::itu), whose staircase depends less and less on the height as the
+//! height grows, for four cities.
+//!
 //! Trap: the letter's tables of C label the columns i and the rows j, which together with (6) makes the columns powers
-//! of αβ. That gives b < 0 for every city. Read with the *rows* as powers of αβ and the columns as powers of γ, the
+//! of αβ. That gives b < 0 for all four cities of the fit. Read with the *rows* as powers of αβ and the columns as powers of γ, the
 //! tables give the pairs (4.88, 0.43), (9.61, 0.16), (12.08, 0.11), (27.23, 0.08) that everyone uses and that the letter
 //! does not print. Both are here: the polynomial, and the rounded pairs, which differ from it by up to 0.025 in P.
 //!
@@ -24,11 +27,12 @@ pub(super) const POLYNOMIAL: Card = Card {
     id: "alhourani2014",
     name: "Al-Hourani 2014",
     source: "A. Al-Hourani, S. Kandeepan and S. Lardner, Optimal LAP altitude for maximum coverage, IEEE Wireless \
-             Commun. Lett. 3(6), 569–572, 2014, eqs. (5) and (6), Tables I and II read with rows as powers of αβ",
+             Commun. Lett. 3(6), 569–572, 2014, eqs. (5) and (6), the tables for a and b read with rows as \
+             powers of αβ",
     domain: "Elevation angles from 0° to 90° and cities for which the polynomial gives a > 0 and b > 0; fitted to four \
              cities, and used with care for αβ outside 50 to 300 per km² or γ outside 8 to 50 m.",
-    about: "A function of the elevation angle, αβ and γ, for a platform above the roofs and receivers at street level; \
-            averaged over azimuths and places.",
+    about: "A function of the elevation angle, αβ and γ, for receivers at street level; a smooth fit to the product of \
+            ITU-R P.1410.",
     p_los: polynomial,
 };
 
@@ -39,12 +43,12 @@ pub(super) const TABLE: Card = Card {
              Commun. Lett. 3(6), 569–572, 2014, eq. (5), with the values of eq. (6) rounded to two decimals, as they \
              are used in the literature",
     domain: "Elevation angles from 0° to 90° in the suburban, urban, dense-urban or high-rise environment.",
-    about: "A function of the elevation angle for each of four environments, for a platform above the roofs and \
-            receivers at street level; averaged over azimuths and places.",
+    about: "A function of the elevation angle for each of four environments, for receivers at street level; a smooth \
+            fit to the product of ITU-R P.1410.",
     p_los: table,
 };
 
-/// C of eq. (6) for a (Table I): row i, column j is the coefficient of (αβ)^i γ^j.
+/// C of eq. (6) for a, as printed: row i, column j is the coefficient of (αβ)^i γ^j.
 const FOR_A: [[f64; 4]; 4] = [
     [9.34e-1, 2.30e-1, -2.25e-3, 1.86e-5],
     [1.97e-2, 2.44e-3, 6.58e-6, 0.0],
@@ -52,7 +56,7 @@ const FOR_A: [[f64; 4]; 4] = [
     [2.73e-7, 0.0, 0.0, 0.0],
 ];
 
-/// C of eq. (6) for b (Table II), in the same order.
+/// C of eq. (6) for b, in the same order.
 const FOR_B: [[f64; 4]; 4] = [
     [1.17, -7.56e-2, 1.98e-3, -1.78e-5],
     [-5.79e-3, 1.81e-4, -1.65e-6, 0.0],

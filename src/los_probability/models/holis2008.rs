@@ -4,9 +4,9 @@
 //! P(θ) = [ a − (a − b) / (1 + ((θ − c)/d)^e) ] / 100,   θ in degrees
 //! ```
 //!
-//! Five numbers for each of four environments, fitted to a ray model of generated cities at 2 to 6 GHz, with users at
-//! street level and elevation angles from 1° to 89°. All four curves come to 0.9998 to 1.0000 at 90°, so 90° is allowed;
-//! below 1° is refused (at 0° three curves are 0, the fourth is not).
+//! Five numbers for each of four environments, from a study at 2 to 6 GHz of platforms in the stratosphere and users at
+//! street level, for elevation angles from 1° to 89°. All four curves come to 0.9998 to 1.0000 at 90°, so 90° is allowed;
+//! below 1° is refused.
 
 use super::{Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, theta_within};
 
@@ -51,7 +51,7 @@ mod tests {
         for (name, theta, p) in [
             ("suburban", 10.0, 0.8142),
             ("urban", 10.0, 0.3017),
-            ("dense", 40.0, 0.4810),
+            ("dense", 30.0, 0.3451),
             ("high-rise", 20.0, 0.0468),
             ("high-rise", 90.0, 0.9998),
         ] {

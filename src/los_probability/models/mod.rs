@@ -5,10 +5,11 @@
 //!
 //! | models | a function of | averaged over |
 //! |---|---|---|
-//! | [`itu`], [`kang2019`] | ground distance, heights, α, β, γ | everything: buildings are placed in law only |
+//! | [`itu`], [`kang2019`] | ground distance, heights, α, β, γ | nothing: buildings have no place, only a number per distance |
 //! | [`mohammed2023`] | ground distance, heights, α, β, γ | outdoor receivers and azimuths |
 //! | [`saboor2024`] | ground distance, heights, α, β, γ | receivers across one street, azimuth φ = 0 only |
-//! | [`alhourani2014`], [`holis2008`], [`tr38811`] | elevation angle, environment | receivers and azimuths |
+//! | [`alhourani2014`] | elevation angle, αβ, γ or environment | nothing: a smooth fit to [`itu`] |
+//! | [`holis2008`], [`tr38811`] | elevation angle, environment | receivers and azimuths |
 //! | [`tr36777`], [`tr38901`] | ground distance, UAV height | a cell of a network: the UAV is the user of a base station |
 //!
 //! A model that is asked outside of its domain refuses ([`OutsideDomain`]); where it still has a value but was not made

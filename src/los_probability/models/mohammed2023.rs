@@ -22,7 +22,7 @@
 //!
 //! The model measures all heights from the receiver, so buildings too stand on its level: h_rx is taken as 0. Formula and
 //! coefficients were read in another implementation, which notes 0.25 ≤ s/w ≤ 2.5, and the form was derived again; Λ₁
-//! stays above 0 for s/w up to about 3.8, and other cities are refused.
+//! stays above 0 for s/w up to about 4.1, and other cities are refused.
 
 use std::f64::consts::{PI, SQRT_2};
 

@@ -8,10 +8,10 @@
 //! | urban | 24.6 | 38.6 | 49.3 | 61.3 | 72.6 | 80.5 | 91.9 | 96.8 | 99.2 |
 //! | suburban and rural | 78.2 | 86.9 | 91.9 | 92.9 | 93.5 | 94.0 | 94.9 | 95.2 | 99.8 |
 //!
-//! The report takes the nearest of these angles, as does the network simulator ns-3: a staircase, with halves rounded up.
-//! Linear interpolation is an extension that others use. Below 10° both keep the value at 10° and say so; overhead P is
-//! not 1. There is no table for high-rise. It was made for platforms from 8 km up, so for a UAV it is an analogy. Trap:
-//! below 20° the dense urban city has more line of sight than the urban one.
+//! Network simulators (ns-3, Simu5G) take the nearest of these angles: a staircase, with halves rounded up. Linear
+//! interpolation is an extension that others use. Below 10° both keep the value at 10° and say so; overhead P is
+//! not 1. There is no table for high-rise. It was made for platforms from 8 km up, so for a UAV it is an analogy. Oddity:
+//! at 10° the dense urban city has more line of sight than the urban one.
 
 use super::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, outside, theta_within,

@@ -45,11 +45,12 @@ impl UserCurve {
                 "a curve is a table separated by commas with the columns `theta_deg,p_los` or `distance_m,p_los`",
             )
         };
+        let text = text.trim_start_matches('\u{feff}');
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
             .flexible(true)
-            .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+            .from_reader(text.as_bytes());
         let headers = reader.headers().map_err(|e| refuse(e.to_string()))?.clone();
         let column = |name: &str| headers.iter().position(|h| h.eq_ignore_ascii_case(name));
         let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
@@ -66,7 +67,7 @@ impl UserCurve {
         let mut rows: Vec<(f64, f64, u64)> = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|e| refuse(e.to_string()))?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = record.position().map_or(0, |start| line_of(text, start));
             let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| {
                 let number = parse_number(record.get(column).unwrap_or_default());
                 match number {
@@ -128,6 +129,13 @@ impl UserCurve {
     }
 }
 
+/// The line of a record: the reader gives the end of the record before it, ahead of comments and empty lines.
+fn line_of(text: &str, start: &csv::Position) -> u64 {
+    let rest = usize::try_from(start.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
+    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
+    start.line() + skipped.count() as u64
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::assert_near;
@@ -171,6 +179,8 @@ mod tests {
             ("theta_deg,p_los\n1,0\n91,1\n", "line 3: `theta_deg` is `91`, wanted 0 to 90"),
             ("distance_m,p_los\n-1,0\n91,1\n", "line 2: `distance_m` is `-1`, wanted at least 0"),
             ("theta_deg,p_los\n1,0\n2\n", "line 3: `p_los`: found ``, which is not a number, wanted 0 to 1"),
+            ("theta_deg,p_los\n# measured\n\n1,2\n", "line 4: `p_los` is `2`, wanted 0 to 1"),
+            ("theta_deg,p_los\r\n# measured\r\n\r\n1,0\r\n2,3\r\n", "line 5: `p_los` is `3`, wanted 0 to 1"),
             ("theta_deg,p_los\n1,nan\n", "line 2: `p_los`: found `NaN`, which is not finite, wanted 0 to 1"),
             ("theta_deg,p_los\n1,0\n2,1\n1,0.5\n", "line 4: `theta_deg` is `1`, as on line 2, wanted each value once"),
         ] {
