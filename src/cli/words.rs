@@ -12,7 +12,29 @@ pub(super) fn title_of(name: &str) -> String {
     unbreakable(&name)
 }
 
-/// Text whose equations and units are not broken across lines.
+/// Text whose equations and lengths are not broken across lines.
 pub(super) fn unbreakable(text: &str) -> String {
-    text.replace(" = ", "\u{a0}=\u{a0}").replace(" m;", "\u{a0}m;")
+    const UNIT: &str = " m";
+    let text = text.replace(" = ", "\u{a0}=\u{a0}");
+    let mut joined = String::new();
+    let mut rest = text.as_str();
+    while let Some(at) = rest.find(UNIT) {
+        let (before, after) = (&rest[..at], &rest[at + UNIT.len()..]);
+        let is_length = before.ends_with(|c: char| c.is_ascii_digit()) && !after.starts_with(char::is_alphanumeric);
+        joined += before;
+        joined += if is_length { "\u{a0}m" } else { UNIT };
+        rest = after;
+    }
+    joined + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equations_and_lengths_stay_together() {
+        assert_eq!(unbreakable("γ = 8.8 m, 50 maps; 5 m"), "γ\u{a0}=\u{a0}8.8\u{a0}m, 50 maps; 5\u{a0}m");
+        assert_eq!(title_of("within 20 m of me"), "Within 20\u{a0}m of me");
+    }
 }

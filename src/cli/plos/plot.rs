@@ -11,6 +11,7 @@ use crate::render::{
     self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, HeatAxis, HeatPanel, HeatSheet, LineLook,
 };
 use crate::report::{PlosReport, PlosRow};
+use crate::scene::BuiltUp;
 
 /// What pictures need beside the report.
 #[derive(Debug, Default)]
@@ -50,7 +51,7 @@ pub(super) fn draw(
             varying.len() == 2 && lines.len() == 1 && varying.iter().all(|(_, v)| v.len() >= FEWEST_FOR_HEAT)
         }
     };
-    let title = args.title.clone().unwrap_or_else(|| title(report, &varying));
+    let title = args.title.as_ref().map_or_else(|| title(report, &varying), |typed| unbreakable(typed));
     let caption = caption(facts, report, !is_heat);
     let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
     let provenance = [("Software".to_string(), software), ("skyshed".to_string(), report.provenance().to_string())];
@@ -94,7 +95,7 @@ fn axis_name(quantity: Quantity) -> &'static str {
 /// A value of a quantity as words, such as `γ = 15 m`.
 fn words(quantity: Quantity, v: f64) -> String {
     let v = tidy(v);
-    match quantity {
+    let words = match quantity {
         Quantity::Theta => format!("θ = {v}°"),
         Quantity::Distance => format!("{v} m away"),
         Quantity::Radius => format!("within {v} m"),
@@ -103,7 +104,8 @@ fn words(quantity: Quantity, v: f64) -> String {
         Quantity::Gamma => format!("γ = {v} m"),
         Quantity::Alpha => format!("α = {v}"),
         Quantity::Beta => format!("β = {v}/km²"),
-    }
+    };
+    unbreakable(&words)
 }
 
 /// The different values of a key, in the order of the rows.
@@ -136,13 +138,21 @@ fn city_name(word: &str) -> String {
     }
 }
 
+/// Whether a city's word is its α, β, γ.
+fn is_numbers(word: &str) -> bool {
+    word.strip_prefix("itu:").is_some_and(|name| name.contains(','))
+}
+
 fn method_name<'a>(report: &'a PlosReport, id: &str) -> &'a str {
     report.methods.iter().find(|m| m.id == id).map_or("", |m| m.name.as_str())
 }
 
 fn title(report: &PlosReport, varying: &[(Quantity, Vec<f64>)]) -> String {
     let cities = groups(report, &|row| row.city.clone());
+    let is_swept = varying.iter().any(|(q, _)| matches!(q, Quantity::Alpha | Quantity::Beta | Quantity::Gamma));
     let over = match &cities[..] {
+        // The numbers of the caption are those that stay.
+        [one] if is_swept && is_numbers(one) => String::new(),
         [one] => format!(", {}", city_name(one)),
         _ => String::new(),
     };
@@ -192,23 +202,24 @@ fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool) -> Vec<Str
     let mut lines = vec![title_of(&said.join("; "))];
     let mut cities: Vec<String> = Vec::new();
     for city in groups(report, &|r| r.city.clone()) {
-        let built_up = groups(report, &|r| if r.city == city { r.built_up } else { None });
-        if let [Some(b)] | [Some(b), None] | [None, Some(b)] = built_up[..] {
-            let is_generated = city.starts_with("itu:");
-            let parameters = if is_generated {
-                format!(
-                    "α = {}, β = {}/km², γ = {} m",
-                    b.built_up_ratio,
-                    tidy(b.buildings_per_km2),
-                    tidy(b.height_scale)
-                )
-            } else {
-                let (alpha, beta, gamma) = (b.built_up_ratio, b.buildings_per_km2, b.height_scale);
-                format!("α = {alpha:.3}, β = {beta:.0}/km², γ = {gamma:.1} m (estimated)")
-            };
-            // Where the name is made of them, they are said already.
-            let name = city_name(&city);
-            cities.push(unbreakable(&if name == parameters { parameters } else { format!("{name}: {parameters}") }));
+        let is_generated = city.starts_with("itu:");
+        let own = |of: &dyn Fn(&BuiltUp) -> f64| -> Option<f64> {
+            let values = groups(report, &|r| r.built_up.as_ref().filter(|_| r.city == city).map(of));
+            let mut values = values.into_iter().flatten();
+            // What is swept is on an axis or in the legend.
+            values.next().filter(|_| values.next().is_none())
+        };
+        let alpha =
+            own(&|b| b.built_up_ratio).map(|v| if is_generated { format!("α = {v}") } else { format!("α = {v:.3}") });
+        let beta = own(&|b| b.buildings_per_km2)
+            .map(|v| if is_generated { format!("β = {}/km²", tidy(v)) } else { format!("β = {v:.0}/km²") });
+        let gamma = own(&|b| b.height_scale)
+            .map(|v| if is_generated { format!("γ = {} m", tidy(v)) } else { format!("γ = {v:.1} m (estimated)") });
+        let parameters = [alpha, beta, gamma].into_iter().flatten().collect::<Vec<_>>().join(", ");
+        if !parameters.is_empty() {
+            // A name that is made of them says no more, and would be wrong for what is swept.
+            let name = if is_numbers(&city) { String::new() } else { format!("{}: ", city_name(&city)) };
+            cities.push(unbreakable(&format!("{name}{parameters}")));
         }
     }
     lines.push(cities.join("; "));
@@ -284,26 +295,25 @@ fn curves(
     });
     let cities = groups(report, &|r| r.city.clone());
     let methods = groups(report, &|r| r.method.clone());
-    // Several cities by several methods are a panel each; several by one method share one.
-    let panel_cities: Vec<Option<&String>> =
-        if cities.len() > 1 && methods.len() > 1 { cities.iter().map(Some).collect() } else { vec![None] };
-    if panel_cities.len() > MOST_PANELS {
-        return Err(too_many(panel_cities.len(), "cities", MOST_PANELS));
+    let others = &varying[1.min(varying.len())..];
+    let sets = panel_sets(report, others, methods.len() > 1);
+    if sets.len() > MOST_PANELS {
+        return Err(too_many(sets.len(), "cities", MOST_PANELS));
     }
     let mut looks = Looks::default();
     let mut panels: Vec<Vec<(Line, LineLook, usize)>> = Vec::new();
-    for city in &panel_cities {
+    for set in &sets {
         let is_fine = |row: &PlosRow| facts.fine_rows.iter().any(|f| f.city == row.city && f.method == row.method);
         let all = report.rows.iter().filter(|r| !is_fine(r)).chain(&facts.fine_rows);
-        let mut rows: Vec<&PlosRow> = all.filter(|r| city.is_none_or(|c| r.city == *c)).collect();
+        let mut rows: Vec<&PlosRow> = all.filter(|r| set.holds(r, others)).collect();
         // In the order of the table, whichever rows stand for a method.
         let order = |row: &&PlosRow| report.rows.iter().position(|r| r.city == row.city && r.method == row.method);
         rows.sort_by_key(order);
         let lines = lines_of(
             report,
             &rows,
-            (x, &varying[1.min(varying.len())..]),
-            (city.is_none() && cities.len() > 1, methods.len() > 1),
+            (x, if set.others.is_some() { &[] } else { others }),
+            (set.city.is_none() && cities.len() > 1, methods.len() > 1),
         );
         if lines.len() > MOST_LINES {
             return Err(too_many(lines.len(), "lines in one plot", MOST_LINES));
@@ -332,7 +342,7 @@ fn curves(
             drawn.collect()
         })
         .collect();
-    let titles: Vec<String> = panel_cities.iter().map(|c| c.map_or(String::new(), |c| city_name(c))).collect();
+    let titles: Vec<String> = sets.iter().map(|set| set.title(others)).collect();
     let mut sheet_panels: Vec<CurvePanel<'_>> = drawn
         .iter()
         .zip(&titles)
@@ -369,6 +379,45 @@ fn curves(
     } else {
         render::draw_curve_sheet(&sheet, provenance)
     })
+}
+
+/// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.
+#[derive(Debug, Clone, PartialEq)]
+struct PanelSet {
+    city: Option<String>,
+    others: Option<Vec<Option<f64>>>,
+}
+
+impl PanelSet {
+    fn holds(&self, row: &PlosRow, others: &[(Quantity, Vec<f64>)]) -> bool {
+        let values = || others.iter().map(|(q, _)| value(row, *q));
+        self.city.as_ref().is_none_or(|c| *c == row.city)
+            && self.others.as_ref().is_none_or(|wanted| values().eq(wanted.iter().copied()))
+    }
+
+    fn title(&self, others: &[(Quantity, Vec<f64>)]) -> String {
+        let city = self.city.iter().map(|c| city_name(c));
+        let values = others.iter().zip(self.others.iter().flatten());
+        city.chain(values.filter_map(|((q, _), v)| v.map(|v| words(*q, v)))).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The panels of a sheet of curves. Methods are compared within one, so that each has its own look: what else varies has
+/// a panel for each of its values, if those are not too many. Several cities share a panel if each has a single line.
+fn panel_sets(report: &PlosReport, others: &[(Quantity, Vec<f64>)], has_methods: bool) -> Vec<PanelSet> {
+    let several =
+        |key: &dyn Fn(&PlosRow) -> Option<&'static str>| groups(report, key).into_iter().flatten().count() > 1;
+    let has_lines = has_methods || !others.is_empty() || several(&|r| r.placement) || several(&|r| r.users);
+    let splits_cities = has_lines && groups(report, &|r| r.city.clone()).len() > 1;
+    let city = |row: &PlosRow| splits_cities.then(|| row.city.clone());
+    if has_methods && !others.is_empty() {
+        let values = |row: &PlosRow| others.iter().map(|(q, _)| value(row, *q)).collect();
+        let sets = groups(report, &|row| PanelSet { city: city(row), others: Some(values(row)) });
+        if sets.len() <= MOST_PANELS {
+            return sets;
+        }
+    }
+    groups(report, &|row| PanelSet { city: city(row), others: None })
 }
 
 fn too_many(n: usize, what: &str, most: usize) -> Error {
@@ -553,7 +602,7 @@ fn heat_maps(
         if names_users {
             parts.extend(kind_of.3.map(|u| format!("{u} users")));
         }
-        (parts.join(", "), values)
+        (title_of(&parts.join(", ")), values)
     };
     let panels: Vec<(String, Vec<Option<f64>>)> = kinds.iter().map(panel).collect();
     let sheet_panels: Vec<HeatPanel<'_>> = panels
