@@ -196,6 +196,9 @@ fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool) -> Vec<Str
         ["excluded"] => said.push("UAVs inside buildings are left out".into()),
         _ => {}
     }
+    if let [Some(theta)] = groups(report, &|r| r.theta_deg)[..] {
+        said.push(format!("elevation angle {}°", tidy(theta)));
+    }
     if let [Some(phi)] = groups(report, &|r| r.phi_deg)[..] {
         said.push(format!("azimuth {}°", tidy(phi)));
     }
