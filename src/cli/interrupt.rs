@@ -16,8 +16,9 @@ fn interrupted() -> Error {
     Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
-/// Starts to listen.
+/// Starts to listen. A process may run several commands, and each begins without writing.
 pub(super) fn listen() {
+    *WRITING.lock().unwrap_or_else(PoisonError::into_inner) = false;
     let handler = || {
         // Held while the program ends, so that no file is begun meanwhile.
         let writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
