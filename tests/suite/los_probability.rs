@@ -9,9 +9,10 @@ use skyshed::los::prisms_los;
 use skyshed::los_probability::city::{CityDraw, CitySimulator};
 use skyshed::los_probability::estimate::{Estimate, clustered};
 use skyshed::los_probability::geometry::GeometrySimulator;
-use skyshed::los_probability::product::{Product, across_street, factors, link_p_los};
+use skyshed::los_probability::points::Points;
+use skyshed::los_probability::product::{Product, across_street, factors, link_p_los, rayleigh_cdf};
 use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::los_probability::street_grid::{GridLink, StreetGrid};
+use skyshed::los_probability::street_grid::{GridLink, GridZone, StreetGrid};
 use skyshed::scene::{BuiltUp, BuiltUpCity};
 
 use crate::support::{Random, slow, truth};
@@ -288,6 +289,76 @@ fn raising_the_city_or_the_angle_of_a_link_moves_p_los_one_way() {
         let scale = built_up(city).height_scale;
         let [low, high] = [9.0, 20.0].map(|k| product(&at_height(city, 20.0, k * scale), 256).p_los.unwrap());
         assert!((low - high).abs() < 1e-12, "{city}: {low} and {high}");
+    }
+}
+
+/// The mean over evenly spread outdoor users and azimuths of P_LoS past the first building alone, and past all; and the
+/// share of UAVs over a building.
+fn past_the_first_building_and_past_all(asked: &Setting, n: usize) -> (f64, f64, f64) {
+    let city = asked.built_up;
+    let grid = StreetGrid::new(&city);
+    let r = asked.reach.farthest();
+    let (mut first, mut all, mut over, mut n_users) = (0.0, 0.0, 0, 0);
+    for [u, v, azimuth, _] in Points::new(2, 0).take(n) {
+        let user = [u * grid.period(), v * grid.period()];
+        if grid.zone(user[0], user[1]) == GridZone::Building {
+            continue;
+        }
+        let (sin, cos) = (azimuth * std::f64::consts::FRAC_PI_2).sin_cos();
+        let uav = [user[0] + r * cos, user[1] + r * sin];
+        let link = GridLink { receiver: [user[0], user[1], 0.0], uav: [uav[0], uav[1], asked.uav_height_m] };
+        let met = factors(&grid, city.height_scale, &link);
+        let (nearest, product) = (met.first().map_or(1.0, |f| f.factor), met.iter().map(|f| f.factor).product::<f64>());
+        assert!(nearest >= product, "{link:?}");
+        first += nearest;
+        all += product;
+        over += usize::from(grid.zone(uav[0], uav[1]) == GridZone::Building);
+        n_users += 1;
+    }
+    let mean = |sum: f64| sum / n_users as f64;
+    (mean(first), mean(all), over as f64 / n_users as f64)
+}
+
+#[test]
+fn the_first_building_alone_leaves_at_least_as_much_line_of_sight() {
+    let Some(rows) = reference("plos_firstbuilding.csv") else { return };
+    for row in &rows {
+        let asked = setting(&row["env"], number(row, "theta_deg"));
+        let (first, all, over) = past_the_first_building_and_past_all(&asked, 1 << 15);
+        // 2^15 points of one shift, less those on buildings: errors of some thousandths.
+        let close = |a: f64, column: &str| (a - number(row, column)).abs() < 6e-3;
+        assert!(close(first, "p_first_building_exact"), "{row:?}: {first}");
+        assert!(close(all, "p_los_exact") && first >= all, "{row:?}: {all}");
+        assert!(close(over, "q_uav_over_building"), "{row:?}: {over}");
+    }
+    assert_eq!(rows.len(), 85);
+}
+
+#[test]
+fn averages_building_by_building_are_too_low_across_the_street() {
+    // All factors grow with the distance to the first wall, so the mean of their product is above the product of means.
+    for city in CITIES {
+        let grid = StreetGrid::new(&built_up(city));
+        for theta in [5.0, 10.0, 20.0, 40.0, 60.0, 80.0] {
+            let asked = Setting { users: Users::Street, phi_deg: Some(0.0), ..setting(city, theta) };
+            let r = asked.reach.farthest();
+            let mut of_means = 1.0;
+            for k in 0.. {
+                let wall = f64::from(k) * grid.period();
+                if wall >= r {
+                    break;
+                }
+                // The midpoint rule; beyond the UAV nothing is in the way.
+                let n = 4000;
+                let factor = |j: i32| {
+                    let t = wall + (f64::from(j) + 0.5) / f64::from(n) * grid.street();
+                    if t < r { rayleigh_cdf(t * 100.0 / r, asked.built_up.height_scale) } else { 1.0 }
+                };
+                of_means *= (0..n).map(factor).sum::<f64>() / f64::from(n);
+            }
+            let exact = across_street(&asked).unwrap();
+            assert!(exact >= of_means - 1e-9, "{city} at {theta}: exact {exact}, product of means {of_means}");
+        }
     }
 }
 
