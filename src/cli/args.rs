@@ -277,12 +277,19 @@ pub(super) struct LinkArgs {
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: String,
     /// The receiver: x, y and height (1.5, 1.5roof, 30amsl); `--rx-height` above ground without one
-    #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true)]
-    pub(super) rx: String,
+    #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true, required_unless_present = "track")]
+    pub(super) rx: Option<String>,
+    /// A user's track instead: its places in order, from a table (.csv with x,y or lon,lat) or a line (.geojson); says where
+    /// it has line of sight and how long the stretches without are
+    #[arg(long, value_name = "FILE", conflicts_with = "rx")]
+    pub(super) track: Option<PathBuf>,
+    /// Longest step along a track between two decided places [m]; what begins and ends within a step is missed
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1", allow_hyphen_values = true, requires = "track")]
+    pub(super) every: f64,
     /// Height of the receiver above ground [m], if `--rx` gives none
     #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
-    /// Side view of the link (.png, .svg) or its document (.json)
+    /// Side view of the link (.png, .svg) or its document (.json); of a track the clearance along it, and a table (.csv) too
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]

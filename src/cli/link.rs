@@ -19,10 +19,15 @@ use crate::scene::Site;
 const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
+    let rx = match (&args.track, &args.rx) {
+        (Some(track), _) => return super::track::run(args, track, command),
+        (None, Some(rx)) => rx,
+        (None, None) => return Err(Error::usage(108, "no receiver: wanted `--rx X,Y` or `--track FILE`")),
+    };
     let site = parse_uav(&args.uav, "1".into())?;
     receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.engine.radius)?;
-    let (x, y, height) = parse_receiver(&args.rx, args.rx_height)?;
+    let (x, y, height) = parse_receiver(rx, args.rx_height)?;
     let outputs = check_outputs(
         &args.output,
         OutputRules {
@@ -68,7 +73,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
 }
 
 /// The lattice must hold the link.
-fn check_extent(scene: &Ready, site: &Site, (x, y): (f64, f64)) -> Result<()> {
+pub(super) fn check_extent(scene: &Ready, site: &Site, (x, y): (f64, f64)) -> Result<()> {
     let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
     for frame in frames.into_iter().flatten() {
         let extent = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());

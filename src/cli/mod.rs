@@ -14,6 +14,7 @@ mod map;
 mod messages;
 mod plan;
 mod plos;
+mod track;
 mod words;
 
 use std::ffi::OsString;

@@ -11,6 +11,7 @@ mod many;
 mod map;
 mod range;
 mod tally;
+mod track;
 mod uav;
 
 pub use height_curve::HeightCurve;
@@ -18,6 +19,7 @@ pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, map_site};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
+pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
 pub use uav::{Placement, Uav};
 
 /// Values of a mask. 255 wins over 3, 3 over 2, 2 over 0 and 1.

@@ -41,6 +41,7 @@ mod plot_frame;
 mod png;
 mod sheet;
 mod side_labels;
+mod track_profile;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
@@ -55,6 +56,7 @@ pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_lin
 pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};
 pub use marks::Mark;
 pub use png::{draw_bare, draw_bare_count};
+pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile, draw_track_profile_svg};
 
 /// Refuses an empty raster and an array that does not fit it.
 fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {

@@ -3,7 +3,9 @@
 mod documents;
 mod height_curve;
 mod plos;
+mod track;
 
 pub use documents::{LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
+pub use track::TrackReport;

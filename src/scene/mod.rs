@@ -9,12 +9,16 @@ mod geojson_file;
 mod outline;
 mod sites;
 mod surface;
+mod table;
+mod track;
 
 pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
 pub use outline::even_odd;
 pub use sites::{Site, read_sites};
 pub use surface::{SurfaceOptions, read_surface};
+pub(crate) use table::line_of;
+pub use track::read_track;
 
 use std::path::Path;
 

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde_json::Value;
 
 use super::geojson_file::{features, named_crs, read_document};
+use super::table::line_of;
 use crate::error::{Error, Result};
 use crate::quantity::{Height, parse_number};
 use crate::raster::{Crs, CrsKind, transform};
@@ -49,11 +50,10 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result
         Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
             .with_hint("a table of sites is separated by commas and has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
     };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
+    let text =
+        std::fs::read_to_string(path).map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
+    let text = text.trim_start_matches('\u{feff}');
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
     let headers = reader.headers().map_err(|e| refuse("", e.to_string()))?.clone();
     let column = |names: &[&str]| headers.iter().position(|h| names.contains(&h.to_lowercase().as_str()));
     let (projected, degrees) = (
@@ -73,8 +73,7 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result
     let mut sites = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| refuse("", e.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let place = format!("line {line}: ");
+        let place = format!("line {}: ", record.position().map_or(0, |start| line_of(text, start)));
         let field = |k: usize| record.get(k).unwrap_or_default();
         let number = |k: usize| parse_number(field(k)).map_err(|e| refuse(&place, format!("`{}`: {e}", &headers[k])));
         let height = height(field(h_column), above_column.map(field)).map_err(|e| refuse(&place, e))?;
@@ -143,7 +142,7 @@ fn height(text: &str, above: Option<&str>) -> std::result::Result<Height, String
 }
 
 /// A position in the scene's CRS; `from` is `None` where it already is.
-fn in_scene(
+pub(super) fn in_scene(
     path: &Path,
     place: &str,
     xy: (f64, f64),

@@ -334,7 +334,7 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 15] = [
+const OTHER_FLAGS: [(&str, &str); 17] = [
     ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),
@@ -350,6 +350,8 @@ const OTHER_FLAGS: [(&str, &str); 15] = [
     ("--threads", "threads_do_not_change_results"),
     ("--quiet", "quiet_says_nothing_but_errors"),
     ("--rx", "a_link_over_a_wall_is_what_a_hand_computes"),
+    ("--track", "stretches_end_where_a_hand_computes_them"),
+    ("--every", "stretches_end_where_a_hand_computes_them"),
 ];
 
 #[test]

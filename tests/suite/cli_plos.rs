@@ -281,7 +281,7 @@ fn plots_are_chosen_by_what_is_swept() {
     let folder = folder();
     let svg = |line: &str| {
         folder.type_in(&format!("plos {line} -o p.svg --overwrite")).done();
-        folder.text("p.svg")
+        folder.text("p.svg").replace('\u{a0}', " ")
     };
     let heat = svg("itu:urban --theta 20:80:20 --phi 0:90:30");
     assert!(heat.contains("Azimuth φ") && heat.contains("Elevation angle θ"), "{}", &heat[..500]);

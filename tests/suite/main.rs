@@ -26,6 +26,7 @@ mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
 mod cli_plos; // P_LoS studies as tables, documents and plots
+mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod regressions; // one test per bug
 mod layering; // data flows one way

@@ -3,6 +3,7 @@
 use super::{OutsideDomain, outside};
 use crate::error::{Error, Result};
 use crate::quantity::{counted, parse_number};
+use crate::scene::line_of;
 
 /// What the values of a [`UserCurve`] are given over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,13 +128,6 @@ impl UserCurve {
         let share = (at - x0) / (x1 - x0);
         Ok(p0 * (1.0 - share) + p1 * share)
     }
-}
-
-/// The line of a record: the reader gives the end of the record before it, ahead of comments and empty lines.
-fn line_of(text: &str, start: &csv::Position) -> u64 {
-    let rest = usize::try_from(start.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
-    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
-    start.line() + skipped.count() as u64
 }
 
 #[cfg(test)]

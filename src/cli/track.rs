@@ -1,0 +1,160 @@
+//! `skyshed link --track`: line of sight along a user's track.
+
+use std::path::Path;
+
+use super::args::LinkArgs;
+use super::link::check_extent;
+use super::plan::{input_paths, meters_per_unit, parse_uav, ready, receiver_height};
+use super::words::{pretty, title_of};
+use super::{interrupt, messages};
+use crate::coverage::{TrackState, Uav, along_track};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
+use crate::quantity::{counted, tidy};
+use crate::render::{self, TrackProfile, TrackStretch};
+use crate::report::TrackReport;
+use crate::scene::read_track;
+
+const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+
+/// More places than this are refused.
+const MOST_PLACES: f64 = 1e6;
+
+pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<()> {
+    let site = parse_uav(&args.uav, "1".into())?;
+    let rx_height = receiver_height(args.rx_height)?;
+    if args.every <= 0.0 {
+        return Err(Error::usage(113, format!("`--every` is `{}`, wanted above 0 m", args.every)));
+    }
+    if args.engine.radius.is_some() {
+        return Err(Error::usage(116, "`--radius` has no meaning together with `--track`"));
+    }
+    let inputs: Vec<_> = input_paths(&args.scene).into_iter().chain([path.to_path_buf()]).collect();
+    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let outputs = check_outputs(&args.output, rules)?;
+    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let places = read_track(path, scene.field.grid().crs())?;
+    let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
+    let unit = meters_per_unit(scene.field.grid());
+    if length * unit / args.every > MOST_PLACES {
+        let text = format!("cannot walk {} m of track in steps of {} m", tidy(length * unit), args.every);
+        return Err(Error::limit(502, text).with_hint("choose longer steps: `--every M`"));
+    }
+    let mut reach = 1.0_f64;
+    for place in &places {
+        check_extent(&scene, &site, (place[0], place[1]))?;
+        reach = reach.max((place[0] - site.x).abs()).max((place[1] - site.y).abs());
+    }
+    let uav = Uav::place(&site, &scene.field, Some(reach))?;
+    let track = along_track(&scene.field, &uav, &places, rx_height, args.every / unit);
+    let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
+    if n_outside > 0 {
+        let places = counted(n_outside as u64, "place", "places");
+        let text = format!(
+            "{places} of {} on the track hold no receiver: inside a building, or without a ground",
+            track.points.len()
+        );
+        scene.warnings.push(Warning::new(202, text));
+    }
+    let report = TrackReport {
+        facts: scene.facts(command, "ray"),
+        rx_height_m: args.rx_height,
+        every_m: args.every,
+        uav: [uav.station.place.x, uav.station.place.y, uav.height_amsl_m()],
+        track,
+    };
+
+    interrupt::begin_writing();
+    let mut batch = Batch::new(args.out.overwrite);
+    for (path, format) in &outputs {
+        interrupt::check()?;
+        match format {
+            Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
+            Format::Csv => {
+                batch.add(path, &encode_table(&report)?)?;
+                batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
+            }
+            Format::Png | Format::Svg => {
+                let title = title_of(&format!("{}: line of sight along a track", scene.name));
+                batch.add(path, &picture(&title, &report, *format == Format::Svg)?)?;
+            }
+            _ => {}
+        }
+    }
+    batch.commit()?;
+    if !args.out.quiet {
+        messages::warnings(&scene.warnings);
+    }
+    if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+        messages::answer(&pretty(&report.document()))
+    } else {
+        messages::answer(&in_words(&report))
+    }
+}
+
+fn in_words(report: &TrackReport) -> String {
+    let length = |state| tidy(report.length_m(state));
+    let stretches = report.track.stretches.iter().filter(|s| s.state == TrackState::Nlos).count();
+    let share = report.share().map_or("undefined: no place holds a receiver".to_string(), |p| format!("{p:.4}"));
+    let mut text = format!(
+        "P_LoS along the track {share}: {} m with line of sight, {} m without in {}, the longest {} m\n",
+        length(TrackState::Los),
+        length(TrackState::Nlos),
+        counted(stretches as u64, "stretch", "stretches"),
+        tidy(report.longest_without_m())
+    );
+    if report.length_m(TrackState::NoReceiver) > 0.0 {
+        text += &format!("{} m without a receiver\n", length(TrackState::NoReceiver));
+    }
+    text
+}
+
+fn encode_table(report: &TrackReport) -> Result<Vec<u8>> {
+    let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in report.table() {
+        writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
+    }
+    writer.into_inner().map_err(|e| failed(e.to_string()))
+}
+
+/// Where the user has line of sight, and how high would be enough elsewhere.
+fn picture(title: &str, report: &TrackReport, as_vectors: bool) -> Result<Vec<u8>> {
+    let unit = report.facts.meters_per_unit;
+    let stretch = |s: &crate::coverage::Stretch| TrackStretch {
+        along_m: s.along.map(|along| along * unit),
+        los: match s.state {
+            TrackState::Los => Some(true),
+            TrackState::Nlos => Some(false),
+            TrackState::NoReceiver => None,
+        },
+    };
+    let stretches: Vec<TrackStretch> = report.track.stretches.iter().map(stretch).collect();
+    let enough = |p: &crate::coverage::TrackPoint| (p.along * unit, p.margin_m.map(|m| report.rx_height_m - m));
+    let enough: Vec<(f64, Option<f64>)> = report.track.points.iter().map(enough).collect();
+    let mut caption: Vec<String> = in_words(report).lines().map(str::to_string).collect();
+    caption.push(format!(
+        "UAV at ({}, {}), {} m above the datum; user {} m above ground; decided every {} m; skyshed {}",
+        tidy(report.uav[0]),
+        tidy(report.uav[1]),
+        tidy(report.uav[2]),
+        tidy(report.rx_height_m),
+        tidy(report.every_m),
+        env!("CARGO_PKG_VERSION")
+    ));
+    let profile = TrackProfile {
+        title,
+        caption: &caption,
+        length_m: report.track.points.last().map_or(0.0, |p| p.along * unit),
+        stretches: &stretches,
+        enough: &enough,
+        user_m: report.rx_height_m,
+    };
+    let provenance = [("skyshed".to_string(), report.provenance().to_string())];
+    let drawn = if as_vectors {
+        render::draw_track_profile_svg(&profile, &provenance).map(String::into_bytes)
+    } else {
+        render::draw_track_profile(&profile, &provenance)
+    };
+    drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
+}
