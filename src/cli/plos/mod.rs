@@ -1,8 +1,10 @@
 //! `skyshed plos`: P_LoS by every method, over generated and real cities.
 
 mod args;
+mod heat;
 mod methods;
 mod plot;
+mod plot_words;
 mod real;
 mod sweep;
 

@@ -1,17 +1,15 @@
 //! Which plot a study calls for: curves, or heat maps.
 
 use super::args::{PlosArgs, PlotArg};
+use super::heat::heat_maps;
+use super::plot_words::{axis_name, caption, city_name, groups, method_name, placement_words, title, value, words};
 use super::sweep::{Quantity, Sweeps};
-use crate::cli::words::{title_of, unbreakable};
+use crate::cli::words::unbreakable;
 use crate::error::{Error, Result};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::rayleigh_cdf;
-use crate::quantity::tidy;
-use crate::render::{
-    self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, HeatAxis, HeatPanel, HeatSheet, LineLook,
-};
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
 use crate::report::{PlosReport, PlosRow};
-use crate::scene::BuiltUp;
 
 /// What pictures need beside the report.
 #[derive(Debug, Default)]
@@ -24,11 +22,9 @@ pub(super) struct Facts {
 
 /// The most lines of a panel, and panels of a sheet.
 const MOST_LINES: usize = 24;
-const MOST_PANELS: usize = 12;
+pub(super) const MOST_PANELS: usize = 12;
 /// Fewer values than this along an axis make no heat map of their own accord.
 const FEWEST_FOR_HEAT: usize = 3;
-/// Iso-lines of P_LoS in heat maps.
-const LEVELS: [f64; 3] = [0.1, 0.5, 0.9];
 
 /// Draws the plot of a study.
 pub(super) fn draw(
@@ -63,216 +59,7 @@ pub(super) fn draw(
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
 }
 
-type Drawn = std::result::Result<Vec<u8>, String>;
-
-/// The values of a quantity in a row.
-fn value(row: &PlosRow, quantity: Quantity) -> Option<f64> {
-    match quantity {
-        Quantity::Theta => row.theta_deg,
-        Quantity::Distance => row.distance_m,
-        Quantity::Radius => row.radius_m,
-        Quantity::Phi => row.phi_deg,
-        Quantity::Height => Some(row.height_m),
-        Quantity::Gamma => row.built_up.map(|b| b.height_scale),
-        Quantity::Alpha => row.built_up.map(|b| b.built_up_ratio),
-        Quantity::Beta => row.built_up.map(|b| b.buildings_per_km2),
-    }
-}
-
-fn axis_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Theta => "Elevation angle θ [°]",
-        Quantity::Distance => "Ground distance [m]",
-        Quantity::Radius => "Radius of the area [m]",
-        Quantity::Phi => "Azimuth φ [°]",
-        Quantity::Height => "UAV height above ground [m]",
-        Quantity::Gamma => "Height scale γ [m]",
-        Quantity::Alpha => "Built-up ratio α",
-        Quantity::Beta => "Buildings per area β [1/km²]",
-    }
-}
-
-/// A value of a quantity as words, such as `γ = 15 m`.
-fn words(quantity: Quantity, v: f64) -> String {
-    let v = tidy(v);
-    let words = match quantity {
-        Quantity::Theta => format!("θ = {v}°"),
-        Quantity::Distance => format!("{v} m away"),
-        Quantity::Radius => format!("within {v} m"),
-        Quantity::Phi => format!("φ = {v}°"),
-        Quantity::Height => format!("UAV at {v} m"),
-        Quantity::Gamma => format!("γ = {v} m"),
-        Quantity::Alpha => format!("α = {v}"),
-        Quantity::Beta => format!("β = {v}/km²"),
-    };
-    unbreakable(&words)
-}
-
-/// The different values of a key, in the order of the rows.
-fn groups<K: PartialEq>(report: &PlosReport, key: &dyn Fn(&PlosRow) -> K) -> Vec<K> {
-    let mut found: Vec<K> = Vec::new();
-    for row in &report.rows {
-        let key = key(row);
-        if !found.contains(&key) {
-            found.push(key);
-        }
-    }
-    found
-}
-
-/// A city's name for readers: `itu:urban` is `Urban`.
-fn city_name(word: &str) -> String {
-    match word.strip_prefix("itu:") {
-        Some(name) if name.contains(',') => {
-            let parts: Vec<&str> = name.split(',').map(str::trim).collect();
-            match parts[..] {
-                [alpha, beta, gamma] => format!("α = {alpha}, β = {beta}/km², γ = {gamma} m"),
-                _ => name.to_string(),
-            }
-        }
-        Some(name) => {
-            let mut letters = name.chars();
-            letters.next().map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
-        }
-        None => word.rsplit(['/', '\\']).next().unwrap_or(word).to_string(),
-    }
-}
-
-/// Whether a city's word is its α, β, γ.
-fn is_numbers(word: &str) -> bool {
-    word.strip_prefix("itu:").is_some_and(|name| name.contains(','))
-}
-
-fn method_name<'a>(report: &'a PlosReport, id: &str) -> &'a str {
-    report.methods.iter().find(|m| m.id == id).map_or("", |m| m.name.as_str())
-}
-
-fn title(report: &PlosReport, varying: &[(Quantity, Vec<f64>)]) -> String {
-    let cities = groups(report, &|row| row.city.clone());
-    let is_swept = varying.iter().any(|(q, _)| matches!(q, Quantity::Alpha | Quantity::Beta | Quantity::Gamma));
-    let over = match &cities[..] {
-        // The numbers of the caption are those that stay.
-        [one] if is_swept && is_numbers(one) => String::new(),
-        [one] => format!(", {}", city_name(one)),
-        _ => String::new(),
-    };
-    let against: Vec<&str> = varying
-        .iter()
-        .map(|(q, _)| match q {
-            Quantity::Theta => "elevation angle",
-            Quantity::Distance => "distance",
-            Quantity::Radius => "radius",
-            Quantity::Phi => "azimuth",
-            Quantity::Height => "UAV height",
-            Quantity::Gamma => "γ",
-            Quantity::Alpha => "α",
-            Quantity::Beta => "β",
-        })
-        .collect();
-    let against = if against.is_empty() { String::new() } else { format!(" against {}", against.join(" and ")) };
-    unbreakable(&format!("P_LoS{against}{over}"))
-}
-
-/// What is the same for all rows, and where the numbers come from.
-fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool) -> Vec<String> {
-    let mut said: Vec<String> = Vec::new();
-    if let [height] = groups(report, &|r| r.height_m)[..] {
-        said.push(format!("UAV {} m above ground", tidy(height)));
-    }
-    if let [rx] = groups(report, &|r| r.rx_height_m)[..] {
-        said.push(format!("receivers {} m above ground", tidy(rx)));
-    }
-    let of_estimates = |key: &dyn Fn(&PlosRow) -> Option<&'static str>| -> Vec<&'static str> {
-        groups(report, key).into_iter().flatten().collect()
-    };
-    if let [users] = of_estimates(&|r| r.users)[..] {
-        said.push(format!("users: {users}"));
-    }
-    if let [placement] = of_estimates(&|r| r.placement)[..] {
-        said.push(format!("UAV {}", placement_words(placement)));
-    }
-    match of_estimates(&|r| r.uav_in_building)[..] {
-        ["nlos"] => said.push("UAVs inside buildings count as NLoS".into()),
-        ["excluded"] => said.push("UAVs inside buildings are left out".into()),
-        _ => {}
-    }
-    if let [Some(theta)] = groups(report, &|r| r.theta_deg)[..] {
-        said.push(format!("elevation angle {}°", tidy(theta)));
-    }
-    if let [Some(phi)] = groups(report, &|r| r.phi_deg)[..] {
-        said.push(format!("azimuth {}°", tidy(phi)));
-    }
-    let mut lines = vec![title_of(&said.join("; "))];
-    let mut cities: Vec<String> = Vec::new();
-    for city in groups(report, &|r| r.city.clone()) {
-        let is_generated = city.starts_with("itu:");
-        let own = |of: &dyn Fn(&BuiltUp) -> f64| -> Option<f64> {
-            let values = groups(report, &|r| r.built_up.as_ref().filter(|_| r.city == city).map(of));
-            let mut values = values.into_iter().flatten();
-            // What is swept is on an axis or in the legend.
-            values.next().filter(|_| values.next().is_none())
-        };
-        let alpha =
-            own(&|b| b.built_up_ratio).map(|v| if is_generated { format!("α = {v}") } else { format!("α = {v:.3}") });
-        let beta = own(&|b| b.buildings_per_km2)
-            .map(|v| if is_generated { format!("β = {}/km²", tidy(v)) } else { format!("β = {v:.0}/km²") });
-        let gamma = own(&|b| b.height_scale)
-            .map(|v| if is_generated { format!("γ = {} m", tidy(v)) } else { format!("γ = {v:.1} m (estimated)") });
-        let parameters = [alpha, beta, gamma].into_iter().flatten().collect::<Vec<_>>().join(", ");
-        if !parameters.is_empty() {
-            // A name that is made of them says no more, and would be wrong for what is swept.
-            let name = if is_numbers(&city) { String::new() } else { format!("{}: ", city_name(&city)) };
-            cities.push(unbreakable(&format!("{name}{parameters}")));
-        }
-    }
-    lines.push(cities.join("; "));
-    for real in &report.real_cities {
-        let mut line = format!(
-            "{}: {} UAV positions ({} inside buildings), {} blocks of {} m, engine {}",
-            city_name(&real.city),
-            real.positions.0,
-            real.positions.1,
-            real.blocks.0,
-            tidy(real.blocks.1),
-            real.engine
-        );
-        if let Some(fit) = &real.fit {
-            line += &format!(
-                "; {} buildings, γ = {:.2} ± {:.2} m, Kolmogorov–Smirnov distance {:.3}",
-                fit.heights.len(),
-                fit.built_up.height_scale,
-                fit.height_scale_error,
-                fit.distance
-            );
-        }
-        lines.push(unbreakable(&line));
-    }
-    if shows_intervals && report.rows.iter().any(|r| r.estimate().is_some_and(|e| e.interval.is_some())) {
-        lines.push(format!(
-            "Bands and bars: {} % intervals; seed {}; skyshed {}",
-            tidy(100.0 * report.confidence),
-            report.seed,
-            env!("CARGO_PKG_VERSION")
-        ));
-    } else {
-        lines.push(format!("skyshed {}", env!("CARGO_PKG_VERSION")));
-    }
-    lines.extend(facts.attributions.iter().cloned());
-    lines.retain(|line| !line.is_empty());
-    lines
-}
-
-fn placement_words(placement: &str) -> String {
-    match placement {
-        "anywhere" => "anywhere over the city".into(),
-        "rooftop" => "over a building".into(),
-        "street-center" | "crossroad-center" => {
-            format!("over the middle of a {}", placement.trim_end_matches("-center"))
-        }
-        "rooftop-center" => "over the middle of a building".into(),
-        other => format!("over a {other}"),
-    }
-}
+pub(super) type Drawn = std::result::Result<Vec<u8>, String>;
 
 /// A line of a plot before it is drawn.
 struct Line {
@@ -423,7 +210,7 @@ fn panel_sets(report: &PlosReport, others: &[(Quantity, Vec<f64>)], has_methods:
     groups(report, &|row| PanelSet { city: city(row), others: None })
 }
 
-fn too_many(n: usize, what: &str, most: usize) -> Error {
+pub(super) fn too_many(n: usize, what: &str, most: usize) -> Error {
     Error::usage(124, format!("cannot draw {n} {what}, wanted at most {most}"))
         .with_hint("sweep less in one run, or write the table alone: -o table.csv")
 }
@@ -554,74 +341,4 @@ impl FitLines {
             line("Rayleigh, most likely γ", LineLook::Dashed, 7, &self.rayleigh[..]),
         ]
     }
-}
-
-fn heat_maps(
-    report: &PlosReport,
-    varying: &[(Quantity, Vec<f64>)],
-    title: &str,
-    caption: &[String],
-    provenance: &[(String, String)],
-    as_vectors: bool,
-) -> Result<Drawn> {
-    // The angle or distance goes up, what it is compared with goes along.
-    let [(y, y_values), (x, x_values)] = varying else {
-        return Err(Error::internal(902, "a heat map was asked for without two axes"));
-    };
-    type Kind = (String, String, Option<&'static str>, Option<&'static str>);
-    let kind = |r: &PlosRow| -> Kind { (r.city.clone(), r.method.clone(), r.placement, r.users) };
-    let kinds = groups(report, &kind);
-    if kinds.len() > MOST_PANELS {
-        return Err(too_many(kinds.len(), "heat maps", MOST_PANELS));
-    }
-    let differ = |of: &dyn Fn(&Kind) -> String| {
-        let first = kinds.first().map(of);
-        kinds.iter().any(|k| Some(of(k)) != first)
-    };
-    let names_city = differ(&|k| k.0.clone());
-    let names_method = differ(&|k| k.1.clone());
-    let names_placement = differ(&|k| format!("{:?}", k.2));
-    let names_users = differ(&|k| format!("{:?}", k.3));
-    let panel = |kind_of: &Kind| {
-        let mut values: Vec<Option<f64>> = vec![None; x_values.len() * y_values.len()];
-        for row in report.rows.iter().filter(|r| kind(r) == *kind_of) {
-            let index = |values: &[f64], at: Option<f64>| {
-                at.and_then(|at| values.iter().position(|v| (v - at).abs() <= 1e-9 * v.abs().max(1.0)))
-            };
-            if let (Some(i), Some(j)) = (index(x_values, value(row, *x)), index(y_values, value(row, *y))) {
-                values[j * x_values.len() + i] = row.p_los();
-            }
-        }
-        let mut parts = Vec::new();
-        if names_city {
-            parts.push(city_name(&kind_of.0));
-        }
-        if names_method {
-            parts.push(method_name(report, &kind_of.1).to_string());
-        }
-        if names_placement {
-            parts.extend(kind_of.2.map(|p| format!("UAV {}", placement_words(p))));
-        }
-        if names_users {
-            parts.extend(kind_of.3.map(|u| format!("{u} users")));
-        }
-        (title_of(&parts.join(", ")), values)
-    };
-    let panels: Vec<(String, Vec<Option<f64>>)> = kinds.iter().map(panel).collect();
-    let sheet_panels: Vec<HeatPanel<'_>> = panels
-        .iter()
-        .map(|(title, values)| HeatPanel {
-            title,
-            x: HeatAxis { name: axis_name(*x), values: x_values },
-            y: HeatAxis { name: axis_name(*y), values: y_values },
-            values,
-        })
-        .collect();
-    let columns = if sheet_panels.len() > 4 { 3 } else { sheet_panels.len().min(2) };
-    let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns, levels: &LEVELS };
-    Ok(if as_vectors {
-        render::draw_heat_sheet_svg(&sheet, provenance).map(String::into_bytes)
-    } else {
-        render::draw_heat_sheet(&sheet, provenance)
-    })
 }
