@@ -289,7 +289,8 @@ pub(super) struct LinkArgs {
     /// Height of the receiver above ground [m], if `--rx` gives none
     #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
-    /// Side view of the link (.png, .svg) or its document (.json); of a track the clearance along it, and a table (.csv) too
+    /// Side view of the link (.png, .svg) or its document (.json); of a track a strip of line of sight below the height that
+    /// would be enough, its document, and a table (.csv)
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
