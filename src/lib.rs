@@ -45,6 +45,8 @@ pub mod height_field;
 
 pub mod los;
 
+pub mod zones;
+
 pub mod coverage;
 
 pub mod los_probability;

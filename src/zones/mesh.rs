@@ -1,0 +1,229 @@
+//! The open ground as triangles: a constrained Delaunay triangulation whose walls are split where a corner of another
+//! wall stands opposite.
+//!
+//! A long wall has no vertex where a street ends against it, and the triangles there would reach to its far ends. So
+//! the foot of every corner on the wall opposite becomes a vertex too, and the triangulation is made again until no foot
+//! is missing. After that the shortest way across a street from a corner is a side of a triangle.
+
+use std::collections::HashMap;
+
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+
+use super::outline::OpenGround;
+
+/// A foot this close to an end of its wall \[m\], or this share of its distance, is left out.
+const CLOSEST_FOOT_M: f64 = 0.25;
+const CLOSEST_FOOT_SHARE: f64 = 0.1;
+
+/// The most rounds of splitting walls. Each brings the feet of at least one corner per wall; a few suffice.
+const MOST_ROUNDS: usize = 8;
+
+/// Triangles of open ground.
+#[derive(Debug, Default)]
+pub(super) struct Mesh {
+    /// Vertices \[m\].
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) triangles: Vec<Triangle>,
+}
+
+/// A triangle, counterclockwise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    pub(super) corners: [usize; 3],
+    /// Side k runs from corner k to the next.
+    pub(super) sides: [Side; 3],
+}
+
+/// What lies beyond a side of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// A building.
+    Wall,
+    /// The end of the scene.
+    Frame,
+    /// More open ground: this triangle.
+    Open(usize),
+}
+
+impl Mesh {
+    /// The ends of a side.
+    pub(super) fn ends(&self, triangle: usize, side: usize) -> [[f64; 2]; 2] {
+        let corners = self.triangles[triangle].corners;
+        [self.points[corners[side]], self.points[corners[(side + 1) % 3]]]
+    }
+
+    /// Length of a side \[m\].
+    pub(super) fn length(&self, triangle: usize, side: usize) -> f64 {
+        let [a, b] = self.ends(triangle, side);
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    /// Middle of a side.
+    pub(super) fn middle(&self, triangle: usize, side: usize) -> [f64; 2] {
+        let [a, b] = self.ends(triangle, side);
+        [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])]
+    }
+
+    /// Triangulates open ground. What cannot be triangulated has no triangles.
+    pub(super) fn of(ground: &OpenGround) -> Mesh {
+        let mut outline = Outline::of(ground);
+        let n_corners = outline.points.len();
+        let Some(mut cdt) = outline.triangulated() else { return Mesh::default() };
+        for _ in 0..MOST_ROUNDS {
+            if !outline.split_at_feet(&cdt, n_corners) {
+                break;
+            }
+            match outline.triangulated() {
+                Some(finer) => cdt = finer,
+                None => break,
+            }
+        }
+        mesh_of(&cdt, ground.frame)
+    }
+}
+
+/// A vertex that knows its number.
+#[derive(Debug, Clone, Copy)]
+struct Vertex {
+    position: Point2<f64>,
+    index: usize,
+}
+
+impl HasPosition for Vertex {
+    type Scalar = f64;
+    fn position(&self) -> Point2<f64> {
+        self.position
+    }
+}
+
+type Cdt = ConstrainedDelaunayTriangulation<Vertex>;
+
+/// Vertices and the edges of walls and frame between them.
+struct Outline {
+    points: Vec<[f64; 2]>,
+    edges: Vec<[usize; 2]>,
+}
+
+impl Outline {
+    fn of(ground: &OpenGround) -> Self {
+        let mut index: HashMap<[u64; 2], usize> = HashMap::new();
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        let mut edges = Vec::new();
+        for ring in &ground.rings {
+            let ids: Vec<usize> = ring
+                .iter()
+                .map(|p| {
+                    // Adding 0 makes −0 and 0 the same bits.
+                    *index.entry(p.map(|v| (v + 0.0).to_bits())).or_insert_with(|| {
+                        points.push(*p);
+                        points.len() - 1
+                    })
+                })
+                .collect();
+            let next = ids.iter().cycle().skip(1);
+            edges.extend(ids.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]));
+        }
+        Outline { points, edges }
+    }
+
+    /// The triangulation, `None` if an edge crosses another or there are too few vertices.
+    fn triangulated(&self) -> Option<Cdt> {
+        if self.points.len() < 3 {
+            return None;
+        }
+        let vertices = self.points.iter().enumerate();
+        let vertices = vertices.map(|(index, p)| Vertex { position: Point2::new(p[0], p[1]), index }).collect();
+        let mut conflict = false;
+        let cdt = Cdt::try_bulk_load_cdt(vertices, self.edges.clone(), |_| conflict = true).ok()?;
+        (!conflict).then_some(cdt)
+    }
+
+    /// Splits walls at the feet of the first `n_corners` vertices opposite; says whether there were any.
+    fn split_at_feet(&mut self, cdt: &Cdt, n_corners: usize) -> bool {
+        let is_open = open_faces(cdt);
+        let mut edges = Vec::with_capacity(self.edges.len() * 2);
+        let n_before = self.points.len();
+        for edge in cdt.undirected_edges().filter(|e| e.is_constraint_edge()) {
+            let [from, to] = edge.vertices().map(|v| v.data().index);
+            let (p, q) = (self.points[from], self.points[to]);
+            let along = [q[0] - p[0], q[1] - p[1]];
+            let length = along[0].hypot(along[1]);
+            let mut feet: Vec<f64> = Vec::new();
+            for side in [edge.as_directed(), edge.as_directed().rev()] {
+                let Some(apex) = side.opposite_vertex().map(|v| v.data().index) else { continue };
+                if apex >= n_corners || !is_open[side.face().fix().index()] {
+                    continue;
+                }
+                let a = self.points[apex];
+                let at = ((a[0] - p[0]) * along[0] + (a[1] - p[1]) * along[1]) / length;
+                let distance = ((a[0] - p[0]) * along[1] - (a[1] - p[1]) * along[0]).abs() / length;
+                let margin = CLOSEST_FOOT_M.max(CLOSEST_FOOT_SHARE * distance);
+                if at > margin && length - at > margin {
+                    feet.push(at);
+                }
+            }
+            feet.sort_unstable_by(f64::total_cmp);
+            feet.dedup_by(|b, a| *b - *a < CLOSEST_FOOT_M);
+            let mut last = from;
+            for at in feet {
+                let t = at / length;
+                self.points.push([p[0] + t * along[0], p[1] + t * along[1]]);
+                edges.push([last, self.points.len() - 1]);
+                last = self.points.len() - 1;
+            }
+            edges.push([last, to]);
+        }
+        self.edges = edges;
+        self.points.len() > n_before
+    }
+}
+
+/// Which faces are open ground, by index: from the outside, each constraint edge that is crossed changes sides.
+fn open_faces(cdt: &Cdt) -> Vec<bool> {
+    let mut is_open = vec![false; cdt.num_all_faces()];
+    let mut is_met = vec![false; cdt.num_all_faces()];
+    is_met[cdt.outer_face().fix().index()] = true;
+    // A hull edge has the outer face on its left.
+    let mut queue: Vec<_> = cdt.convex_hull().map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
+    while let Some((face, here)) = queue.pop() {
+        if std::mem::replace(&mut is_met[face.index()], true) {
+            continue;
+        }
+        is_open[face.index()] = here;
+        let Some(triangle) = cdt.face(face).as_inner() else { continue };
+        let beyond = triangle.adjacent_edges();
+        queue.extend(beyond.map(|edge| (edge.rev().face().fix(), here != edge.is_constraint_edge())));
+    }
+    is_open
+}
+
+/// The triangles of open ground.
+fn mesh_of(cdt: &Cdt, frame: [f64; 4]) -> Mesh {
+    let is_open = open_faces(cdt);
+    let mut number = vec![usize::MAX; cdt.num_all_faces()];
+    let faces = || cdt.inner_faces().filter(|f| is_open[f.fix().index()]);
+    for (k, face) in faces().enumerate() {
+        number[face.fix().index()] = k;
+    }
+    let mut points = vec![[0.0; 2]; cdt.num_vertices()];
+    for vertex in cdt.vertices() {
+        points[vertex.fix().index()] = [vertex.position().x, vertex.position().y];
+    }
+    #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
+    let on_frame = |a: [f64; 2], b: [f64; 2]| (0..4).any(|k| a[k % 2] == frame[k] && b[k % 2] == frame[k]);
+    let triangles = faces()
+        .map(|face| {
+            let edges = face.adjacent_edges();
+            let sides = edges.map(|edge| {
+                let [a, b] = [edge.from(), edge.to()].map(|v| points[v.fix().index()]);
+                match number[edge.rev().face().fix().index()] {
+                    k if k != usize::MAX && !edge.is_constraint_edge() => Side::Open(k),
+                    _ if on_frame(a, b) => Side::Frame,
+                    _ => Side::Wall,
+                }
+            });
+            Triangle { corners: edges.map(|edge| edge.from().fix().index()), sides }
+        })
+        .collect();
+    Mesh { points, triangles }
+}

@@ -1,0 +1,156 @@
+//! Zones.
+
+mod grid;
+mod cell_outline;
+mod outline;
+mod mesh;
+mod crossings;
+mod open_space;
+
+use crate::height_field::HeightField;
+use crate::raster::GeoRef;
+use crate::scene::BuiltUp;
+
+/// What a place in a city is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Zone {
+    /// Open ground that is neither of the next two.
+    Street,
+    /// Where three or more streets meet.
+    Crossroad,
+    /// Open ground that one block encloses.
+    Courtyard,
+    /// A building.
+    Rooftop,
+}
+
+/// The code of a cell without a zone: nodata, or a surface model alone, in which no building is known.
+pub const NONE: u8 = 0;
+
+impl Zone {
+    /// All zones in the order of their codes.
+    pub const ALL: [Zone; 4] = [Zone::Street, Zone::Crossroad, Zone::Courtyard, Zone::Rooftop];
+
+    /// The word for it in tables and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Zone::Street => "street",
+            Zone::Crossroad => "crossroad",
+            Zone::Courtyard => "courtyard",
+            Zone::Rooftop => "rooftop",
+        }
+    }
+
+    /// The zone of a word.
+    pub fn named(name: &str) -> Option<Zone> {
+        Zone::ALL.into_iter().find(|zone| zone.name() == name)
+    }
+
+    /// Its number in rasters, from 1.
+    pub fn code(self) -> u8 {
+        match self {
+            Zone::Street => 1,
+            Zone::Crossroad => 2,
+            Zone::Courtyard => 3,
+            Zone::Rooftop => 4,
+        }
+    }
+
+    /// The zone with this number; [`NONE`] and numbers above 4 are none.
+    pub fn of_code(code: u8) -> Option<Zone> {
+        Zone::ALL.into_iter().find(|zone| zone.code() == code)
+    }
+}
+
+/// How the zones of a scene were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ZoneBasis {
+    /// By construction: the streets of a generated city.
+    StreetGrid,
+    /// From the triangulation of the open ground.
+    OpenGround,
+    /// Not at all: a surface model alone does not say what is a building, so no cell has a zone.
+    Unknown,
+}
+
+/// The zone of every cell of the receivers' grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZoneMap {
+    grid: GeoRef,
+    codes: Vec<u8>,
+    basis: ZoneBasis,
+    counts: [u64; 4],
+}
+
+impl ZoneMap {
+    /// The zones of a scene: by construction for a generated city, whose parameters are `built_up`, from the open
+    /// ground for any other.
+    pub fn of(field: &HeightField, built_up: Option<&BuiltUp>) -> Self {
+        match built_up.filter(|_| field.prisms().is_some()) {
+            Some(built_up) => ZoneMap::new(field, grid::codes(field, built_up), ZoneBasis::StreetGrid),
+            None => ZoneMap::of_open_ground(field),
+        }
+    }
+
+    /// The zones of a scene from its open ground, whatever is known of how it was made.
+    pub fn of_open_ground(field: &HeightField) -> Self {
+        if field.is_surface_only() {
+            return ZoneMap::new(field, vec![NONE; field.grid().n_cells()], ZoneBasis::Unknown);
+        }
+        ZoneMap::new(field, open_space::codes(field), ZoneBasis::OpenGround)
+    }
+
+    fn new(field: &HeightField, codes: Vec<u8>, basis: ZoneBasis) -> Self {
+        let mut histogram = [0_u64; 5];
+        codes.iter().for_each(|code| histogram[usize::from(*code)] += 1);
+        let [_, counts @ ..] = histogram;
+        ZoneMap { grid: field.grid().clone(), codes, basis, counts }
+    }
+
+    /// The receivers' grid.
+    pub fn grid(&self) -> &GeoRef {
+        &self.grid
+    }
+
+    /// How the zones were found.
+    pub fn basis(&self) -> ZoneBasis {
+        self.basis
+    }
+
+    /// [`Zone::code`] of every cell or [`NONE`], shape `[n_rows, n_cols]`, row 0 north, columns running fastest.
+    pub fn codes(&self) -> &[u8] {
+        &self.codes
+    }
+
+    /// The zone of a cell.
+    ///
+    /// # Panics
+    /// If the cell is outside the grid.
+    pub fn of_cell(&self, row: usize, col: usize) -> Option<Zone> {
+        assert!(col < self.grid.n_cols(), "a column of the grid");
+        Zone::of_code(self.codes[row * self.grid.n_cols() + col])
+    }
+
+    /// The zone at a world position \[CRS units\]: that of the cell that holds it, the one to its north-east on an edge;
+    /// `None` outside the grid.
+    pub fn at(&self, x: f64, y: f64) -> Option<Zone> {
+        let (east, north) = self.grid.cells_from_world(x, y);
+        let (n_cols, n_rows) = (self.grid.n_cols(), self.grid.n_rows());
+        if !(east >= 0.0 && north >= 0.0 && east < n_cols as f64 && north < n_rows as f64) {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
+        let (col, from_south) = (east as usize, north as usize);
+        self.of_cell(n_rows - 1 - from_south, col)
+    }
+
+    /// Number of cells in a zone.
+    pub fn count(&self, zone: Zone) -> u64 {
+        self.counts[usize::from(zone.code()) - 1]
+    }
+
+    /// Number of cells in no zone.
+    pub fn n_without(&self) -> u64 {
+        self.codes.len() as u64 - self.counts.iter().sum::<u64>()
+    }
+}
