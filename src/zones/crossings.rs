@@ -3,11 +3,16 @@
 //! The triangles and the gates between them are a graph. Short branches are cut off it; triangles where three gates
 //! remain are junctions, and between junctions run chains of triangles with two. See [`super`] for the definition.
 
+use std::collections::{BTreeMap, VecDeque};
+
 use super::Zone;
 use super::mesh::{Mesh, Side};
 
 /// A gate narrower than this \[m\] is no way through.
 const NARROWEST_PASSAGE_M: f64 = 1.0;
+
+/// A part of the open ground smaller than this \[m²\] that opens to another is a slit between walls, no yard.
+const SMALLEST_YARD_M2: f64 = 25.0;
 
 /// A branch shorter than this share of the width of its gate is cut off.
 const SHORTEST_BRANCH_WIDTHS: f64 = 1.0;
@@ -21,11 +26,23 @@ const MOUTH_SEARCH_WIDTHS: f64 = 0.5;
 /// Crossings whose mouths are closer than this share of their width are one.
 const SHORTEST_STREET_WIDTHS: f64 = 0.25;
 
+/// A mouth counts as a street only if it is this share of the second widest at the crossing.
+const NARROWEST_STREET_SHARE: f64 = 0.3;
+
+/// A mouth wider than this many typical streets opens to a park, a river or the outskirts.
+const WIDEST_STREET_TYPICAL: f64 = 4.0;
+
+/// A crossing larger than this many squares of its widest street is open ground.
+const LARGEST_CROSSING_WIDTHS2: f64 = 30.0;
+
+/// The same for the part of it at the frame, where what lies beyond is not known.
+const LARGEST_CROSSING_AT_FRAME_WIDTHS2: f64 = 2.0;
+
 /// The zone of each triangle.
 pub(super) fn zones_of(mesh: &Mesh) -> Vec<Zone> {
     let n = mesh.triangles.len();
     let mut gates = Gates::of(mesh);
-    let courtyards = courtyards(mesh, &gates);
+    let courtyards = courtyards(&gates);
     let pruned = gates.prune();
     let is_crossing = crossings(&gates, n);
     let mut zones: Vec<Zone> = (0..n)
@@ -98,7 +115,7 @@ impl<'a> Gates<'a> {
         let mut n_open: Vec<usize> = (0..n).map(|t| self.degree(t)).collect();
         // How far a branch reaches from the gate in question.
         let mut reach = vec![0.0_f64; n];
-        let mut queue: std::collections::VecDeque<usize> = (0..n).filter(|t| n_open[*t] == 1).collect();
+        let mut queue: VecDeque<usize> = (0..n).filter(|t| n_open[*t] == 1).collect();
         while let Some(t) = queue.pop_front() {
             let Some(gate) = (0..3).find(|side| open[t][*side]) else { continue };
             let Some((trunk, back)) = self.beyond(t, gate) else { continue };
@@ -177,22 +194,61 @@ struct Chain {
     end: Option<(usize, usize)>,
 }
 
-/// Which triangles are enclosed: no way leads from them to the frame.
-fn courtyards(mesh: &Mesh, gates: &Gates) -> Vec<bool> {
+/// Which triangles are enclosed: no way leads from them to the frame. A slit, enclosed only in part by walls and too
+/// small to stand in, is what it opens to.
+fn courtyards(gates: &Gates) -> Vec<bool> {
+    let mesh = gates.mesh;
     let n = mesh.triangles.len();
-    let mut is_enclosed = vec![true; n];
-    let mut queue: Vec<usize> = (0..n).filter(|t| mesh.triangles[*t].sides.contains(&Side::Frame)).collect();
-    queue.iter().for_each(|t| is_enclosed[*t] = false);
-    while let Some(t) = queue.pop() {
-        for side in (0..3).filter(|side| gates.is_live[t][*side]) {
-            if let Some((next, _)) = gates.beyond(t, side)
-                && std::mem::replace(&mut is_enclosed[next], false)
-            {
-                queue.push(next);
+    // Parts of the open ground that gates connect.
+    let mut part = vec![usize::MAX; n];
+    let mut parts: Vec<Part> = Vec::new();
+    for start in 0..n {
+        if part[start] != usize::MAX {
+            continue;
+        }
+        let number = parts.len();
+        let mut found = Part { area: 0.0, meets_frame: false, slits: Vec::new() };
+        let mut queue = vec![start];
+        part[start] = number;
+        while let Some(t) = queue.pop() {
+            found.area += mesh.area(t);
+            for side in 0..3 {
+                found.meets_frame |= mesh.triangles[t].sides[side] == Side::Frame;
+                match gates.beyond(t, side) {
+                    Some((next, _)) if !gates.is_live[t][side] => found.slits.push(next),
+                    Some((next, _)) if part[next] == usize::MAX => {
+                        part[next] = number;
+                        queue.push(next);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        parts.push(found);
+    }
+    let is_slit = |p: &Part| !p.meets_frame && !p.slits.is_empty() && p.area < SMALLEST_YARD_M2;
+    let mut is_enclosed: Vec<Option<bool>> = parts.iter().map(|p| (!is_slit(p)).then_some(!p.meets_frame)).collect();
+    // From the parts that are decided into the slits beside them, the widest parts first.
+    let mut queue: Vec<usize> = (0..parts.len()).filter(|k| is_enclosed[*k].is_some()).collect();
+    queue.sort_by(|a, b| parts[*b].area.total_cmp(&parts[*a].area));
+    let mut queue: VecDeque<usize> = queue.into();
+    while let Some(k) = queue.pop_front() {
+        for beside in parts[k].slits.iter().map(|t| part[*t]) {
+            if is_enclosed[beside].is_none() {
+                is_enclosed[beside] = is_enclosed[k];
+                queue.push_back(beside);
             }
         }
     }
-    is_enclosed
+    part.into_iter().map(|k| is_enclosed[k].unwrap_or(false)).collect()
+}
+
+/// A part of the open ground.
+struct Part {
+    area: f64,
+    meets_frame: bool,
+    /// Triangles beyond openings that are no way through.
+    slits: Vec<usize>,
 }
 
 /// Which triangles are crossings: junctions joined where the street between them is shorter than a share of its width,
@@ -201,7 +257,7 @@ fn crossings(gates: &Gates, n: usize) -> Vec<bool> {
     let mut groups = Groups::new(n);
     // Triangles between a junction and a mouth, and the mouths of each junction.
     let mut parts: Vec<(usize, usize)> = Vec::new();
-    let mut mouths: Vec<(usize, f64)> = Vec::new();
+    let mut mouths: Vec<(usize, (usize, usize))> = Vec::new();
     for junction in (0..n).filter(|t| gates.degree(*t) == 3) {
         for side in 0..3 {
             let chain = gates.chain(junction, side);
@@ -214,7 +270,7 @@ fn crossings(gates: &Gates, n: usize) -> Vec<bool> {
             let width = |k: usize| gates.mesh.length(chain.gates[k].0, chain.gates[k].1);
             let Some((end, _)) = chain.end else {
                 parts.extend(chain.triangles.iter().take(near).map(|t| (*t, junction)));
-                mouths.push((junction, width(near)));
+                mouths.push((junction, chain.gates[near]));
                 continue;
             };
             let far = last - gates.mouth(chain.gates.iter().rev().copied());
@@ -226,20 +282,70 @@ fn crossings(gates: &Gates, n: usize) -> Vec<bool> {
             } else {
                 parts.extend(chain.triangles.iter().take(near).map(|t| (*t, junction)));
                 parts.extend(chain.triangles.iter().skip(far).map(|t| (*t, end)));
-                mouths.extend([(junction, width(near)), (end, width(far))]);
+                mouths.extend([(junction, chain.gates[near]), (end, chain.gates[far])]);
             }
         }
     }
-    let mut n_mouths = vec![0_usize; n];
-    for (junction, _) in &mouths {
-        n_mouths[groups.root(*junction)] += 1;
+    let mut members = parts;
+    members.extend((0..n).filter(|t| gates.degree(*t) == 3).map(|t| (t, t)));
+    let mut regions: BTreeMap<usize, Region> = BTreeMap::new();
+    let mut regions_of: Vec<(usize, usize)> = Vec::with_capacity(members.len());
+    for (t, junction) in members {
+        let root = groups.root(junction);
+        let region = regions.entry(root).or_default();
+        let area = if gates.mesh.meets_frame(t) { &mut region.area_at_frame } else { &mut region.area };
+        *area += gates.mesh.area(t);
+        regions_of.push((t, root));
     }
-    let mut is_crossing: Vec<bool> =
-        (0..n).map(|t| gates.degree(t) == 3 && n_mouths[groups.root(t)] >= 3).collect();
-    for (t, junction) in parts {
-        is_crossing[t] |= is_crossing[junction];
+    let mut widths = Vec::new();
+    for (junction, (t, side)) in mouths {
+        let width = gates.mesh.length(t, side);
+        regions.entry(groups.root(junction)).or_default().mouths.push(width);
+        if !gates.mesh.meets_frame(t) {
+            widths.push(width);
+        }
+    }
+    let widest_street = WIDEST_STREET_TYPICAL * upper_quartile(widths);
+    let mut is_crossing = vec![false; n];
+    for (t, root) in regions_of {
+        let at_frame = gates.mesh.meets_frame(t);
+        is_crossing[t] |= regions.get(&root).is_some_and(|region| region.is_crossing(widest_street, at_frame));
     }
     is_crossing
+}
+
+/// Where streets meet, or a part of open ground that is too wide for that.
+#[derive(Debug, Default)]
+struct Region {
+    /// Of the triangles without a corner on the frame \[m²\].
+    area: f64,
+    /// Of the others \[m²\].
+    area_at_frame: f64,
+    /// Widths of its mouths \[m\].
+    mouths: Vec<f64>,
+}
+
+impl Region {
+    /// Whether the region, or the part of it at the frame, is a crossing.
+    fn is_crossing(&self, widest_street: f64, at_frame: bool) -> bool {
+        let mut streets: Vec<f64> = self.mouths.iter().copied().filter(|width| *width <= widest_street).collect();
+        streets.sort_unstable_by(|a, b| b.total_cmp(a));
+        let [widest, second, third, ..] = streets[..] else { return false };
+        let (area, most) = match at_frame {
+            true => (self.area_at_frame, LARGEST_CROSSING_AT_FRAME_WIDTHS2),
+            false => (self.area, LARGEST_CROSSING_WIDTHS2),
+        };
+        third >= NARROWEST_STREET_SHARE * second && area <= most * widest * widest
+    }
+}
+
+/// The value that a quarter of the values exceed; 0 if there are none.
+fn upper_quartile(mut values: Vec<f64>) -> f64 {
+    let at = values.len() * 3 / 4;
+    if at >= values.len() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 /// Disjoint sets with path halving.

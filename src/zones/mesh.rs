@@ -24,6 +24,8 @@ pub(super) struct Mesh {
     /// Vertices \[m\].
     pub(super) points: Vec<[f64; 2]>,
     pub(super) triangles: Vec<Triangle>,
+    /// West, south, east, north \[m\].
+    frame: [f64; 4],
 }
 
 /// A triangle, counterclockwise.
@@ -56,6 +58,19 @@ impl Mesh {
     pub(super) fn length(&self, triangle: usize, side: usize) -> f64 {
         let [a, b] = self.ends(triangle, side);
         (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    /// Area of a triangle \[m²\].
+    pub(super) fn area(&self, triangle: usize) -> f64 {
+        let [a, b, c] = self.triangles[triangle].corners.map(|corner| self.points[corner]);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0
+    }
+
+    /// Whether a corner of a triangle is on the frame.
+    pub(super) fn meets_frame(&self, triangle: usize) -> bool {
+        #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
+        let is_on_frame = |p: [f64; 2]| (0..4).any(|k| p[k % 2] == self.frame[k]);
+        self.triangles[triangle].corners.iter().any(|corner| is_on_frame(self.points[*corner]))
     }
 
     /// Middle of a side.
@@ -225,5 +240,5 @@ fn mesh_of(cdt: &Cdt, frame: [f64; 4]) -> Mesh {
             Triangle { corners: edges.map(|edge| edge.from().fix().index()), sides }
         })
         .collect();
-    Mesh { points, triangles }
+    Mesh { points, triangles, frame }
 }
