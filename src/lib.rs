@@ -1,8 +1,8 @@
 //! Exact line-of-sight coverage maps: what a hovering UAV can see of a city, cell by cell.
 //!
 //! Data flows one way through the modules, in this order: a **raster** or other file becomes a **scene**; a scene
-//! becomes a **height field**, what a ray can hit, on an integer lattice; **los** decides who sees whom, exactly;
-//! **coverage** makes maps of that; **render**, **export** and **report** turn maps into pictures, files and documents;
+//! becomes a **height field**, what a ray can hit, on an integer lattice; **los** decides who sees whom, exactly; **zones**
+//! tells streets, crossroads, courtyards and rooftops apart; **coverage** makes maps of that; **render**, **export** and **report** turn maps into pictures, files and documents;
 //! **cli** is the program.
 //!
 //! What line of sight means is written once, in [`los`].

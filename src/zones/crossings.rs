@@ -274,8 +274,7 @@ fn crossings(gates: &Gates, n: usize) -> Vec<bool> {
                 continue;
             };
             let far = last - gates.mouth(chain.gates.iter().rev().copied());
-            let between: f64 =
-                (near..far).map(|k| gates.distance(chain.gates[k], chain.gates[k + 1])).sum();
+            let between: f64 = (near..far).map(|k| gates.distance(chain.gates[k], chain.gates[k + 1])).sum();
             if near >= far || between < SHORTEST_STREET_WIDTHS * width(near).min(width(far)) {
                 groups.join(junction, end);
                 parts.extend(chain.triangles.iter().map(|t| (*t, junction)));
@@ -331,11 +330,10 @@ impl Region {
         let mut streets: Vec<f64> = self.mouths.iter().copied().filter(|width| *width <= widest_street).collect();
         streets.sort_unstable_by(|a, b| b.total_cmp(a));
         let [widest, second, third, ..] = streets[..] else { return false };
-        let (area, most) = match at_frame {
-            true => (self.area_at_frame, LARGEST_CROSSING_AT_FRAME_WIDTHS2),
-            false => (self.area, LARGEST_CROSSING_WIDTHS2),
-        };
-        third >= NARROWEST_STREET_SHARE * second && area <= most * widest * widest
+        let square = widest * widest;
+        let is_cut_large = self.area_at_frame > LARGEST_CROSSING_AT_FRAME_WIDTHS2 * square;
+        let is_outskirts = is_cut_large && (at_frame || self.area_at_frame > self.area);
+        third >= NARROWEST_STREET_SHARE * second && self.area <= LARGEST_CROSSING_WIDTHS2 * square && !is_outskirts
     }
 }
 

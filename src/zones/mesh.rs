@@ -199,7 +199,8 @@ fn open_faces(cdt: &Cdt) -> Vec<bool> {
     let mut is_met = vec![false; cdt.num_all_faces()];
     is_met[cdt.outer_face().fix().index()] = true;
     // A hull edge has the outer face on its left.
-    let mut queue: Vec<_> = cdt.convex_hull().map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
+    let mut queue: Vec<_> =
+        cdt.convex_hull().map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
     while let Some((face, here)) = queue.pop() {
         if std::mem::replace(&mut is_met[face.index()], true) {
             continue;

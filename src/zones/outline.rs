@@ -98,7 +98,8 @@ impl Outlines {
         let [west, south, east, north] = self.frame;
         let corners = [[west, south], [east, south], [east, north], [west, north]];
         let frame: Vec<IntPoint<i32>> = corners.iter().map(|c| IntPoint { x: c[0], y: c[1] }).collect();
-        let open = Overlay::<i32>::from_subj_and_clip(&frame, &blocks).overlay(OverlayRule::Difference, FillRule::NonZero);
+        let open =
+            Overlay::<i32>::from_subj_and_clip(&frame, &blocks).overlay(OverlayRule::Difference, FillRule::NonZero);
         let meters = |p: &IntPoint<i32>| [f64::from(p.x) * self.step_m[0], f64::from(p.y) * self.step_m[1]];
         let rings = open.iter().flatten().map(|ring| ring.iter().map(meters).collect()).collect();
         let [x_step, y_step] = self.step_m;
@@ -125,10 +126,7 @@ fn joined(rings: &[Vec<IntPoint<i32>>], rule: FillRule) -> Vec<Shape> {
 /// Area inside a ring \[steps²\].
 fn area(ring: &[IntPoint<i32>]) -> f64 {
     let next = ring.iter().cycle().skip(1);
-    let doubled: f64 = ring
-        .iter()
-        .zip(next)
-        .map(|(a, b)| f64::from(a.x) * f64::from(b.y) - f64::from(b.x) * f64::from(a.y))
-        .sum();
+    let doubled: f64 =
+        ring.iter().zip(next).map(|(a, b)| f64::from(a.x) * f64::from(b.y) - f64::from(b.x) * f64::from(a.y)).sum();
     doubled.abs() / 2.0
 }

@@ -5,13 +5,14 @@ use std::path::Path;
 
 /// The stages in order, each with the earlier stages that it may use. `error` and `quantity` are usable everywhere and
 /// use nothing.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("error", &[]),
     ("quantity", &[]),
     ("raster", &[]),
     ("scene", &["raster"]),
     ("height_field", &["raster", "scene"]),
     ("los", &["raster", "scene", "height_field"]),
+    ("zones", &["raster", "scene", "height_field"]),
     ("coverage", &["raster", "scene", "height_field", "los"]),
     ("los_probability", &["raster", "scene", "height_field", "los"]),
     ("render", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
@@ -21,7 +22,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
 ];
 
 /// Stages that do no I/O and read no clock and no environment.
-const PURE: [&str; 6] = ["quantity", "height_field", "los", "coverage", "los_probability", "render"];
+const PURE: [&str; 7] = ["quantity", "height_field", "los", "zones", "coverage", "los_probability", "render"];
 
 /// What a pure stage must not mention.
 const IMPURE: [&str; 6] = ["std::fs", "std::env", "std::time", "std::io::stdout", "std::net", "std::process"];

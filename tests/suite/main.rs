@@ -16,6 +16,7 @@ mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, e
 mod truth; // real cities against an independent engine's masks
 
 mod cities; // generated cities: golden hashes, statistics
+mod zones; // street, crossroad, courtyard, rooftop: drawn cases, and the triangulation against the construction
 mod models; // every published P_LoS model against its table of values
 mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
 mod intervals; // 95 % intervals cover 95 % of the time

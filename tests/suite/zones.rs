@@ -1,0 +1,437 @@
+//! Zones: drawn cases, the triangulation against the construction of generated cities, symmetry, real and random scenes.
+
+use std::path::Path;
+
+use skyshed::height_field::HeightField;
+use skyshed::quantity::Frame;
+use skyshed::raster::{GeoRef, Raster};
+use skyshed::scene::{
+    BuiltUp, BuiltUpCity, Footprint, FootprintFaults, FootprintOptions, Ground, Scene, Solids, even_odd,
+    read_footprints,
+};
+use skyshed::zones::{NONE, Zone, ZoneBasis, ZoneMap};
+
+use crate::support::Random;
+
+/// Lattice steps per meter.
+const STEPS: i32 = 1024;
+
+/// A scene of footprints on a grid of 1 m cells, `width` × `height` cells from the origin.
+fn vector_scene(rings: Vec<Vec<[i32; 2]>>, width: usize, height: usize) -> HeightField {
+    let grid = GeoRef::new((0.0, height as f64), (1.0, 1.0), (height, width), None).unwrap();
+    let footprints = rings
+        .into_iter()
+        .enumerate()
+        .map(|(k, ring)| Footprint { id: k.to_string(), polygons: even_odd(&[ring]).0, top: 10 * STEPS, base: 0 })
+        .collect();
+    let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
+    let solids = Solids::Vector { footprints, frame, ground: Ground::Flat(0), faults: FootprintFaults::default() };
+    HeightField::build(&grid, solids, &mut Vec::new())
+}
+
+/// A drawing whose letters are squares of 5 m: `#` is built; all else is open.
+fn drawn(rows: &[&str]) -> HeightField {
+    let (n_rows, n_cols) = (rows.len(), rows[0].len());
+    let at = |k: usize| i32::try_from(5 * k).unwrap() * STEPS;
+    let mut rings = Vec::new();
+    for (row, letters) in rows.iter().enumerate() {
+        for (col, _) in letters.bytes().enumerate().filter(|(_, letter)| *letter == b'#') {
+            let (west, east, south, north) = (at(col), at(col + 1), at(n_rows - 1 - row), at(n_rows - row));
+            rings.push(vec![[west, south], [east, south], [east, north], [west, north]]);
+        }
+    }
+    vector_scene(rings, 5 * n_cols, 5 * n_rows)
+}
+
+/// The same as a surface model of 1 m cells.
+fn drawn_as_raster(rows: &[&str]) -> HeightField {
+    let (n_rows, n_cols) = (rows.len() * 5, rows[0].len() * 5);
+    let grid = GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    let tops = (0..n_rows * n_cols)
+        .map(|k| if rows[k / n_cols / 5].as_bytes()[k % n_cols / 5] == b'#' { 10 * STEPS } else { 0 })
+        .collect();
+    let surface = Raster::new(grid.clone(), tops);
+    let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS };
+    HeightField::build(&grid, solids, &mut Vec::new())
+}
+
+/// Checks each square of a drawing: `#` rooftop, `.` street, `x` crossroad, `o` courtyard, ` ` is not looked at.
+fn check(rows: &[&str]) {
+    for (field, how) in [(drawn(rows), "footprints"), (drawn_as_raster(rows), "raster")] {
+        let map = ZoneMap::of(&field, None);
+        let seen: Vec<String> = (0..rows.len())
+            .map(|row| {
+                let letter = |col: usize| match map.of_cell(5 * row + 2, 5 * col + 2) {
+                    Some(Zone::Rooftop) => '#',
+                    Some(Zone::Street) => '.',
+                    Some(Zone::Crossroad) => 'x',
+                    Some(Zone::Courtyard) => 'o',
+                    None => '?',
+                };
+                (0..rows[0].len()).map(letter).collect()
+            })
+            .collect();
+        let agrees = |(a, b): (&&str, &String)| a.chars().zip(b.chars()).all(|(a, b)| a == ' ' || a == b);
+        assert!(rows.iter().zip(&seen).all(agrees), "{how}: found\n{}\nwanted\n{}", seen.join("\n"), rows.join("\n"));
+    }
+}
+
+#[test]
+fn streets_that_cross_make_a_crossroad_of_their_width() {
+    check(&[
+        "######..######",
+        "######..######",
+        "######..######",
+        "######..######",
+        "......xx......",
+        "......xx......",
+        "######..######",
+        "######..######",
+        "######..######",
+        "######..######",
+    ]);
+}
+
+#[test]
+fn a_street_that_ends_at_another_makes_a_crossroad_too() {
+    check(&[
+        "######################",
+        "######################",
+        "######################",
+        "..........xx..........",
+        "..........xx..........",
+        "##########..##########",
+        "##########..##########",
+        "##########..##########",
+        "##########..##########",
+        "##########..##########",
+    ]);
+}
+
+#[test]
+fn an_alley_is_a_street_and_a_recess_is_a_part_of_one() {
+    check(&[
+        "########################",
+        "########################",
+        "##########..############",
+        "##########..############",
+        "##########..############",
+        "##########..############",
+        "..........xx............",
+        "..........xx............",
+        "########################",
+        "########################",
+    ]);
+    check(&[
+        "########################",
+        "########################",
+        "##########....##########",
+        "........................",
+        "........................",
+        "########################",
+        "########################",
+    ]);
+}
+
+#[test]
+fn a_bend_is_no_crossroad() {
+    check(&[
+        "##################",
+        "##################",
+        "########..........",
+        "########..........",
+        "########..########",
+        "########..########",
+        "########..########",
+        "########..########",
+        "########..########",
+    ]);
+}
+
+#[test]
+fn a_yard_is_a_courtyard_only_if_nothing_leads_to_it() {
+    check(&[
+        "                ",
+        "                ",
+        "  ############  ",
+        "  ############  ",
+        "  ###oooooo###  ",
+        "  ###oooooo###  ",
+        "  ###oo##oo###  ",
+        "  ###oooooo###  ",
+        "  ############  ",
+        "  ############  ",
+        "                ",
+        "                ",
+    ]);
+    check(&[
+        "                ",
+        "                ",
+        "  ######.#####  ",
+        "  ######.#####  ",
+        "  ###......###  ",
+        "  ###......###  ",
+        "  ###......###  ",
+        "  ###......###  ",
+        "  ############  ",
+        "  ############  ",
+        "                ",
+        "                ",
+    ]);
+}
+
+#[test]
+fn a_square_where_streets_meet_is_one_crossroad_but_a_park_is_not() {
+    check(&[
+        "########..########",
+        "########..########",
+        "########..########",
+        "########..########",
+        "######xxxxxx######",
+        "######xxxxxx######",
+        "......xxxxxx......",
+        "......xxxxxx......",
+        "######xxxxxx######",
+        "######xxxxxx######",
+        "########..########",
+        "########..########",
+        "########..########",
+        "########..########",
+    ]);
+    let side = 60;
+    let wall: String = (0..side).map(|k| if (28..30).contains(&k) { '.' } else { '#' }).collect();
+    let inside: String = (0..side).map(|k| if (4..side - 4).contains(&k) { '.' } else { '#' }).collect();
+    let across: String = ".".repeat(side);
+    let rows: Vec<&str> = (0..side)
+        .map(|row| match row {
+            28..30 => across.as_str(),
+            row if (4..side - 4).contains(&row) => inside.as_str(),
+            _ => wall.as_str(),
+        })
+        .collect();
+    let map = ZoneMap::of(&drawn(&rows), None);
+    assert_eq!(map.at(150.0, 150.0), Some(Zone::Street));
+    assert_eq!(map.at(10.0, 155.0), Some(Zone::Street));
+}
+
+#[test]
+fn a_kiosk_in_a_street_does_not_divide_it() {
+    let ring = |west: i32, south: i32, east: i32, north: i32| {
+        vec![[west, south], [east, south], [east, north], [west, north]]
+            .into_iter()
+            .map(|p| p.map(|v| v * STEPS))
+            .collect()
+    };
+    let field = vector_scene(vec![ring(0, 0, 100, 30), ring(0, 50, 100, 80), ring(48, 38, 52, 42)], 100, 80);
+    let map = ZoneMap::of(&field, None);
+    assert_eq!((map.count(Zone::Crossroad), map.count(Zone::Courtyard)), (0, 0));
+    assert_eq!(map.at(50.0, 40.0), Some(Zone::Rooftop));
+}
+
+fn city(built_up: BuiltUp, size_m: f64) -> HeightField {
+    let scene = BuiltUpCity { built_up, size_m, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+/// Shares of open cells with the same zone: of all, and of those a period or more from the frame.
+fn agreement(a: &ZoneMap, b: &ZoneMap, margin: f64) -> (f64, f64) {
+    let (n_rows, n_cols) = (a.grid().n_rows(), a.grid().n_cols());
+    let mut counts = [[0_u64; 2]; 2];
+    for row in 0..n_rows {
+        for col in 0..n_cols {
+            let (ours, theirs) = (a.of_cell(row, col), b.of_cell(row, col));
+            assert_eq!(ours == Some(Zone::Rooftop), theirs == Some(Zone::Rooftop));
+            if ours == Some(Zone::Rooftop) {
+                continue;
+            }
+            let to_frame = row.min(col).min(n_rows - 1 - row).min(n_cols - 1 - col);
+            let same = usize::from(ours == theirs);
+            counts[0][same] += 1;
+            counts[1][same] += u64::from(to_frame as f64 >= margin);
+        }
+    }
+    let [all, inner] = counts.map(|[not, same]| same as f64 / (same + not).max(1) as f64);
+    (all, inner)
+}
+
+#[test]
+fn the_open_ground_of_generated_cities_has_the_zones_of_their_construction() {
+    let named = ["suburban", "urban", "dense", "highrise", "ghent"].map(|name| BuiltUp::named(name).unwrap());
+    let others = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+        .into_iter()
+        .flat_map(|alpha| [100.0, 300.0, 750.0, 2000.0].map(|beta| BuiltUp::new(alpha, beta, 15.0).unwrap()));
+    for built_up in named.into_iter().chain(others) {
+        let field = city(built_up, 400.0);
+        let truth = ZoneMap::of(&field, Some(&built_up));
+        let ours = ZoneMap::of_open_ground(&field);
+        assert_eq!((truth.basis(), ours.basis()), (ZoneBasis::StreetGrid, ZoneBasis::OpenGround));
+        let (all, inner) = agreement(&truth, &ours, built_up.period());
+        println!(
+            "{built_up}: s = {:.1} m, {:.2} % of open cells, {:.2} % away from the frame",
+            built_up.street_width(),
+            100.0 * all,
+            100.0 * inner
+        );
+        assert!(all >= 0.95, "{built_up}: {all}");
+        assert!(inner >= 0.995, "{built_up}: {inner}");
+    }
+}
+
+#[test]
+fn crossroads_of_a_generated_city_have_their_share_of_the_open_ground() {
+    let built_up = BuiltUp::named("urban").unwrap();
+    // Eleven whole periods, so that the shares are those of the unbounded grid.
+    let map = ZoneMap::of(&city(built_up, 11.0 * built_up.period()), Some(&built_up));
+    let (street, crossroad) = (map.count(Zone::Street) as f64, map.count(Zone::Crossroad) as f64);
+    let (s, t) = (built_up.street_width(), built_up.period());
+    assert!((crossroad / (street + crossroad) - s / (2.0 * t - s)).abs() < 0.01);
+    assert_eq!(map.at(1.0, 1.0), Some(Zone::Crossroad));
+    assert_eq!(map.at(1.0, t - 1.0), Some(Zone::Street));
+    assert_eq!(map.at(-1.0, 1.0), None);
+}
+
+/// Every cell is in the one zone that its kind allows.
+fn check_cells(field: &HeightField, map: &ZoneMap) {
+    let cells = field.cells();
+    let mut n_void = 0;
+    for row in 0..map.grid().n_rows() {
+        for col in 0..map.grid().n_cols() {
+            let zone = map.of_cell(row, col);
+            let (is_open, is_building) = (cells.open.contains(row, col), cells.building.contains(row, col));
+            assert_eq!(zone == Some(Zone::Rooftop), is_building);
+            assert_eq!(zone.is_some(), is_open || is_building);
+            n_void += u64::from(zone.is_none());
+        }
+    }
+    assert_eq!(map.count(Zone::Rooftop), cells.building.count());
+    assert_eq!(map.n_without(), n_void);
+    assert_eq!(map.codes().iter().filter(|code| **code == NONE).count() as u64, n_void);
+}
+
+fn munich() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    let options = FootprintOptions { cell_m: Some(2.0), ..FootprintOptions::default() };
+    read_footprints(&path, &options, &mut Vec::new()).unwrap()
+}
+
+fn build(scene: &Scene) -> HeightField {
+    HeightField::build(&scene.grid, scene.solids.clone(), &mut Vec::new())
+}
+
+#[test]
+fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
+    let field = build(&munich());
+    let map = ZoneMap::of(&field, None);
+    check_cells(&field, &map);
+    let open = field.cells().open.count() as f64;
+    let share = |zone: Zone| map.count(zone) as f64 / open;
+    assert!((0.05..0.3).contains(&share(Zone::Crossroad)), "{}", share(Zone::Crossroad));
+    assert!((0.05..0.2).contains(&share(Zone::Courtyard)), "{}", share(Zone::Courtyard));
+    for n_threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        assert_eq!(pool.install(|| ZoneMap::of(&build(&munich()), None)), map);
+    }
+}
+
+/// The share of cells with the same zone after a scene's footprints and its map went through `point` and `cell`.
+fn symmetry(scene: &Scene, point: impl Fn([i64; 2]) -> [i64; 2], cell: impl Fn(usize, usize) -> (usize, usize)) -> f64 {
+    let map = ZoneMap::of(&build(scene), None);
+    let mut other = scene.clone();
+    if let Solids::Vector { footprints, .. } = &mut other.solids {
+        for p in footprints.iter_mut().flat_map(|f| &mut f.polygons).flatten().flatten() {
+            *p = point(p.map(i64::from)).map(|v| i32::try_from(v).unwrap());
+        }
+    }
+    let twin = ZoneMap::of(&build(&other), None);
+    let (n_rows, n_cols) = (map.grid().n_rows(), map.grid().n_cols());
+    let same = (0..n_rows * n_cols).filter(|k| {
+        let (row, col) = cell(k / n_cols, k % n_cols);
+        map.of_cell(k / n_cols, k % n_cols) == twin.of_cell(row, col)
+    });
+    same.count() as f64 / (n_rows * n_cols) as f64
+}
+
+#[test]
+fn a_mirrored_or_turned_city_has_mirrored_or_turned_zones() {
+    let scene = munich();
+    let Solids::Vector { frame, .. } = &scene.solids else { panic!("footprints") };
+    let ends = |grid: &GeoRef| {
+        let (west, south) = frame.lattice_from_world(grid.x_min(), grid.y_min());
+        let (east, north) = frame.lattice_from_world(grid.x_max(), grid.y_max());
+        (west + east, south + north)
+    };
+    let (n_rows, n_cols) = (scene.grid.n_rows(), scene.grid.n_cols());
+    let (x_sum, y_sum) = ends(&scene.grid);
+    let mirrored = symmetry(&scene, |[x, y]| [x_sum - x, y], |row, col| (row, n_cols - 1 - col));
+    assert!(mirrored > 0.995, "{mirrored}");
+    let half_turn = symmetry(&scene, |[x, y]| [x_sum - x, y_sum - y], |row, col| (n_rows - 1 - row, n_cols - 1 - col));
+    assert!(half_turn > 0.995, "{half_turn}");
+    let built_up = BuiltUp::named("urban").unwrap();
+    let mut city = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+    city.built_up = None;
+    let quarter_turn = symmetry(&city, |[x, y]| [300 * i64::from(STEPS) - y, x], |row, col| (299 - col, row));
+    assert!(quarter_turn > 0.995, "{quarter_turn}");
+}
+
+#[test]
+fn no_footprints_make_it_stumble() {
+    let mut random = Random(11);
+    for round in 0..300 {
+        // Coarse positions make shared walls and touching corners; fine ones make slits and crossings.
+        let unit = random.choose(&[1, 37, 512, 1024, 4096]);
+        let n = random.within(0, 12);
+        let rings = (0..n)
+            .map(|_| {
+                let corners = random.within(3, 7);
+                (0..corners)
+                    .map(|_| [0, 1].map(|_| i32::try_from(random.within(-8, 48 * 1024 / unit) * unit).unwrap()))
+                    .collect()
+            })
+            .collect();
+        let field = vector_scene(rings, 40, random.index(1, 44));
+        let map = ZoneMap::of(&field, None);
+        check_cells(&field, &map);
+        assert_eq!(map, ZoneMap::of(&field, None), "round {round}");
+    }
+}
+
+#[test]
+fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
+    let mut random = Random(12);
+    for _ in 0..200 {
+        let (n_rows, n_cols) = (random.index(1, 20), random.index(1, 20));
+        let cell = random.choose(&[(1.0, 1.0), (0.25, 0.5), (30.0, 20.0)]);
+        let grid = GeoRef::new((-7.5, 100.0), cell, (n_rows, n_cols), None).unwrap();
+        let percent = random.choose(&[0, 20, 50, 80, 100]);
+        let heights: Vec<i32> = (0..n_rows * n_cols)
+            .map(|_| match random.chance(5) {
+                true => skyshed::quantity::VOID,
+                false => i32::from(random.chance(percent)) * 10 * STEPS,
+            })
+            .collect();
+        for ground in [Ground::Flat(0), Ground::Surface] {
+            let is_known = matches!(ground, Ground::Flat(_));
+            let surface = Raster::new(grid.clone(), heights.clone());
+            let field = HeightField::build(
+                &grid,
+                Solids::Raster { surface, ground, building_threshold: STEPS },
+                &mut Vec::new(),
+            );
+            let map = ZoneMap::of(&field, None);
+            if is_known {
+                check_cells(&field, &map);
+            } else {
+                assert_eq!((map.basis(), map.n_without()), (ZoneBasis::Unknown, map.codes().len() as u64));
+            }
+        }
+    }
+}
+
+#[test]
+fn zones_have_names_and_codes() {
+    for zone in Zone::ALL {
+        assert_eq!(Zone::named(zone.name()), Some(zone));
+        assert_eq!(Zone::of_code(zone.code()), Some(zone));
+    }
+    assert_eq!((Zone::of_code(NONE), Zone::of_code(9), Zone::named("park")), (None, None, None));
+}
