@@ -1,4 +1,54 @@
-//! Zones.
+//! Zones: which part of the city a place is in: street, crossroad, courtyard or rooftop.
+//!
+//! In a generated city the zones are known by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad
+//! is where both hold. Any other scene is read from its open ground, by the rules below; on generated cities they give
+//! back the construction for 95 % or more of the open cells (`tests/suite/zones.rs`).
+//!
+//! ```text
+//!  ######################################   #  block, two corners of which are A and B
+//!  ###ooooo##############################   o  courtyard
+//!  ###ooooo###########...################   .  street; above, a recess that is part of it
+//!  ###################...################
+//!  ..............A'------B'..............   A', B' feet of A and B on the wall opposite
+//!  ..............|xxx /xx|...............   x  crossroad: the triangles AA'B' and AB'B
+//!  ..............|xx /xxx|...............      between the mouths AA', BB' and AB
+//!  ##############A-------B###############
+//!  ##############|.......|###############
+//! ```
+//!
+//! 1. **Rooftop** is every building cell. Footprints that touch or overlap are one *block*; building cells of a raster
+//!    are outlined along their edges, and the outlines simplified to one cell. Free-standing blocks below 25 m² (kiosks,
+//!    sheds) keep their cells, but divide no street.
+//! 2. The ground between blocks, as far as the *frame* (the extent of the scene), is cut into triangles: the constrained
+//!    Delaunay triangulation of the corners and of their feet on the walls opposite. A side between two triangles, 1 m
+//!    or longer, is a *gate*.
+//! 3. **Courtyard** is a part of the ground from which no way through gates leads to the frame. A slit below 25 m² that
+//!    opens to other ground, but by no gate, is what it opens to.
+//! 4. A *branch*, ground that one gate separates and that holds no cycle, is cut off if it reaches less far from its
+//!    gate than the gate is wide, and is part of what it hangs on. A branch that ends at the frame is kept, because a
+//!    street goes on beyond it.
+//! 5. A triangle with three gates left is a *junction*; triangles with two form streets. From each gate of a junction the
+//!    street's *mouth* is looked for: the narrowest gate within half its own width of walking beyond it. The junction and
+//!    the ground as far as its mouths is a crossing, and crossings whose mouths are less than a quarter of their width
+//!    apart are one.
+//! 6. **Crossroad** is a crossing where three streets meet, the third at least 0.3 times as wide as the second: an alley
+//!    off an avenue makes none. So which diagonal the triangulation takes where corners lie on one circle does not matter.
+//! 7. **Street** is all other open ground: streets, alleys, dead ends, bends, yards with a way in.
+//!
+//! **Squares and parks.** A square where streets meet is a crossroad as a whole, as long as it is no larger than 30
+//! squares of its widest street's width: what makes a crossroad worth hovering over, sight into several streets, holds all
+//! over it. Larger open ground (parks, rivers, fields) is street, the zone of open ground without other claims. So is a
+//! mouth wider than four typical streets (the upper quartile of all mouths) no street.
+//!
+//! **The frame** is no wall of a building, but streets along it need another side, so it bounds their triangles; the edge
+//! street of a generated city crosses the others as anywhere. What a crossing covers of triangles at the frame may be two
+//! squares of its widest street's width; what is more, and what hangs on it, is taken for the outskirts, and is street.
+//!
+//! A surface model alone does not say what is a building: no cell of it has a zone.
+//!
+//! # References
+//! Prasad 1997 (chordal axis: triangles by their free sides, and cutting off short branches). Saboor et al. 2023 (the
+//! generated grid).
 
 mod grid;
 mod cell_outline;
