@@ -4,10 +4,13 @@
 //! A long wall has no vertex where a street ends against it, and the triangles there would reach to its far ends. So
 //! the foot of every corner on the wall opposite becomes a vertex too, and the triangulation is made again until no foot
 //! is missing. After that the shortest way across a street from a corner is a side of a triangle.
+//!
+//! Corners are integers, so that a corner which touches a wall lies exactly on it, and the triangulation splits the wall
+//! there; scaled to meters first, it would fall to either side, and edges would cross.
 
 use std::collections::HashMap;
 
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::outline::OpenGround;
 
@@ -17,6 +20,9 @@ const CLOSEST_FOOT_SHARE: f64 = 0.1;
 
 /// The most rounds of splitting walls. Each brings the feet of at least one corner per wall; a few suffice.
 const MOST_ROUNDS: usize = 8;
+
+/// The most further passes of the overlay where edges cross.
+const MOST_REPAIRS: usize = 3;
 
 /// Triangles of open ground.
 #[derive(Debug, Default)]
@@ -79,39 +85,41 @@ impl Mesh {
         [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])]
     }
 
-    /// Triangulates open ground. What cannot be triangulated has no triangles.
+    /// Triangulates open ground.
     pub(super) fn of(ground: &OpenGround) -> Mesh {
         let mut outline = Outline::of(ground);
+        let mut triangulated = outline.triangulated();
+        for _ in 0..MOST_REPAIRS {
+            if !matches!(triangulated, Some((_, Edges::Cross))) {
+                break;
+            }
+            outline = Outline::of(&ground.again());
+            triangulated = outline.triangulated();
+        }
+        // Should edges still cross, one of each two is left out.
+        let Some((mut cdt, edges)) = triangulated else { return Mesh::default() };
         let n_corners = outline.points.len();
-        let Some(mut cdt) = outline.triangulated() else { return Mesh::default() };
         for _ in 0..MOST_ROUNDS {
-            if !outline.split_at_feet(&cdt, n_corners) {
+            if edges == Edges::Cross || !outline.split_at_feet(&cdt, n_corners, ground.step_m) {
                 break;
             }
             match outline.triangulated() {
-                Some(finer) => cdt = finer,
-                None => break,
+                Some((finer, Edges::Apart)) => cdt = finer,
+                _ => break,
             }
         }
-        mesh_of(&cdt, ground.frame)
+        mesh_of(&cdt, ground)
     }
 }
 
-/// A vertex that knows its number.
-#[derive(Debug, Clone, Copy)]
-struct Vertex {
-    position: Point2<f64>,
-    index: usize,
+/// Whether edges of walls cross.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Edges {
+    Apart,
+    Cross,
 }
 
-impl HasPosition for Vertex {
-    type Scalar = f64;
-    fn position(&self) -> Point2<f64> {
-        self.position
-    }
-}
-
-type Cdt = ConstrainedDelaunayTriangulation<Vertex>;
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Vertices and the edges of walls and frame between them.
 struct Outline {
@@ -121,16 +129,15 @@ struct Outline {
 
 impl Outline {
     fn of(ground: &OpenGround) -> Self {
-        let mut index: HashMap<[u64; 2], usize> = HashMap::new();
+        let mut index: HashMap<[i32; 2], usize> = HashMap::new();
         let mut points: Vec<[f64; 2]> = Vec::new();
         let mut edges = Vec::new();
         for ring in &ground.rings {
             let ids: Vec<usize> = ring
                 .iter()
                 .map(|p| {
-                    // Adding 0 makes −0 and 0 the same bits.
-                    *index.entry(p.map(|v| (v + 0.0).to_bits())).or_insert_with(|| {
-                        points.push(*p);
+                    *index.entry(*p).or_insert_with(|| {
+                        points.push(p.map(f64::from));
                         points.len() - 1
                     })
                 })
@@ -141,44 +148,45 @@ impl Outline {
         Outline { points, edges }
     }
 
-    /// The triangulation, `None` if an edge crosses another or there are too few vertices.
-    fn triangulated(&self) -> Option<Cdt> {
+    /// The triangulation, whose vertices have the numbers of `points`, and whether edges cross; `None` if there are too
+    /// few vertices.
+    fn triangulated(&self) -> Option<(Cdt, Edges)> {
         if self.points.len() < 3 {
             return None;
         }
-        let vertices = self.points.iter().enumerate();
-        let vertices = vertices.map(|(index, p)| Vertex { position: Point2::new(p[0], p[1]), index }).collect();
-        let mut conflict = false;
-        let cdt = Cdt::try_bulk_load_cdt(vertices, self.edges.clone(), |_| conflict = true).ok()?;
-        (!conflict).then_some(cdt)
+        let vertices = self.points.iter().map(|p| Point2::new(p[0], p[1])).collect();
+        let mut found = Edges::Apart;
+        let cdt = Cdt::try_bulk_load_cdt(vertices, self.edges.clone(), |_| found = Edges::Cross).ok()?;
+        (cdt.num_vertices() == self.points.len()).then_some((cdt, found))
     }
 
     /// Splits walls at the feet of the first `n_corners` vertices opposite; says whether there were any.
-    fn split_at_feet(&mut self, cdt: &Cdt, n_corners: usize) -> bool {
+    fn split_at_feet(&mut self, cdt: &Cdt, n_corners: usize, step_m: f64) -> bool {
         let is_open = open_faces(cdt);
+        let closest = CLOSEST_FOOT_M / step_m;
         let mut edges = Vec::with_capacity(self.edges.len() * 2);
         let n_before = self.points.len();
         for edge in cdt.undirected_edges().filter(|e| e.is_constraint_edge()) {
-            let [from, to] = edge.vertices().map(|v| v.data().index);
+            let [from, to] = edge.vertices().map(|v| v.fix().index());
             let (p, q) = (self.points[from], self.points[to]);
             let along = [q[0] - p[0], q[1] - p[1]];
             let length = along[0].hypot(along[1]);
             let mut feet: Vec<f64> = Vec::new();
             for side in [edge.as_directed(), edge.as_directed().rev()] {
-                let Some(apex) = side.opposite_vertex().map(|v| v.data().index) else { continue };
+                let Some(apex) = side.opposite_vertex().map(|v| v.fix().index()) else { continue };
                 if apex >= n_corners || !is_open[side.face().fix().index()] {
                     continue;
                 }
                 let a = self.points[apex];
                 let at = ((a[0] - p[0]) * along[0] + (a[1] - p[1]) * along[1]) / length;
                 let distance = ((a[0] - p[0]) * along[1] - (a[1] - p[1]) * along[0]).abs() / length;
-                let margin = CLOSEST_FOOT_M.max(CLOSEST_FOOT_SHARE * distance);
+                let margin = closest.max(CLOSEST_FOOT_SHARE * distance);
                 if at > margin && length - at > margin {
                     feet.push(at);
                 }
             }
             feet.sort_unstable_by(f64::total_cmp);
-            feet.dedup_by(|b, a| *b - *a < CLOSEST_FOOT_M);
+            feet.dedup_by(|b, a| *b - *a < closest);
             let mut last = from;
             for at in feet {
                 let t = at / length;
@@ -214,7 +222,7 @@ fn open_faces(cdt: &Cdt) -> Vec<bool> {
 }
 
 /// The triangles of open ground.
-fn mesh_of(cdt: &Cdt, frame: [f64; 4]) -> Mesh {
+fn mesh_of(cdt: &Cdt, ground: &OpenGround) -> Mesh {
     let is_open = open_faces(cdt);
     let mut number = vec![usize::MAX; cdt.num_all_faces()];
     let faces = || cdt.inner_faces().filter(|f| is_open[f.fix().index()]);
@@ -223,8 +231,9 @@ fn mesh_of(cdt: &Cdt, frame: [f64; 4]) -> Mesh {
     }
     let mut points = vec![[0.0; 2]; cdt.num_vertices()];
     for vertex in cdt.vertices() {
-        points[vertex.fix().index()] = [vertex.position().x, vertex.position().y];
+        points[vertex.fix().index()] = [vertex.position().x, vertex.position().y].map(|v| v * ground.step_m);
     }
+    let frame = ground.frame.map(|v| f64::from(v) * ground.step_m);
     #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
     let on_frame = |a: [f64; 2], b: [f64; 2]| (0..4).any(|k| a[k % 2] == frame[k] && b[k % 2] == frame[k]);
     let triangles = faces()

@@ -12,8 +12,8 @@ use crate::quantity::STEPS_PER_UNIT;
 /// A free-standing block smaller than this \[m²\] (a kiosk, a shed) does not divide the street that it stands in.
 const SMALLEST_BLOCK_M2: f64 = 25.0;
 
-/// Lattice steps per cell for the outlines of rasters, so that edges which cross do so nearly on the lattice.
-const STEPS_PER_CELL: i32 = 64;
+/// Lattice steps along the longer side of a raster: 1024 or more per cell.
+const STEPS_PER_RASTER: f64 = (1 << 26) as f64;
 
 /// Blocks are clamped to this far from the origin \[steps\]; the overlay's integers are exact within it.
 const FARTHEST: i64 = 1 << 28;
@@ -21,24 +21,27 @@ const FARTHEST: i64 = 1 << 28;
 /// A polygon: its shell counterclockwise, then its holes clockwise.
 type Shape = Vec<Vec<IntPoint<i32>>>;
 
-/// The outlines of a scene on an integer lattice.
+/// The outlines of a scene on a lattice of equal steps along x and y. Cells need not be square, so their corners are
+/// rounded to it.
 pub(super) struct Outlines {
     blocks: Vec<Shape>,
     /// The extent of the scene \[steps\]: west, south, east, north.
     frame: [i32; 4],
-    /// Length of a lattice step along x and y \[m\].
-    step_m: [f64; 2],
+    /// Length of a lattice step \[m\].
+    step_m: f64,
     /// World position of the lattice's origin.
     origin: [f64; 2],
 }
 
-/// Open ground: polygons whose edges do not cross, and the frame around them, in meters from the lattice's origin.
+/// Open ground: polygons whose edges do not cross, and the frame around them, on the lattice.
 pub(super) struct OpenGround {
-    /// Rings, not closed; open ground lies inside by the even-odd rule.
-    pub(super) rings: Vec<Vec<[f64; 2]>>,
-    /// West, south, east, north.
-    pub(super) frame: [f64; 4],
-    /// World position of the origin \[CRS units\].
+    /// Rings, not closed: shells counterclockwise and holes clockwise.
+    pub(super) rings: Vec<Vec<[i32; 2]>>,
+    /// West, south, east, north \[steps\].
+    pub(super) frame: [i32; 4],
+    /// Length of a lattice step \[m\].
+    pub(super) step_m: f64,
+    /// World position of the lattice's origin \[CRS units\].
     pub(super) origin: [f64; 2],
 }
 
@@ -63,23 +66,27 @@ impl Outlines {
                 let (east, north) = lattice.lattice_from_world(grid.x_max(), grid.y_max());
                 let steps = f64::from(STEPS_PER_UNIT);
                 Outlines {
-                    blocks: joined(&rings, FillRule::NonZero),
+                    blocks: joined(&rings),
                     frame: [west, south, east, north].map(clamp),
-                    step_m: [lattice.unit_x / steps, lattice.unit_y / steps],
+                    step_m: lattice.unit_x / steps,
                     origin: [lattice.x_origin, lattice.y_origin],
                 }
             }
             _ => {
-                let corner = |k: usize| clamp(i64::try_from(k).unwrap_or(FARTHEST) * i64::from(STEPS_PER_CELL));
+                let width = grid.cell_width() * grid.n_cols() as f64;
+                let height = grid.cell_height() * grid.n_rows() as f64;
+                let step_m = width.max(height) / STEPS_PER_RASTER;
+                #[expect(clippy::cast_possible_truncation, reason = "at most 2^26")]
+                let corner = |k: usize, cell: f64| (k as f64 * cell / step_m).round() as i32;
+                let [x_at, y_at] = [grid.cell_width(), grid.cell_height()].map(|cell| move |k: usize| corner(k, cell));
                 let rings: Vec<Vec<IntPoint<i32>>> = rings_around(&field.cells().building)
                     .into_iter()
-                    .map(|ring| ring.into_iter().map(|[x, y]| point(corner(x), corner(y))).collect())
+                    .map(|ring| ring.into_iter().map(|[x, y]| point(x_at(x), y_at(y))).collect())
                     .collect();
-                let steps = f64::from(STEPS_PER_CELL);
                 Outlines {
-                    blocks: joined(&rings, FillRule::NonZero),
-                    frame: [0, 0, corner(grid.n_cols()), corner(grid.n_rows())],
-                    step_m: [grid.cell_width() / steps, grid.cell_height() / steps],
+                    blocks: joined(&rings),
+                    frame: [0, 0, x_at(grid.n_cols()), y_at(grid.n_rows())],
+                    step_m,
                     origin: [grid.x_min(), grid.y_min()],
                 }
             }
@@ -88,7 +95,7 @@ impl Outlines {
 
     /// The frame less the blocks that are large enough to divide a street.
     pub(super) fn open_ground(&self) -> OpenGround {
-        let step_m2 = self.step_m[0] * self.step_m[1];
+        let step_m2 = self.step_m * self.step_m;
         let blocks: Vec<Shape> = self
             .blocks
             .iter()
@@ -100,27 +107,28 @@ impl Outlines {
         let frame: Vec<IntPoint<i32>> = corners.iter().map(|c| IntPoint { x: c[0], y: c[1] }).collect();
         let open =
             Overlay::<i32>::from_subj_and_clip(&frame, &blocks).overlay(OverlayRule::Difference, FillRule::NonZero);
-        let meters = |p: &IntPoint<i32>| [f64::from(p.x) * self.step_m[0], f64::from(p.y) * self.step_m[1]];
-        let rings = open.iter().flatten().map(|ring| ring.iter().map(meters).collect()).collect();
-        let [x_step, y_step] = self.step_m;
-        OpenGround {
-            rings,
-            frame: [
-                f64::from(west) * x_step,
-                f64::from(south) * y_step,
-                f64::from(east) * x_step,
-                f64::from(north) * y_step,
-            ],
-            origin: self.origin,
-        }
+        let rings = open.iter().flatten().map(|ring| ring.iter().map(|p| [p.x, p.y]).collect()).collect();
+        OpenGround { rings, frame: self.frame, step_m: self.step_m, origin: self.origin }
     }
 }
 
-fn joined(rings: &[Vec<IntPoint<i32>>], rule: FillRule) -> Vec<Shape> {
+impl OpenGround {
+    /// The same after another pass of the overlay, where rounded crossings made edges cross anew.
+    pub(super) fn again(&self) -> OpenGround {
+        let ring = |ring: &Vec<[i32; 2]>| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect();
+        let rings: Vec<Vec<IntPoint<i32>>> = self.rings.iter().map(ring).collect();
+        let shapes = joined(&rings);
+        let rings = shapes.iter().flatten().map(|ring| ring.iter().map(|p| [p.x, p.y]).collect()).collect();
+        OpenGround { rings, ..*self }
+    }
+}
+
+/// The union of rings.
+fn joined(rings: &[Vec<IntPoint<i32>>]) -> Vec<Shape> {
     if rings.is_empty() {
         return Vec::new();
     }
-    Overlay::<i32>::from_subj(rings).overlay(OverlayRule::Subject, rule)
+    Overlay::<i32>::from_subj(rings).overlay(OverlayRule::Subject, FillRule::NonZero)
 }
 
 /// Area inside a ring \[steps²\].
