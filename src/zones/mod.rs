@@ -2,7 +2,8 @@
 //!
 //! In a generated city the zones are known by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad
 //! is where both hold. Any other scene is read from its open ground, by the rules below; on generated cities they give
-//! back the construction for 95 % or more of the open cells (`tests/suite/zones.rs`).
+//! back the construction for 95 % or more of the open cells, and for all that are a period or more from the edge; turned
+//! against the axes for 99.9 % as footprints, and for 90 % or more as a raster of 1 m cells (`tests/suite/zones.rs`).
 //!
 //! ```text
 //!  ######################################   #  block, two corners of which are A and B
@@ -135,6 +136,26 @@ pub struct ZoneMap {
 impl ZoneMap {
     /// The zones of a scene: by construction for a generated city, whose parameters are `built_up`, from the open
     /// ground for any other.
+    ///
+    /// Cost: a triangulation of all corners, and a few operations per cell; 0.1 s for 1000 buildings and 10^6 cells.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use skyshed::height_field::HeightField;
+    /// use skyshed::scene::{BuiltUp, BuiltUpCity};
+    /// use skyshed::zones::{Zone, ZoneMap};
+    ///
+    /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
+    /// let scene = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+    /// let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    /// let zones = ZoneMap::of(&field, scene.built_up.as_ref());
+    /// assert_eq!(zones.at(10.0, 10.0), Some(Zone::Crossroad));
+    /// assert_eq!(zones.at(10.0, 30.0), Some(Zone::Street));
+    /// assert_eq!(zones.at(30.0, 30.0), Some(Zone::Rooftop));
+    /// assert_eq!(zones.count(Zone::Courtyard), 0);
+    /// # Ok::<(), skyshed::Error>(())
+    /// ```
     pub fn of(field: &HeightField, built_up: Option<&BuiltUp>) -> Self {
         match built_up.filter(|_| field.prisms().is_some()) {
             Some(built_up) => ZoneMap::new(field, grid::codes(field, built_up), ZoneBasis::StreetGrid),

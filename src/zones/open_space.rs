@@ -13,7 +13,7 @@ pub(super) fn codes(field: &HeightField) -> Vec<u8> {
     let zones = zones_of(&mesh);
     let grid = field.grid();
     let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-    // Cell centers in meters from the origin of the mesh, in whose axes a raster's units are its cells.
+    // Cell centers in meters from the origin of the mesh.
     let xs: Vec<f64> = (0..n_cols).map(|col| grid.world_from_cell(0, col).0 - ground.origin[0]).collect();
     let ys: Vec<f64> = (0..n_rows).rev().map(|row| grid.world_from_cell(row, 0).1 - ground.origin[1]).collect();
     let mut codes = vec![NONE; grid.n_cells()];
@@ -44,8 +44,9 @@ pub(super) fn codes(field: &HeightField) -> Vec<u8> {
 fn fill(corners: [[f64; 2]; 3], xs: &[f64], ys: &[f64], mut visit: impl FnMut(usize, usize)) {
     let south = corners.iter().map(|c| c[1]).fold(f64::INFINITY, f64::min);
     let north = corners.iter().map(|c| c[1]).fold(f64::NEG_INFINITY, f64::max);
-    for k in ys.partition_point(|y| *y < south)..ys.partition_point(|y| *y < north) {
-        let y = ys[k];
+    let first = ys.partition_point(|y| *y < south);
+    let last = ys.partition_point(|y| *y < north);
+    for (k, &y) in ys.iter().enumerate().take(last).skip(first) {
         let (mut west, mut east) = (f64::INFINITY, f64::NEG_INFINITY);
         for side in 0..3 {
             let (a, b) = (corners[side], corners[(side + 1) % 3]);
