@@ -225,3 +225,17 @@ impl ZoneMap {
         self.codes.len() as u64 - self.counts.iter().sum::<u64>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zones_have_names_and_codes() {
+        for zone in Zone::ALL {
+            assert_eq!(Zone::named(zone.name()), Some(zone));
+            assert_eq!(Zone::of_code(zone.code()), Some(zone));
+        }
+        assert_eq!((Zone::of_code(NONE), Zone::of_code(9), Zone::named("park")), (None, None, None));
+    }
+}

@@ -43,21 +43,11 @@ fn drawn(rows: &[&str]) -> HeightField {
     vector_scene(rings, 5 * n_cols, 5 * n_rows)
 }
 
-/// The same as a surface model of 1 m cells.
-fn drawn_as_raster(rows: &[&str]) -> HeightField {
-    let (n_rows, n_cols) = (rows.len() * 5, rows[0].len() * 5);
-    let grid = GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
-    let tops = (0..n_rows * n_cols)
-        .map(|k| if rows[k / n_cols / 5].as_bytes()[k % n_cols / 5] == b'#' { 10 * STEPS } else { 0 })
-        .collect();
-    let surface = Raster::new(grid.clone(), tops);
-    let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS };
-    HeightField::build(&grid, solids, &mut Vec::new())
-}
-
 /// Checks each square of a drawing: `#` rooftop, `.` street, `x` crossroad, `o` courtyard, ` ` is not looked at.
 fn check(rows: &[&str]) {
-    for (field, how) in [(drawn(rows), "footprints"), (drawn_as_raster(rows), "raster")] {
+    let footprints = drawn(rows);
+    let raster = as_raster(&footprints, (1.0, 1.0));
+    for (field, how) in [(footprints, "footprints"), (raster, "raster")] {
         let map = ZoneMap::of(&field, None);
         let seen: Vec<String> = (0..rows.len())
             .map(|row| {
@@ -507,13 +497,4 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
             }
         }
     }
-}
-
-#[test]
-fn zones_have_names_and_codes() {
-    for zone in Zone::ALL {
-        assert_eq!(Zone::named(zone.name()), Some(zone));
-        assert_eq!(Zone::of_code(zone.code()), Some(zone));
-    }
-    assert_eq!((Zone::of_code(NONE), Zone::of_code(9), Zone::named("park")), (None, None, None));
 }
