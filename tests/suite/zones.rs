@@ -310,8 +310,7 @@ fn a_turned_generated_city_keeps_its_zones_as_footprints_and_as_a_raster() {
             (ZoneMap::of(&as_raster(&field, (1.0, 1.0)), None), "raster", 0.9),
         ] {
             let (mut n, mut n_same) = (0, 0);
-            let margin = 40;
-            for (row, col) in (margin..360 - margin).flat_map(|r| (margin..360 - margin).map(move |c| (r, c))) {
+            for (row, col) in (40..320).flat_map(|r| (40..320).map(move |c| (r, c))) {
                 if !field.cells().open.contains(row, col) {
                     continue;
                 }
