@@ -71,7 +71,7 @@ pub struct CityLink {
 }
 
 impl CitySimulator {
-    /// A simulator of `n_users` users per city and setting.
+    /// A simulator of `n_users` users per city and setting; 8 where the azimuth is given.
     ///
     /// # Errors
     /// Limit error (E502) if the cities would have more than 10^8 buildings.
@@ -136,7 +136,9 @@ impl CitySimulator {
             return None;
         }
         let z = height_of(setting.rx_height_m);
-        let n = f64::from(self.n_users);
+        // With a given azimuth there is one user in each octant; more would stand at the same places.
+        let n_users = if setting.phi_deg.is_some() { OCTANTS } else { self.n_users };
+        let n = f64::from(n_users);
         let user = |k: u32| {
             let azimuth = (f64::from(k) + draw.turn[0]) / n;
             // The golden section spreads distances evenly, whatever the number of users.
@@ -148,7 +150,7 @@ impl CitySimulator {
             let receiver = LatticePoint { x: steps(user[0]), y: steps(user[1]), z };
             setting.counts(grid.zone(user[0], user[1]), street).then_some(CityLink { receiver, uav })
         };
-        Some((0..self.n_users).filter_map(user).collect())
+        Some((0..n_users).filter_map(user).collect())
     }
 
     /// Counts what the UAV of a draw sees, setting by setting.
@@ -175,6 +177,9 @@ impl CitySimulator {
         (first..first + n).into_par_iter().map(|k| self.count(&CityDraw::new(seed, k))).collect()
     }
 }
+
+/// Directions that a given azimuth stands for: its mirror images, along either street.
+const OCTANTS: u32 = 8;
 
 /// 2/(1 + √5).
 const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_8;

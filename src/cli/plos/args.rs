@@ -110,7 +110,7 @@ pub(in crate::cli) struct PlosArgs {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..=1_000_000),
           help_heading = "Effort")]
     pub(in crate::cli) cities: u64,
-    /// Users on the circle, or in the area, of each city that `city` draws
+    /// Users on the circle, or in the area, of each city that `city` draws; with `--phi` 8, one in each octant
     #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(1..=1_000_000),
           help_heading = "Effort")]
     pub(in crate::cli) users_per_city: u32,
