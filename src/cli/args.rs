@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use super::plos::PlosArgs;
+use crate::zones::Zone;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
@@ -191,10 +192,40 @@ pub(super) enum Method {
 pub(super) enum ReceiversArg {
     /// All cells of open ground
     Ground,
+    /// Open ground that is neither crossroad nor courtyard
+    Street,
+    /// Where three or more streets meet
+    Crossroad,
+    /// Open ground that buildings enclose
+    Courtyard,
     /// Building cells, standing on the roof
     Roof,
     /// Both
     All,
+}
+
+impl ReceiversArg {
+    /// As it is typed.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            ReceiversArg::Ground => "ground",
+            ReceiversArg::Street => "street",
+            ReceiversArg::Crossroad => "crossroad",
+            ReceiversArg::Courtyard => "courtyard",
+            ReceiversArg::Roof => "roof",
+            ReceiversArg::All => "all",
+        }
+    }
+
+    /// The zone that it restricts open ground to, if it does.
+    pub(super) fn zone(self) -> Option<Zone> {
+        match self {
+            ReceiversArg::Street => Some(Zone::Street),
+            ReceiversArg::Crossroad => Some(Zone::Crossroad),
+            ReceiversArg::Courtyard => Some(Zone::Courtyard),
+            ReceiversArg::Ground | ReceiversArg::Roof | ReceiversArg::All => None,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -9,7 +9,7 @@ use super::words::{pretty, unbreakable};
 use super::{messages, plan};
 use crate::coverage::{Control, HeightCurve, SiteCoverage};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Format, OutputRules, check_outputs, with_suffix};
+use crate::export::{Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::raster::Crs;
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
@@ -148,12 +148,7 @@ impl Curves<'_> {
         match format {
             Format::Json => one(pretty(&self.report.document()).into_bytes()),
             Format::Csv => {
-                let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
-                let mut writer = csv::Writer::from_writer(Vec::new());
-                for row in self.report.table() {
-                    writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
-                }
-                let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
+                let bytes = encode_table(&self.report.table())?;
                 let sidecar = pretty(&self.report.provenance()).into_bytes();
                 Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
             }

@@ -16,12 +16,15 @@ use crate::coverage::{
     Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, Receivers, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs};
+use crate::export::{
+    Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs, encode_table,
+};
+use crate::height_field::HeightField;
 use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
-use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest};
+use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest, zone_tallies};
 use crate::scene::{Site, read_sites};
 
 /// Formats of `skyshed map`.
@@ -77,18 +80,21 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
-    if scene.field.is_surface_only() && args.receivers == ReceiversArg::Roof {
-        return Err(Error::usage(117, "`--receivers roof` with a surface model alone: no roof is known")
-            .with_hint("give `--terrain FILE` or `--ground Z`"));
-    }
+    check_receivers(args.receivers, &scene.field)?;
+    // Zones cost as much as a map: they are found where a table or a document tells them.
+    let tells_zones = args.out.json
+        || args.receivers.zone().is_some()
+        || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout));
+    let zones = if tells_zones { scene.zones() } else { None };
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
     let options = MapOptions {
         rx_height,
         receivers: match args.receivers {
-            ReceiversArg::Ground => Receivers::Ground,
             ReceiversArg::Roof => Receivers::Roof,
             ReceiversArg::All => Receivers::All,
+            _ => Receivers::Ground,
         },
+        within: args.receivers.zone().and_then(|zone| zones.as_ref().map(|zones| zones.cells(zone))),
         radius,
         meters_per_unit: meters_per_unit(scene.field.grid()),
         layers: HeightLayers {
@@ -132,8 +138,12 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let mut digest = MaskDigest::new(scene.field.grid());
+    let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
     let ManyMaps { sites: coverages, overlay } = messages::with_progress(&control, total, args.out.quiet, || {
-        mapper.map_many(&uavs, keeps_masks, &control, |site| digest.add(&site.mask))
+        mapper.map_many(&uavs, keeps_masks, &control, |site| {
+            digest.add(&site.mask);
+            facts.push(SiteFacts::of(site, zones.as_ref()));
+        })
     })?;
     let (method, why) = mapper.method();
     drop(mapper);
@@ -146,13 +156,13 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let report = MapReport {
         facts: scene.facts(command, method.name()),
         rx_height_m: args.rx_height,
-        receivers: match args.receivers {
-            ReceiversArg::Ground => "ground",
-            ReceiversArg::Roof => "roof",
-            ReceiversArg::All => "all",
-        },
+        receivers: args.receivers.name(),
         radius_m,
-        sites: coverages.iter().map(SiteFacts::of).collect(),
+        union_zones: match (&overlay, facts.as_slice()) {
+            (None, [only]) => only.zones,
+            (overlay, _) => overlay.as_ref().and_then(|o| zones.as_ref().map(|zones| zone_tallies(zones, o.union()))),
+        },
+        sites: facts,
         union: match (&overlay, coverages.as_slice()) {
             (None, [only]) => only.tally,
             (overlay, _) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),
@@ -195,6 +205,16 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&report.document(Some(scene.timing))))?;
+    }
+    Ok(())
+}
+
+/// Roofs and zones are known only where buildings are.
+pub(super) fn check_receivers(receivers: ReceiversArg, field: &HeightField) -> Result<()> {
+    if field.is_surface_only() && (receivers == ReceiversArg::Roof || receivers.zone().is_some()) {
+        let what = if receivers == ReceiversArg::Roof { "roof" } else { "zone" };
+        let text = format!("`--receivers {}` with a surface model alone: no {what} is known", receivers.name());
+        return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
     }
     Ok(())
 }
@@ -304,14 +324,7 @@ impl Writer<'_> {
             Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
             Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
             Format::Csv => {
-                let mut writer = csv::Writer::from_writer(Vec::new());
-                for row in self.report.table() {
-                    writer
-                        .write_record(&row)
-                        .map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
-                }
-                let bytes =
-                    writer.into_inner().map_err(|e| Error::internal(402, format!("cannot encode a table: {e}")))?;
+                let bytes = encode_table(&self.report.table())?;
                 let sidecar = crate::export::with_suffix(path, ".json");
                 Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
             }
@@ -399,6 +412,9 @@ impl Writer<'_> {
         let (receivers_name, others_name) = match self.args.receivers {
             _ if self.scene.field.is_surface_only() => ("surface cells", "Nodata"),
             ReceiversArg::Ground => ("open-ground cells", "Buildings"),
+            ReceiversArg::Street => ("street cells", "Other cells"),
+            ReceiversArg::Crossroad => ("crossroad cells", "Other cells"),
+            ReceiversArg::Courtyard => ("courtyard cells", "Other cells"),
             ReceiversArg::Roof => ("roof cells", "Open ground"),
             ReceiversArg::All => ("cells", "Nodata"),
         };
@@ -526,9 +542,9 @@ impl Writer<'_> {
         };
         let stands = match self.args.receivers {
             _ if self.scene.field.is_surface_only() => "the surface",
-            ReceiversArg::Ground => "ground",
             ReceiversArg::Roof => "roofs",
             ReceiversArg::All => "ground and roofs",
+            _ => "ground",
         };
         let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
         let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));

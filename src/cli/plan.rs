@@ -12,9 +12,10 @@ use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions, read_footprints,
-    read_surface,
+    BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions,
+    read_footprints, read_surface,
 };
+use crate::zones::{ZoneBasis, ZoneMap};
 
 /// A scene ready for rays, and what is known about where it came from.
 #[derive(Debug)]
@@ -24,6 +25,7 @@ pub(super) struct Ready {
     pub(super) sources: Vec<Source>,
     /// Whom pictures must credit.
     pub(super) attribution: Option<String>,
+    pub(super) built_up: Option<BuiltUp>,
     pub(super) seed: Option<u64>,
     pub(super) warnings: Vec<Warning>,
     pub(super) timing: Timing,
@@ -169,7 +171,16 @@ pub(super) fn ready(args: &SceneArgs, most: Option<u64>) -> Result<Ready> {
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);
-    Ok(Ready { name, field, sources, attribution, seed, warnings, timing: Timing { read, build, ..Timing::default() } })
+    Ok(Ready {
+        name,
+        field,
+        sources,
+        attribution,
+        built_up,
+        seed,
+        warnings,
+        timing: Timing { read, build, ..Timing::default() },
+    })
 }
 
 impl Ready {
@@ -185,6 +196,11 @@ impl Ready {
             seed: self.seed,
             warnings: self.warnings.clone(),
         }
+    }
+
+    /// The zones of the scene; none where no building is known.
+    pub(super) fn zones(&self) -> Option<ZoneMap> {
+        Some(ZoneMap::of(&self.field, self.built_up.as_ref())).filter(|zones| zones.basis() != ZoneBasis::Unknown)
     }
 
     /// A length in meters as CRS units.

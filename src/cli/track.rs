@@ -9,7 +9,7 @@ use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::{TrackState, Uav, along_track};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::quantity::{counted, tidy};
 use crate::render::{self, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
         match format {
             Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
             Format::Csv => {
-                batch.add(path, &encode_table(&report)?)?;
+                batch.add(path, &encode_table(&report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
             }
             Format::Png | Format::Svg => {
@@ -107,15 +107,6 @@ fn in_words(report: &TrackReport) -> String {
         text += &format!("{} m without a receiver\n", length(TrackState::NoReceiver));
     }
     text
-}
-
-fn encode_table(report: &TrackReport) -> Result<Vec<u8>> {
-    let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in report.table() {
-        writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
-    }
-    writer.into_inner().map_err(|e| failed(e.to_string()))
 }
 
 /// Where the user has line of sight, and how high would be enough elsewhere.

@@ -33,6 +33,8 @@ pub struct MapOptions {
     pub rx_height: i32,
     /// Which cells hold receivers.
     pub receivers: Receivers,
+    /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
+    pub within: Option<BitGrid>,
     /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,
     /// Length of a CRS unit \[m\], for elevation angles.
@@ -49,6 +51,7 @@ impl Default for MapOptions {
         MapOptions {
             rx_height: 3 * STEPS_PER_UNIT / 2,
             receivers: Receivers::Ground,
+            within: None,
             radius: None,
             meters_per_unit: 1.0,
             layers: HeightLayers::default(),
@@ -84,6 +87,15 @@ pub struct SiteCoverage {
     pub least_height: Option<Vec<f32>>,
     /// Counts.
     pub tally: Tally,
+}
+
+/// What a UAV sees, as sets of cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Seen {
+    /// The receivers in range.
+    pub receivers: BitGrid,
+    /// Those in line of sight.
+    pub los: BitGrid,
 }
 
 /// Progress out of, and the wish to stop into, a running map.
@@ -127,8 +139,12 @@ impl<'a> Mapper<'a> {
                 .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
         })?;
         let cells = field.cells();
-        let ground = || GridReceivers::new(cells.open.clone(), field.ground_of_cells(), options.rx_height);
-        let roof = || GridReceivers::new(cells.building.clone(), field.roof_of_cells(), options.rx_height);
+        let within = |cells: &BitGrid| match &options.within {
+            Some(within) => cells.clone().and(within),
+            None => cells.clone(),
+        };
+        let ground = || GridReceivers::new(within(&cells.open), field.ground_of_cells(), options.rx_height);
+        let roof = || GridReceivers::new(within(&cells.building), field.roof_of_cells(), options.rx_height);
         let receivers = match options.receivers {
             Receivers::Ground => vec![ground()],
             Receivers::Roof => vec![roof()],
@@ -157,6 +173,18 @@ impl<'a> Mapper<'a> {
         self.receivers.iter().fold((0, 0), |sum, receivers| {
             let (wanted, los) = self.decide(uav, receivers, &range);
             (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
+        })
+    }
+
+    /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
+    pub fn seen(&self, uav: &Uav) -> Seen {
+        let grid = self.field.grid();
+        let range = Range::of(grid, uav, self.options.radius);
+        let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
+        self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
+            let (wanted, los) = self.decide(uav, receivers, &range);
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
+            Seen { receivers: sum.receivers.or(wanted), los: sum.los.or(&los) }
         })
     }
 

@@ -17,7 +17,7 @@ mod uav;
 pub use height_curve::HeightCurve;
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
-pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, map_site};
+pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, map_site};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
 pub use uav::{Placement, Uav};

@@ -67,8 +67,12 @@ impl Tally {
     /// Counts a mask, without elevation bands.
     pub fn of_mask(mask: &[u8]) -> Self {
         let mut counts = [0_u64; 256];
-        mask.iter().for_each(|c| counts[*c as usize] += 1);
-        let of = |c: u8| counts[c as usize];
+        mask.iter().for_each(|class| counts[usize::from(*class)] += 1);
+        Tally::of_counts(&counts)
+    }
+
+    fn of_counts(counts: &[u64; 256]) -> Self {
+        let of = |class: u8| counts[usize::from(class)];
         Tally {
             receivers: of(class::NLOS) + of(class::LOS),
             los: of(class::LOS),
@@ -77,6 +81,16 @@ impl Tally {
             nodata: of(class::NODATA),
             ..Tally::default()
         }
+    }
+
+    /// Counts a mask by group: the cells whose entry in `groups` is k count in tally k. Without elevation bands.
+    ///
+    /// # Panics
+    /// If an entry of `groups` is `N` or more.
+    pub fn by_group<const N: usize>(mask: &[u8], groups: &[u8]) -> [Tally; N] {
+        let mut counts = [[0_u64; 256]; N];
+        mask.iter().zip(groups).for_each(|(class, group)| counts[usize::from(*group)][usize::from(*class)] += 1);
+        counts.map(|counts| Tally::of_counts(&counts))
     }
 
     /// The sum of two tallies of disjoint cells.
@@ -137,5 +151,7 @@ mod tests {
         let tally = Tally::of_mask(&[2, 2, 255]);
         assert_eq!(tally.p_los(), None);
         assert_eq!(Tally::of_mask(&[0, 1, 1, 3]).p_los(), Some(2.0 / 3.0));
+        let [none, first] = Tally::by_group::<2>(&[0, 1, 1, 3], &[1, 0, 1, 1]);
+        assert_eq!((none.p_los(), first.p_los(), first.out_of_range), (Some(1.0), Some(0.5), 1));
     }
 }

@@ -72,6 +72,27 @@ impl BitGrid {
         self.words[row * self.words_per_row + col / 64] |= 1 << (col % 64);
     }
 
+    /// The cells that are in both sets, which are of one shape.
+    #[must_use]
+    pub fn and(mut self, other: &BitGrid) -> Self {
+        assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= b);
+        self
+    }
+
+    /// The cells that are in either set, of which both are of one shape.
+    #[must_use]
+    pub fn or(mut self, other: &BitGrid) -> Self {
+        assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a |= b);
+        self
+    }
+
+    /// Number of cells in the set and in `other`, of the same shape.
+    pub fn count_in(&self, other: &BitGrid) -> u64 {
+        self.words.iter().zip(&other.words).map(|(a, b)| u64::from((a & b).count_ones())).sum()
+    }
+
     /// Number of cells in the set.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
@@ -105,6 +126,10 @@ mod tests {
         assert!(set.contains(1, 64) && !set.contains(0, 64) && !set.contains(1, 0));
         assert_eq!(set.row(1), [1 << 63, 1]);
         assert_eq!(BitGrid::full(3, 65).count(), 195);
+        let mut other = BitGrid::new(3, 65);
+        other.insert(1, 64);
+        other.insert(0, 1);
+        assert_eq!((set.count_in(&other), set.clone().and(&other).count(), set.clone().or(&other).count()), (1, 1, 5));
         assert_eq!(BitGrid::full(2, 64).row(1), [u64::MAX]);
         assert_eq!(set_bits(set.row(1)).collect::<Vec<_>>(), [63, 64]);
     }

@@ -5,10 +5,11 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::coverage::{SiteCoverage, Tally};
+use crate::coverage::{Placement, SiteCoverage, Tally};
 use crate::error::Warning;
 use crate::raster::GeoRef;
 use crate::scene::Source;
+use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// What every document says of a run.
 #[derive(Debug, Clone)]
@@ -59,25 +60,62 @@ pub struct SiteFacts {
     pub height_amsl_m: f64,
     /// Height above the ground \[m\], if one is known there.
     pub height_agl_m: Option<f64>,
-    /// What it hovers over.
+    /// What it hovers over: a zone where zones are known, else `ground` or `rooftop`.
     pub placement: &'static str,
     /// Counts.
     pub tally: Tally,
+    /// Counts by zone of the receivers, in the order of [`Zone::ALL`]; `None` where zones were not asked for or no building
+    /// is known.
+    pub zones: Option<[Tally; 4]>,
 }
 
 impl SiteFacts {
-    /// The facts of a coverage.
-    pub fn of(site: &SiteCoverage) -> Self {
+    /// The facts of a coverage, by zone if zones are known.
+    pub fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
+        let place = &site.uav.station.place;
+        let is_building = site.uav.placement == Placement::Rooftop;
+        let zone = zones.and_then(|zones| zones.over(place.x, place.y, is_building)).map(Zone::name);
         SiteFacts {
             id: site.uav.id.clone(),
             x: site.uav.station.place.x,
             y: site.uav.station.place.y,
             height_amsl_m: site.uav.height_amsl_m(),
             height_agl_m: site.uav.height_agl_m,
-            placement: site.uav.placement.name(),
+            placement: zone.unwrap_or(site.uav.placement.name()),
             tally: site.tally,
+            zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
         }
     }
+}
+
+/// The counts of a mask by zone, in the order of [`Zone::ALL`].
+pub fn zone_tallies(zones: &ZoneMap, mask: &[u8]) -> [Tally; 4] {
+    let of_codes: [Tally; N_CODES] = Tally::by_group(mask, zones.codes());
+    Zone::ALL.map(|zone| of_codes[usize::from(zone.code())])
+}
+
+/// Why a zone has no P_LoS.
+fn reason_in(zone: Zone, tally: &Tally) -> String {
+    let name = zone.name();
+    if tally.not_receivers > 0 {
+        format!("no {name} cell in range holds a receiver")
+    } else if tally.out_of_range > 0 {
+        format!("no {name} cell in range")
+    } else {
+        format!("the scene has no {name} cell")
+    }
+}
+
+/// Counts by zone, each with P_LoS or the reason why there is none.
+fn zones_json(zones: Option<&[Tally; 4]>) -> Value {
+    let of = |(zone, tally): (Zone, &Tally)| {
+        let mut counts = tally_json(tally);
+        if tally.p_los().is_none() {
+            counts.insert("reason".into(), reason_in(zone, tally).into());
+        }
+        (zone.name().to_string(), Value::Object(counts))
+    };
+    zones.map_or(Value::Null, |zones| Zone::ALL.into_iter().zip(zones).map(of).collect::<Map<_, _>>().into())
 }
 
 /// A map as reported.
@@ -95,6 +133,8 @@ pub struct MapReport {
     pub sites: Vec<SiteFacts>,
     /// All UAVs together.
     pub union: Tally,
+    /// The same by zone, as those of a site.
+    pub union_zones: Option<[Tally; 4]>,
     /// Digest of the masks, see [`digest`].
     pub digest: String,
 }
@@ -186,7 +226,7 @@ impl MapReport {
     /// The report of one of the sites alone, with the digest of its mask.
     #[must_use]
     pub fn of_site(&self, site: &SiteFacts, digest: String) -> MapReport {
-        MapReport { sites: vec![site.clone()], union: site.tally, digest, ..self.clone() }
+        MapReport { sites: vec![site.clone()], union: site.tally, union_zones: site.zones, digest, ..self.clone() }
     }
 
     /// The document `skyshed/map/1`; without `timing` it is the same for equal runs.
@@ -196,7 +236,9 @@ impl MapReport {
         document.insert("receivers".into(), self.receivers.into());
         document.insert("radius_m".into(), self.radius_m.into());
         document.insert("sites".into(), self.sites.iter().map(site_json).collect::<Vec<_>>().into());
-        document.insert("union".into(), tally_json(&self.union).into());
+        let mut union = tally_json(&self.union);
+        union.insert("zones".into(), zones_json(self.union_zones.as_ref()));
+        document.insert("union".into(), union.into());
         if let Some(t) = timing {
             document.insert(
                 "timing_s".into(),
@@ -222,9 +264,9 @@ impl MapReport {
             self.facts.grid.cell_width().to_string(),
             self.facts.grid.cell_height().to_string(),
         ];
-        let mut push = |site: [String; 6], tally: &Tally| {
+        let mut push = |site: [String; 6], zone: &str, tally: &Tally| {
             let counts = [
-                "all".to_string(),
+                zone.to_string(),
                 tally.receivers.to_string(),
                 tally.los.to_string(),
                 optional(tally.p_los()),
@@ -243,12 +285,18 @@ impl MapReport {
                 optional(s.height_agl_m),
                 s.placement.to_string(),
             ];
-            push(site, &s.tally);
+            push(site.clone(), "all", &s.tally);
+            for (zone, tally) in Zone::ALL.into_iter().zip(s.zones.iter().flatten()) {
+                push(site.clone(), zone.name(), tally);
+            }
         }
         if self.sites.len() > 1 {
             let mut site: [String; 6] = std::array::from_fn(|_| String::new());
             site[0] = "union".into();
-            push(site, &self.union);
+            push(site.clone(), "all", &self.union);
+            for (zone, tally) in Zone::ALL.into_iter().zip(self.union_zones.iter().flatten()) {
+                push(site.clone(), zone.name(), tally);
+            }
         }
         rows
     }
@@ -287,7 +335,7 @@ fn site_json(site: &SiteFacts) -> Value {
     object.insert("height_agl_m".into(), site.height_agl_m.into());
     object.insert("placement".into(), site.placement.into());
     object.extend(tally_json(&site.tally));
-    object.insert("zones".into(), Value::Null);
+    object.insert("zones".into(), zones_json(site.zones.as_ref()));
     let bands: Vec<Value> = site
         .tally
         .elevation_bands()

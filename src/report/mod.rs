@@ -5,7 +5,9 @@ mod height_curve;
 mod plos;
 mod track;
 
-pub use documents::{LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest};
+pub use documents::{
+    LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, zone_tallies,
+};
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
 pub use track::TrackReport;

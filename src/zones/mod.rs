@@ -59,7 +59,7 @@ mod crossings;
 mod open_space;
 
 use crate::height_field::HeightField;
-use crate::raster::GeoRef;
+use crate::raster::{BitGrid, GeoRef};
 use crate::scene::BuiltUp;
 
 /// What a place in a city is.
@@ -113,6 +113,9 @@ impl Zone {
     }
 }
 
+/// Number of codes: those of the zones and [`NONE`].
+pub const N_CODES: usize = 5;
+
 /// How the zones of a scene were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ZoneBasis {
@@ -131,6 +134,17 @@ pub struct ZoneMap {
     codes: Vec<u8>,
     basis: ZoneBasis,
     counts: [u64; 4],
+}
+
+impl ZoneBasis {
+    /// How it is said in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            ZoneBasis::StreetGrid => "street grid",
+            ZoneBasis::OpenGround => "open ground",
+            ZoneBasis::Unknown => "unknown",
+        }
+    }
 }
 
 impl ZoneMap {
@@ -172,7 +186,7 @@ impl ZoneMap {
     }
 
     fn new(field: &HeightField, codes: Vec<u8>, basis: ZoneBasis) -> Self {
-        let mut histogram = [0_u64; 5];
+        let mut histogram = [0_u64; N_CODES];
         codes.iter().for_each(|code| histogram[usize::from(*code)] += 1);
         let [_, counts @ ..] = histogram;
         ZoneMap { grid: field.grid().clone(), codes, basis, counts }
@@ -213,6 +227,42 @@ impl ZoneMap {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
         let (col, from_south) = (east as usize, north as usize);
         self.of_cell(n_rows - 1 - from_south, col)
+    }
+
+    /// The zone of a place of which it is known whether it is over a building: a cell whose center is on the other side of
+    /// a wall does not count, but the nearest of its neighbors on this side.
+    pub fn over(&self, x: f64, y: f64, is_building: bool) -> Option<Zone> {
+        let own = self.at(x, y)?;
+        if is_building || own != Zone::Rooftop {
+            return Some(if is_building { Zone::Rooftop } else { own });
+        }
+        let (width, height) = (self.grid.cell_width(), self.grid.cell_height());
+        let mut open: Vec<(f64, Zone)> = Vec::new();
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (f64::from(dx), f64::from(dy)))) {
+            let (near_x, near_y) = (x + dx * width, y + dy * height);
+            if let Some(zone) = self.at(near_x, near_y).filter(|zone| *zone != Zone::Rooftop) {
+                // Distance of the neighbor's center.
+                let (east, north) = self.grid.cells_from_world(near_x, near_y);
+                let center = |cells: f64| cells.floor() + 0.5;
+                let (own_east, own_north) = self.grid.cells_from_world(x, y);
+                let distance = ((center(east) - own_east) * width).hypot((center(north) - own_north) * height);
+                open.push((distance, zone));
+            }
+        }
+        open.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(Some(Zone::Street), |nearest| Some(nearest.1))
+    }
+
+    /// The cells of a zone.
+    pub fn cells(&self, zone: Zone) -> BitGrid {
+        let mut cells = BitGrid::new(self.grid.n_rows(), self.grid.n_cols());
+        for (row, codes) in self.codes.chunks_exact(self.grid.n_cols()).enumerate() {
+            codes
+                .iter()
+                .enumerate()
+                .filter(|(_, code)| **code == zone.code())
+                .for_each(|(col, _)| cells.insert(row, col));
+        }
+        cells
     }
 
     /// Number of cells in a zone.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// The stages in order, each with the earlier stages that it may use. `error` and `quantity` are usable everywhere and
 /// use nothing.
-const ALLOWED: [(&str, &[&str]); 13] = [
+const ALLOWED: [(&str, &[&str]); 14] = [
     ("error", &[]),
     ("quantity", &[]),
     ("raster", &[]),
@@ -15,14 +15,31 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("zones", &["raster", "scene", "height_field"]),
     ("coverage", &["raster", "scene", "height_field", "los"]),
     ("los_probability", &["raster", "scene", "height_field", "los"]),
-    ("render", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
-    ("export", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
-    ("report", &["raster", "scene", "height_field", "los", "coverage", "los_probability"]),
-    ("cli", &["raster", "scene", "height_field", "los", "coverage", "los_probability", "render", "export", "report"]),
+    ("placement", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability"]),
+    ("render", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
+    ("export", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
+    ("report", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
+    (
+        "cli",
+        &[
+            "raster",
+            "scene",
+            "height_field",
+            "los",
+            "zones",
+            "coverage",
+            "los_probability",
+            "placement",
+            "render",
+            "export",
+            "report",
+        ],
+    ),
 ];
 
 /// Stages that do no I/O and read no clock and no environment.
-const PURE: [&str; 7] = ["quantity", "height_field", "los", "zones", "coverage", "los_probability", "render"];
+const PURE: [&str; 8] =
+    ["quantity", "height_field", "los", "zones", "coverage", "los_probability", "placement", "render"];
 
 /// What a pure stage must not mention.
 const IMPURE: [&str; 6] = ["std::fs", "std::env", "std::time", "std::io::stdout", "std::net", "std::process"];

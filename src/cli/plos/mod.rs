@@ -20,7 +20,7 @@ use super::args::SceneArgs;
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, estimate_all};
@@ -392,7 +392,7 @@ fn write(
         interrupt::check()?;
         match format {
             Format::Csv => {
-                batch.add(path, &encode_table(report)?)?;
+                batch.add(path, &encode_table(&report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
             }
             Format::Json => {
@@ -421,19 +421,10 @@ fn write(
         return messages::answer(&pretty(&report.document(Some(seconds))));
     }
     if outputs.is_empty() {
-        let table = encode_table(report)?;
+        let table = encode_table(&report.table())?;
         return messages::answer(&String::from_utf8_lossy(&table));
     }
     Ok(())
-}
-
-fn encode_table(report: &PlosReport) -> Result<Vec<u8>> {
-    let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in report.table() {
-        writer.write_record(&row).map_err(|e| failed(e.to_string()))?;
-    }
-    writer.into_inner().map_err(|e| failed(e.to_string()))
 }
 
 /// One array per column of the table.

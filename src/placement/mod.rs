@@ -1,0 +1,1 @@
+//! Where to hover: candidates for UAVs, ranked, searched and bounded.
