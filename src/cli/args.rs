@@ -354,6 +354,19 @@ pub(super) struct CityArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
+    /// Find the zones of the city, street, crossroad, courtyard and rooftop, and count them
+    #[arg(long)]
+    pub(super) zones: bool,
+    /// File to write, by extension: .json; with `--zones` also a map of them (.png .svg), a raster (.tif) or polygons
+    /// (.geojson); repeat for more
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+    /// Title of the picture
+    #[arg(long, value_name = "TEXT")]
+    pub(super) title: Option<String>,
+    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
+    #[arg(long, value_name = "TEXT")]
+    pub(super) attribution: Option<String>,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]

@@ -1,19 +1,35 @@
 //! `skyshed info`: what a scene is.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::args::InfoArgs;
-use super::messages;
-use super::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene};
+use super::plan::{
+    FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene, refuse_words_without_picture,
+};
 use super::words::pretty;
-use crate::error::Result;
+use super::zones::ZoneFiles;
+use super::{interrupt, messages};
+use crate::error::{Error, Result};
+use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::{CellKind, HeightField};
-use crate::quantity::{VOID, meters, tidy};
+use crate::quantity::{VOID, counted, meters, tidy};
 use crate::raster::Crs;
 use crate::render::grouped;
+use crate::report::RunFacts;
 use crate::scene::{BuiltUp, FootprintFaults, Solids};
+use crate::zones::{Zone, ZoneBasis, ZoneMap};
+
+const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
+    let inputs = input_paths(&args.scene);
+    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let outputs = check_outputs(&args.output, rules)?;
+    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    if let Some((path, _)) = outputs.iter().find(|(_, f)| !args.zones && !matches!(f, Format::Json | Format::Stdout)) {
+        return Err(Error::usage(116, format!("cannot write {}: it holds zones", path.display()))
+            .with_hint("`--zones` finds them"));
+    }
     let mut warnings = Vec::new();
     let scene = read_scene(&args.scene, &mut warnings)?;
     let kind = match &scene.solids {
@@ -32,6 +48,11 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
+    let zones = args.zones.then(|| ZoneMap::of(&field, scene.built_up.as_ref()));
+    if zones.as_ref().is_some_and(|zones| zones.basis() == ZoneBasis::Unknown) {
+        return Err(Error::usage(117, "`--zones` with a surface model alone: no building is known")
+            .with_hint("give `--terrain FILE` or `--ground Z`"));
+    }
 
     let unit = meters_per_unit(&grid);
     let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
@@ -42,7 +63,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let document = json!({
         "schema": "skyshed/info/1",
         "version": env!("CARGO_PKG_VERSION"),
-        "command": command,
+        "command": command.clone(),
         "kind": kind,
         "name": scene.name,
         "cols": grid.n_cols(),
@@ -64,15 +85,36 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         "estimated_built_up": estimate.map(|b| json!({
             "alpha": b.built_up_ratio, "beta_per_km2": b.buildings_per_km2, "gamma_m": b.height_scale,
         })),
-        "zones": Value::Null,
+        "zones": zones.as_ref().map(|zones| zones_json(zones, unit)),
         "faults": faults.map(faults_json),
         "sources": scene.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect::<Vec<_>>(),
         "warnings": warnings.iter().map(|w| json!({"code": w.code(), "text": w.text()})).collect::<Vec<_>>(),
     });
+    interrupt::begin_writing();
+    let mut batch = Batch::new(args.out.overwrite);
+    if let Some(zones) = &zones {
+        let facts = RunFacts {
+            command,
+            method: "none",
+            scene_name: scene.name.clone(),
+            grid: grid.clone(),
+            meters_per_unit: unit,
+            sources: scene.sources.clone(),
+            seed: scene.built_up.map(|_| args.scene.seed),
+            warnings: warnings.clone(),
+        };
+        let attribution = args.attribution.clone().or_else(|| scene.attribution.clone());
+        let files = ZoneFiles { zones, field: &field, facts: &facts, title: args.title.as_deref(), attribution };
+        files.add(&mut batch, &outputs)?;
+    }
+    for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {
+        batch.add(path, pretty(&document).as_bytes())?;
+    }
+    batch.commit()?;
     if !args.out.quiet {
         messages::warnings(&warnings);
     }
-    if args.out.json {
+    if args.out.json || outputs.iter().any(|(_, format)| *format == Format::Stdout) {
         return messages::answer(&pretty(&document));
     }
 
@@ -132,6 +174,11 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
             b.built_up_ratio, b.buildings_per_km2, b.height_scale
         );
     }
+    for zone in zones.iter().flat_map(|_| Zone::ALL) {
+        let found = zones.as_ref().map_or((0, 0), |zones| (zones.count(zone), zones.n_parts(zone)));
+        let parts = counted(found.1 as u64, "part", "parts");
+        text += &format!("{:<10} {} cells ({}) in {parts}\n", zone.name(), grouped(found.0), percent(found.0));
+    }
     if field.is_surface_only() {
         text += "receivers  stand on the surface: no terrain is known\n";
     }
@@ -186,6 +233,22 @@ impl Counts {
 
 fn range_json(range: Option<(i32, i32)>) -> Value {
     range.map_or(Value::Null, |(a, b)| json!([meters(a), meters(b)]))
+}
+
+/// Cells, area and parts of each zone, and how zones were found.
+fn zones_json(zones: &ZoneMap, meters_per_unit: f64) -> Value {
+    let grid = zones.grid();
+    let cell_m2 = grid.cell_width() * grid.cell_height() * meters_per_unit * meters_per_unit;
+    let of = |zone: Zone| {
+        let n = zones.count(zone);
+        #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
+        let (area, share) = (n as f64 * cell_m2, n as f64 / grid.n_cells() as f64);
+        let counts = json!({"cells": n, "area_m2": area, "share": share, "parts": zones.n_parts(zone)});
+        (zone.name().to_string(), counts)
+    };
+    let mut object: Map<String, Value> = Zone::ALL.into_iter().map(of).collect();
+    object.insert("basis".into(), zones.basis().name().into());
+    object.into()
 }
 
 fn faults_json(f: FootprintFaults) -> Value {

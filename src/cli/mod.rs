@@ -16,6 +16,7 @@ mod plan;
 mod plos;
 mod track;
 mod words;
+mod zones;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

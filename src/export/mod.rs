@@ -7,9 +7,11 @@ mod city;
 mod files;
 mod map;
 mod table;
+mod zones;
 
 pub use city::city_geojson;
 pub use files::{Batch, Format, OutputRules, check_outputs};
 pub(crate) use map::with_suffix;
 pub use map::{Layer, MapResult, add_map, bare_name, check_layers};
 pub use table::encode_table;
+pub use zones::{add_zones, zones_geojson};

@@ -96,6 +96,13 @@ impl<'a> RealCity<'a> {
         }
     }
 
+    /// The same city with users on some of the cells alone, such as those of a zone.
+    #[must_use]
+    pub fn with_users(mut self, cells: &BitGrid) -> Self {
+        self.receivers.cells = self.field.cells().open.clone().and(cells);
+        self
+    }
+
     /// Number of blocks.
     pub fn n_blocks(&self) -> usize {
         self.n_blocks

@@ -54,6 +54,15 @@ pub enum Layer<'a> {
         /// Number of UAVs.
         n_sites: u32,
     },
+    /// What each cell is: a palette of classes with their names, and for each cell its place in the palette.
+    Classes {
+        /// Index into `palette`, where the mask is 0 or 1.
+        index: &'a [u8],
+        /// Colors, names and the unit of their counts, such as `cells`.
+        palette: &'a [MapClass<'a>],
+        /// Classes 2, 3 and 255 apply.
+        mask: &'a [u8],
+    },
     /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
     Field {
         /// The values, where the mask is 0 or 1; NaN is drawn as nodata.
@@ -65,6 +74,17 @@ pub enum Layer<'a> {
         /// Classes 2, 3 and 255 apply.
         mask: &'a [u8],
     },
+}
+
+/// A class of a map.
+#[derive(Clone, Copy, Debug)]
+pub struct MapClass<'a> {
+    /// Its name in the legend.
+    pub name: &'a str,
+    /// More about it; the number of its cells without.
+    pub detail: &'a str,
+    /// Red, green, blue.
+    pub color: [u8; 3],
 }
 
 /// Draws a map as PNG.
@@ -145,6 +165,14 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
         Layer::Count { count, mask, .. } => {
             shape("count", count.len())?;
             shape("mask", mask.len())?;
+        }
+        Layer::Classes { index, palette, mask } => {
+            shape("index", index.len())?;
+            shape("mask", mask.len())?;
+            let is_receiver = |class: u8| matches!(class, 0 | 1);
+            if index.iter().zip(mask).any(|(k, class)| is_receiver(*class) && usize::from(*k) >= palette.len()) {
+                return Err("cannot draw a map of classes: an index is beyond the palette".into());
+            }
         }
         Layer::Field { values, mask, .. } => {
             shape("values", values.len())?;

@@ -53,7 +53,7 @@ pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve, draw
 pub use lettering::grouped;
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
-pub use map_picture::{Layer, MapPicture, draw_map, draw_map_svg};
+pub use map_picture::{Layer, MapClass, MapPicture, draw_map, draw_map_svg};
 pub use marks::Mark;
 pub use png::{draw_bare, draw_bare_count};
 pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile, draw_track_profile_svg};

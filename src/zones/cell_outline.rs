@@ -1,5 +1,5 @@
-//! Outlines of sets of cells: traced along cell edges, then simplified to one cell, so that a slanted wall is a line again
-//! and not a staircase.
+//! Outlines of sets of cells: traced along cell edges, and on request simplified to one cell, so that a slanted wall is a
+//! line again and not a staircase.
 
 use crate::raster::BitGrid;
 
@@ -12,6 +12,11 @@ const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 /// The outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north from the south-west corner of
 /// the grid; the set is on the left. Cells that touch only at a corner have outlines of their own.
 pub(super) fn rings_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
+    traced_around(set).iter().map(|ring| simplified(ring)).collect()
+}
+
+/// The same along the very edges of the cells, each ring from its first corner from the south-west on.
+pub(super) fn traced_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let width = n_cols + 1;
     // One bit per direction in which an outline leaves a corner.
@@ -42,7 +47,7 @@ pub(super) fn rings_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     let mut rings = Vec::new();
     for start in 0..leaving.len() {
         while leaving[start] != 0 {
-            rings.push(simplified(&trace(&mut leaving, width, start)));
+            rings.push(trace(&mut leaving, width, start));
         }
     }
     rings

@@ -57,6 +57,9 @@ mod outline;
 mod mesh;
 mod crossings;
 mod open_space;
+mod parts;
+
+pub use parts::ZonePart;
 
 use crate::height_field::HeightField;
 use crate::raster::{BitGrid, GeoRef};
@@ -104,6 +107,16 @@ impl Zone {
             Zone::Crossroad => 2,
             Zone::Courtyard => 3,
             Zone::Rooftop => 4,
+        }
+    }
+
+    /// Its color as red, green, blue: sand, purple, green, gray, distinct in lightness for any eyes.
+    pub fn color(self) -> [u8; 3] {
+        match self {
+            Zone::Street => [0xF0, 0xE3, 0xB8],
+            Zone::Crossroad => [0x88, 0x22, 0x66],
+            Zone::Courtyard => [0x44, 0xA0, 0x7E],
+            Zone::Rooftop => [0xC3, 0xC6, 0xC9],
         }
     }
 

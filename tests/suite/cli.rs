@@ -334,7 +334,8 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 17] = [
+const OTHER_FLAGS: [(&str, &str); 18] = [
+    ("--zones", "info_counts_draws_and_outlines_zones"),
     ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),

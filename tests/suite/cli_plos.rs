@@ -191,6 +191,34 @@ fn a_real_city_is_mapped_and_the_city_that_fits_it_laid_over() {
 }
 
 #[test]
+fn users_and_uavs_of_a_real_city_are_told_apart_by_zone() {
+    let folder = folder();
+    folder.type_in("city itu:urban --size 300 -o grid.geojson").done();
+    let line = "grid.geojson --cell 2 --method maps --radius 100,400 --height 40 --positions 40 --block 50";
+    let document = document(&folder, &format!("{line} --users outdoor,street,crossroad --placement street,crossroad"));
+    let rows = document["rows"].as_array().unwrap();
+    for placement in ["street", "crossroad"] {
+        for radius in [100.0, 400.0] {
+            let of = |users: &str| {
+                let is_it = |r: &&Value| {
+                    (r["users"].as_str(), r["placement"].as_str(), r["radius_m"].as_f64())
+                        == (Some(users), Some(placement), Some(radius))
+                };
+                let row = rows.iter().find(is_it).unwrap();
+                let samples = row["samples"].as_f64().unwrap();
+                (samples, (samples * row["p_los"].as_f64().unwrap()).round())
+            };
+            let (outdoor, street, crossroad) = (of("outdoor"), of("street"), of("crossroad"));
+            assert!(street.0 > 1000.0 && crossroad.0 > 1000.0 && street.1 > 0.0);
+            assert_eq!(outdoor, (street.0 + crossroad.0, street.1 + crossroad.1), "{placement} within {radius} m");
+        }
+    }
+    // Two blocks and a tower make no crossroad.
+    let refused = folder.type_in("plos city.geojson --users crossroad --theta 40 --method maps --missing levels");
+    assert!(refused.refused(4)[0].contains("it has no crossroad cell"), "{refused:?}");
+}
+
+#[test]
 fn a_raster_has_maps_but_no_city_that_fits() {
     let folder = folder();
     let line = "plos dsm.asc --ground 0 --theta 20:80:20 --positions 12 --block 40 --height 60";
@@ -330,7 +358,7 @@ fn bad_parameters_are_refused_with_their_range() {
         ("itu:urban --curve mine", "NAME=FILE"),
         ("itu:urban --curve itu=curve.csv", "another method has that name"),
         ("city.geojson --gamma 5,6", "a real city"),
-        ("city.geojson --users street", "a real city"),
+        ("city.geojson --placement street-center", "wanted anywhere, street, crossroad or rooftop"),
         ("city.geojson --phi 30", "a real city"),
         ("itu:urban --title Mine", "without a .png or .svg"),
         ("itu:urban --csv table.txt", "ends in .csv"),

@@ -26,6 +26,7 @@ mod bad_inputs; // every bad file gets its documented answer
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
+mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone
 mod cli_plos; // P_LoS studies as tables, documents and plots
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height

@@ -79,7 +79,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
             None => {
                 let scene = SceneArgs { scene: word.clone(), ..args.scene.clone() };
                 refuse_for_real_city(args, &sweeps, word)?;
-                let real = Real::read(&scene, args.max_memory, &mut report.warnings)?;
+                let real = Real::read(&scene, args.max_memory, &sweeps, &mut report.warnings)?;
                 report.sources.extend(real.sources.clone());
                 plot.attributions.extend(real.attribution.clone());
                 let built_up = real.built_up();
@@ -208,12 +208,9 @@ fn refuse_for_real_city(args: &PlosArgs, sweeps: &Sweeps, word: &str) -> Result<
     if args.phi.is_some() {
         return refuse("`--phi`", "its streets have no common direction");
     }
-    if args.users != [args::UsersArg::Outdoor] {
-        return refuse("`--users`", "its streets and crossroads are not told apart");
-    }
-    let known = [Placement::Anywhere, Placement::Rooftop];
-    if sweeps.placements.iter().any(|p| !known.contains(p)) {
-        return refuse("this `--placement`", "wanted anywhere or rooftop");
+    let centers = [Placement::StreetCenter, Placement::CrossroadCenter, Placement::RooftopCenter];
+    if sweeps.placements.iter().any(|p| centers.contains(p)) {
+        return refuse("this `--placement`", "wanted anywhere, street, crossroad or rooftop");
     }
     Ok(())
 }

@@ -7,21 +7,25 @@ use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
 use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene, receiver_height};
 use crate::error::{Error, Result, Warning};
-use crate::height_field::{HeightField, Station};
+use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice};
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::{Band, RealCity, resampled};
-use crate::los_probability::setting::Placement;
+use crate::los_probability::setting::{Placement, Users};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::raster::BitGrid;
 use crate::report::{PlosRow, PlosValue, RealCityFacts};
 use crate::scene::{BuiltUp, Solids, Source};
+use crate::zones::{Zone, ZoneBasis, ZoneMap};
 
 /// A real city, read and built.
 pub(super) struct Real {
     word: String,
     field: HeightField,
+    /// Its zones, if they are asked for.
+    zones: Option<ZoneMap>,
     pub(super) fit: Option<BuiltUpFit>,
     pub(super) sources: Vec<Source>,
     pub(super) attribution: Option<String>,
@@ -29,7 +33,12 @@ pub(super) struct Real {
 
 impl Real {
     /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
-    pub(super) fn read(args: &SceneArgs, most: Option<u64>, warnings: &mut Vec<Warning>) -> Result<Real> {
+    pub(super) fn read(
+        args: &SceneArgs,
+        most: Option<u64>,
+        sweeps: &Sweeps,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Real> {
         let scene = read_scene(args, warnings)?;
         let grid = scene.grid.clone();
         let heights: Vec<f64> = match &scene.solids {
@@ -38,11 +47,12 @@ impl Real {
         };
         check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
         let field = HeightField::build(&grid, scene.solids, warnings);
+        let zones = sweeps.need_zones().then(|| ZoneMap::of(&field, None)).filter(|z| z.basis() != ZoneBasis::Unknown);
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = meters_per_unit(&grid);
         let area_km2 = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min()) * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
-        Ok(Real { word: args.scene.clone(), field, fit, sources: scene.sources, attribution: scene.attribution })
+        Ok(Real { word: args.scene.clone(), field, zones, fit, sources: scene.sources, attribution: scene.attribution })
     }
 
     /// The statistical city to lay over: fitted, or as α, β, γ were typed.
@@ -76,12 +86,19 @@ impl Real {
         if block_m <= 0.0 {
             return Err(Error::usage(113, format!("`--block` is `{block_m}`, wanted above 0 m")));
         }
-        let city = RealCity::new(&self.field, method, receiver_height(args.rx_height)?, unit, block_m);
         let (bands, is_nested) = bands(&sweeps.far);
         let mut rows = Vec::new();
-        let (mut n_positions, mut n_inside) = (0, 0);
-        for &placement in &sweeps.placements {
-            for &height in &sweeps.heights {
+        let (mut n_positions, mut n_inside, mut n_blocks) = (0, 0, 0);
+        for &users in &sweeps.users {
+            let city = RealCity::new(&self.field, method, receiver_height(args.rx_height)?, unit, block_m);
+            let city = match self.cells_of(users)? {
+                Some(cells) => city.with_users(&cells),
+                None => city,
+            };
+            n_blocks = city.n_blocks();
+            for (&placement, &height) in
+                sweeps.placements.iter().flat_map(|p| sweeps.heights.iter().map(move |height| (p, height)))
+            {
                 let uavs = self.positions(args, placement, height)?;
                 n_positions += uavs.len();
                 n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
@@ -92,22 +109,39 @@ impl Real {
                     counts.iter_mut().for_each(|of_uav| add_inner_rings(of_uav, bands.len()));
                 }
                 let estimates = resampled(&counts, bands.len(), args.ci, args.scene.seed);
-                rows.extend(
-                    sweeps.far.iter().zip(estimates).map(|(far, e)| self.row(args, (placement, height, *far), e)),
-                );
+                let row = |(far, e): (&Far, Estimate)| self.row(args, (users, placement, height, *far), e);
+                rows.extend(sweeps.far.iter().zip(estimates).map(row));
             }
         }
         let facts = RealCityFacts {
             city: self.word.clone(),
             positions: (n_positions, n_inside),
             engine: method.name(),
-            blocks: (city.n_blocks(), block_m),
+            blocks: (n_blocks, block_m),
             fit: self.fit.clone(),
         };
         Ok((rows, facts))
     }
 
-    fn row(&self, args: &PlosArgs, (placement, height, far): (Placement, f64, Far), estimate: Estimate) -> PlosRow {
+    /// The cells that users of a zone stand on; `None` for all open ground.
+    fn cells_of(&self, users: Users) -> Result<Option<BitGrid>> {
+        let zone = match users {
+            Users::Outdoor => return Ok(None),
+            Users::Street => Zone::Street,
+            Users::Crossroad => Zone::Crossroad,
+        };
+        let cells = self.zones.as_ref().map(|zones| zones.cells(zone)).filter(|cells| cells.count() > 0);
+        cells.map(Some).ok_or_else(|| {
+            Error::site(204, format!("cannot place users on a {0} of {1}: it has no {0} cell", zone.name(), self.word))
+        })
+    }
+
+    fn row(
+        &self,
+        args: &PlosArgs,
+        (users, placement, height, far): (Users, Placement, f64, Far),
+        estimate: Estimate,
+    ) -> PlosRow {
         let rise = height - args.rx_height;
         let (theta_deg, distance_m, radius_m) = match far {
             // Over uneven ground an angle and a distance do not tell each other.
@@ -126,7 +160,7 @@ impl Real {
             distance_m,
             radius_m,
             placement: Some(placement.name()),
-            users: Some("outdoor"),
+            users: Some(users.name()),
             uav_in_building: Some(if args.uav_clear_of_roof { "excluded" } else { "nlos" }),
             value: PlosValue::Estimate(estimate),
         }
@@ -137,6 +171,9 @@ impl Real {
         let grid = self.field.grid();
         let above = height_steps(height)
             .ok_or_else(|| Error::usage(113, format!("`--height` is `{height}`, wanted within 32768 m")))?;
+        let zone_below = |x: f64, y: f64, place: &Place| {
+            self.zones.as_ref().and_then(|zones| zones.over(x, y, self.field.roof_at(place).is_some()))
+        };
         let station = |[u, v, ..]: [f64; 4]| {
             let x = grid.x_min() + u * (grid.x_max() - grid.x_min());
             let y = grid.y_min() + v * (grid.y_max() - grid.y_min());
@@ -144,12 +181,16 @@ impl Real {
             let ground = self.field.ground_at(&place);
             let is_wanted = match placement {
                 Placement::Rooftop => self.field.roof_at(&place).is_some(),
+                Placement::Street => zone_below(x, y, &place) == Some(Zone::Street),
+                Placement::Crossroad => zone_below(x, y, &place) == Some(Zone::Crossroad),
                 _ => true,
             };
             (ground != VOID && is_wanted).then(|| Station { place, z: i64::from(ground) + i64::from(above) })
         };
         let n = usize::try_from(args.positions).unwrap_or(usize::MAX);
-        let found: Vec<Station> = Points::new(args.scene.seed, 0).filter_map(station).take(n).collect();
+        // A zone that no place of so many is in is too small to be met by chance.
+        let most = n.saturating_mul(10_000);
+        let found: Vec<Station> = Points::new(args.scene.seed, 0).take(most).filter_map(station).take(n).collect();
         if found.is_empty() {
             return Err(Error::site(204, format!("cannot place UAVs over {}: there is no such place", self.word)));
         }

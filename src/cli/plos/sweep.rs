@@ -57,6 +57,12 @@ impl Quantity {
 }
 
 impl Sweeps {
+    /// Whether streets and crossroads must be told apart.
+    pub(super) fn need_zones(&self) -> bool {
+        let is_zone = |placement: &Placement| matches!(placement, Placement::Street | Placement::Crossroad);
+        self.users.iter().any(|users| *users != Users::Outdoor) || self.placements.iter().any(is_zone)
+    }
+
     /// Checks what was typed.
     pub(super) fn of(args: &PlosArgs) -> Result<Sweeps> {
         let list = |numbers: &Option<Numbers>| numbers.as_ref().map(|n| sorted(&n.0));
