@@ -93,7 +93,10 @@ fn the_document_has_the_keys_that_tools_rely_on() {
     {
         assert_eq!((&site["id"], &site["x"], &site["y"]), (&json!(id), &json!(x), &json!(y)));
         assert_eq!((&site["height_amsl_m"], &site["height_agl_m"]), (&json!(z), &json!(z)));
-        assert_eq!((&site["placement"], &site["zones"]), (&json!("ground"), &Value::Null));
+        // One street runs between the two buildings and around them.
+        assert_eq!(site["placement"], "street");
+        assert_eq!(site["zones"]["street"]["receivers"], site["receivers"]);
+        assert!(site["zones"]["rooftop"]["p_los"].is_null() && site["zones"]["rooftop"]["reason"].is_string());
         let (receivers, los) = (site["receivers"].as_u64().unwrap(), site["los"].as_u64().unwrap());
         assert!(0 < los && los < receivers && receivers < 2400);
         let p_los = site["p_los"].as_f64().unwrap();
@@ -177,7 +180,9 @@ fn every_format_holds_the_same_numbers() {
     let headers = table.headers().unwrap().clone();
     let rows: Vec<csv::StringRecord> = table.records().map(|r| r.unwrap()).collect();
     let cell = |name: &str| rows[0].get(headers.iter().position(|h| h == name).unwrap()).unwrap().to_string();
-    assert_eq!((rows.len(), cell("site").as_str(), cell("zone").as_str()), (1, "1", "all"));
+    assert_eq!((rows.len(), cell("site").as_str(), cell("zone").as_str()), (5, "1", "all"));
+    let zones: Vec<&str> = rows.iter().map(|row| row.get(6).unwrap()).collect();
+    assert_eq!(zones, ["all", "street", "crossroad", "courtyard", "rooftop"]);
     assert_eq!((cell("receivers"), cell("los")), (receivers.to_string(), los.to_string()));
     assert_eq!(cell("p_los").parse::<f64>().ok(), site["p_los"].as_f64());
     assert_eq!((cell("not_receivers"), cell("crs")), (count(&mask, 2).to_string(), "EPSG:25832".to_string()));

@@ -213,8 +213,13 @@ fn users_and_uavs_of_a_real_city_are_told_apart_by_zone() {
             assert_eq!(outdoor, (street.0 + crossroad.0, street.1 + crossroad.1), "{placement} within {radius} m");
         }
     }
-    // Two blocks and a tower make no crossroad.
-    let refused = folder.type_in("plos city.geojson --users crossroad --theta 40 --method maps --missing levels");
+    // Around a single building no streets meet.
+    let ring = "[[[5,5],[15,5],[15,15],[5,15],[5,5]]]";
+    let feature = format!(
+        r#"{{"type": "Feature", "properties": {{"height": 9}}, "geometry": {{"type": "Polygon", "coordinates": {ring}}}}}"#
+    );
+    folder.write("house.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{feature}]}}"#));
+    let refused = folder.type_in("plos house.geojson --extent 0,0,20,20 --users crossroad --theta 40 --method maps");
     assert!(refused.refused(4)[0].contains("it has no crossroad cell"), "{refused:?}");
 }
 
