@@ -9,6 +9,7 @@
 //!
 //! [`models`] holds what has been published instead.
 
+pub mod bootstrap;
 pub mod city;
 pub mod estimate;
 pub mod fit;

@@ -9,18 +9,14 @@
 //! # References
 //! Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1, 386–411.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::bootstrap::{Drawing, RESAMPLINGS, spread};
 use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{GridLos, GridReceivers, Method};
 use crate::quantity::STEPS_PER_UNIT;
-use crate::raster::{BitGrid, CellWindow};
-
-/// Resamplings behind an interval.
-const RESAMPLINGS: u64 = 1000;
+use crate::raster::{BitGrid, CellBlocks, CellWindow};
 
 /// Which users are counted together. All comparisons are of squares, so that no root is taken for any user.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,28 +67,18 @@ pub struct RealCity<'a> {
     engine: GridLos<'a>,
     receivers: GridReceivers<'a>,
     meters_per_unit: f64,
-    /// Edge of a block \[cells\], and blocks in a row of them.
-    block: (usize, usize),
-    n_blocks_per_row: usize,
-    n_blocks: usize,
+    blocks: CellBlocks,
 }
 
 impl<'a> RealCity<'a> {
     /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
     pub fn new(field: &'a HeightField, method: Method, rx_height: i32, meters_per_unit: f64, block_m: f64) -> Self {
-        let grid = field.grid();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, and saturating")]
-        let cells = |cell: f64| (block_m / (cell * meters_per_unit)).round().max(1.0) as usize;
-        let block = (cells(grid.cell_height()), cells(grid.cell_width()));
-        let n_blocks_per_row = grid.n_cols().div_ceil(block.1);
         RealCity {
             field,
             engine: GridLos::new(field, method),
             receivers: GridReceivers::new(field.cells().open.clone(), field.ground_of_cells(), rx_height),
             meters_per_unit,
-            block,
-            n_blocks_per_row,
-            n_blocks: n_blocks_per_row * grid.n_rows().div_ceil(block.0),
+            blocks: CellBlocks::new(field.grid(), meters_per_unit, block_m),
         }
     }
 
@@ -105,7 +91,7 @@ impl<'a> RealCity<'a> {
 
     /// Number of blocks.
     pub fn n_blocks(&self) -> usize {
-        self.n_blocks
+        self.blocks.count()
     }
 
     /// Whether a UAV is inside a building.
@@ -124,12 +110,12 @@ impl<'a> RealCity<'a> {
             let window = CellWindow { row: 0, col: 0, n_rows, n_cols };
             self.engine.los(uav, &self.receivers, &self.receivers.cells, window)
         };
-        let mut counts = vec![Count::default(); self.n_blocks * bands.len()];
+        let mut counts = vec![Count::default(); self.n_blocks() * bands.len()];
         let Place { x, y, .. } = uav.place;
         for row in 0..n_rows {
             let wanted = self.receivers.cells.row(row);
             let seen = los.row(row);
-            let first_block = row / self.block.0 * self.n_blocks_per_row;
+            let first_block = self.blocks.first_of_row(row);
             let mut band = 0;
             for col in (0..n_cols).filter(|col| wanted[col / 64] >> (col % 64) & 1 == 1) {
                 let (cell_x, cell_y) = grid.world_from_cell(row, col);
@@ -142,7 +128,7 @@ impl<'a> RealCity<'a> {
                     let Some(found) = bands.iter().position(|b| b.holds(squared, rise)) else { continue };
                     band = found;
                 }
-                let count = &mut counts[(first_block + col / self.block.1) * bands.len() + band];
+                let count = &mut counts[(first_block + col / self.blocks.n_cols()) * bands.len() + band];
                 count.receivers += 1;
                 count.los += seen[col / 64] >> (col % 64) & 1;
             }
@@ -179,18 +165,8 @@ pub fn resampled(counts: &[Vec<Count>], n_bands: usize, confidence: f64, seed: u
     let resamplings: Vec<Vec<(f64, f64)>> = (0..if is_enough { RESAMPLINGS } else { 0 })
         .into_par_iter()
         .map(|k| {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            random.set_stream(k);
-            let mut times = |n: usize| {
-                let mut times = vec![0.0; n];
-                for _ in 0..n {
-                    #[expect(clippy::cast_possible_truncation, reason = "below n")]
-                    let drawn = ((u128::from(random.next_u64()) * n as u128) >> 64) as usize;
-                    times[drawn] += 1.0;
-                }
-                times
-            };
-            let (positions, of_blocks) = (times(n_positions), times(blocks.len()));
+            let mut drawing = Drawing::nth(seed, k);
+            let (positions, of_blocks) = (drawing.times(n_positions), drawing.times(blocks.len()));
             sum(&|p, b| positions[p] * of_blocks[b])
         })
         .collect();
@@ -200,28 +176,17 @@ pub fn resampled(counts: &[Vec<Count>], n_bands: usize, confidence: f64, seed: u
             if receivers == 0.0 {
                 return Estimate::none();
             }
-            let mut ratios: Vec<f64> =
-                resamplings.iter().map(|r| r[band]).filter(|r| r.1 > 0.0).map(|r| r.0 / r.1).collect();
-            ratios.sort_by(f64::total_cmp);
-            let n = ratios.len() as f64;
-            // A band that many resamplings miss has too few blocks and positions for an interval.
-            let is_enough = is_enough && n >= 0.99 * RESAMPLINGS as f64;
-            let quantile = |p: f64| {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of `ratios`")]
-                let k = (p * (n - 1.0)).round() as usize;
-                ratios[k]
-            };
-            let tail = 0.5 * (1.0 - confidence);
-            let mean = ratios.iter().sum::<f64>() / n;
-            let deviation = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
             let p_los = los / receivers;
+            let resampled = resamplings.iter().map(|r| r[band]);
+            // A band that many resamplings miss has too few blocks and positions for an interval.
+            let spread = spread(p_los, resampled, RESAMPLINGS, confidence).filter(|_| is_enough);
             let with_users = |b: &&usize| counts.iter().any(|c| c[**b * n_bands + band].receivers > 0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sum of counts")]
             let samples = receivers as u64;
             Estimate {
                 p_los: Some(p_los),
-                interval: is_enough.then(|| (quantile(tail).min(p_los), quantile(1.0 - tail).max(p_los))),
-                std_error: is_enough.then_some(deviation),
+                interval: spread.map(|s| s.interval),
+                std_error: spread.map(|s| s.std_error),
                 samples,
                 clusters: blocks.iter().filter(with_users).count() as u64,
             }

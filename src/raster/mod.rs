@@ -5,6 +5,7 @@
 
 mod ascii_grid;
 mod bit_grid;
+mod cell_blocks;
 mod crs;
 mod exr_file;
 mod file;
@@ -17,6 +18,7 @@ mod world_file;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
 pub use bit_grid::{BitGrid, set_bits};
+pub use cell_blocks::CellBlocks;
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;

@@ -1,0 +1,56 @@
+//! Square blocks of ground: the cells of a grid that are drawn together where a map is resampled.
+
+use super::GeoRef;
+
+/// A grid cut into square blocks of cells, row by row from the north-west; those at the south and east border may be
+/// smaller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellBlocks {
+    /// Rows and columns of a block.
+    block: (usize, usize),
+    n_per_row: usize,
+    n_blocks: usize,
+}
+
+impl CellBlocks {
+    /// Blocks whose edge is the whole number of cells nearest to `side_m` \[m\], at least one.
+    pub fn new(grid: &GeoRef, meters_per_unit: f64, side_m: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, and saturating")]
+        let cells = |cell: f64| (side_m / (cell * meters_per_unit)).round().max(1.0) as usize;
+        let block = (cells(grid.cell_height()), cells(grid.cell_width()));
+        let n_per_row = grid.n_cols().div_ceil(block.1);
+        CellBlocks { block, n_per_row, n_blocks: n_per_row * grid.n_rows().div_ceil(block.0) }
+    }
+
+    /// Number of blocks.
+    pub fn count(&self) -> usize {
+        self.n_blocks
+    }
+
+    /// The westernmost block of a row of cells.
+    #[inline]
+    pub fn first_of_row(&self, row: usize) -> usize {
+        row / self.block.0 * self.n_per_row
+    }
+
+    /// Columns of cells in a block.
+    #[inline]
+    pub fn n_cols(&self) -> usize {
+        self.block.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_cover_the_grid_and_are_numbered_row_by_row() {
+        let grid = GeoRef::new((0.0, 0.0), (1.0, 2.0), (10, 25), None).expect("a valid grid");
+        let blocks = CellBlocks::new(&grid, 1.0, 10.0);
+        assert_eq!((blocks.count(), blocks.n_cols()), (6, 10));
+        assert_eq!([0, 4, 5, 9].map(|row| blocks.first_of_row(row)), [0, 0, 3, 3]);
+        assert_eq!(CellBlocks::new(&grid, 1.0, 0.1).count(), 250);
+        assert_eq!(CellBlocks::new(&grid, 0.3048, 1e9).count(), 1);
+    }
+}
