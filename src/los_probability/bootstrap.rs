@@ -116,10 +116,8 @@ pub fn resampled_ratios(ratios: &[Vec<Share>], confidence: f64, seed: u64) -> Ve
     let n_blocks = ratios.first().map_or(0, Vec::len);
     let blocks: Vec<usize> = (0..n_blocks).filter(|b| ratios.iter().any(|r| r[*b].whole > 0)).collect();
     // Block by block, so that a drawn block adds one row to the sums. Counts are below 2^53, so no sum is rounded.
-    let terms: Vec<f64> = blocks
-        .iter()
-        .flat_map(|b| ratios.iter().flat_map(move |r| [r[*b].part as f64, r[*b].whole as f64]))
-        .collect();
+    let terms: Vec<f64> =
+        blocks.iter().flat_map(|b| ratios.iter().flat_map(move |r| [r[*b].part as f64, r[*b].whole as f64])).collect();
     let n_terms = 2 * ratios.len();
     let is_enough = blocks.len() as u64 >= FEWEST_CLUSTERS;
     let resamplings: Vec<Vec<f64>> = (0..if is_enough { RESAMPLINGS } else { 0 })

@@ -28,6 +28,7 @@ mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
 mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone
 mod cli_plos; // P_LoS studies as tables, documents and plots
+mod sampled; // P_LoS by zone of the placement, from maps, against the product
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod regressions; // one test per bug

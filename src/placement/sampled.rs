@@ -1,0 +1,219 @@
+//! What UAVs over one kind of place see of each kind of ground: P_LoS by zone of the placement and zone of the receivers,
+//! averaged over sampled placements.
+//!
+//! A place where a street crosses another sees along both, but has no walls near that it could look over; which zone is
+//! best depends on the city, the height and how far receivers are (Saboor et al. 2023 ask it for crossroads and
+//! rooftops). So placements are drawn evenly over each zone, each is mapped exactly, and the receivers are counted by
+//! zone.
+//!
+//! **Intervals.** Over one city placements and blocks of ground are resampled, as for P_LoS over a real city
+//! ([`resampled`]). Over many cities of one kind the city is the unit ([`clustered`]).
+
+use rayon::prelude::*;
+
+use crate::coverage::{Mapper, Uav};
+use crate::height_field::HeightField;
+use crate::los_probability::estimate::{Count, Estimate, clustered};
+use crate::los_probability::points::Points;
+use crate::los_probability::real_city::resampled;
+use crate::raster::{BitGrid, CellBlocks};
+use crate::scene::BuiltUp;
+use crate::zones::{Zone, ZoneMap};
+
+/// Random places that are tried for each that is wanted: a zone of no more than a thousandth of the scene is found.
+const TRIES: usize = 10_000;
+
+/// Up to `n` places evenly spread over a zone \[CRS units\]; fewer where the zone is too small to be met.
+///
+/// Places are points of a shifted lattice over the extent of the scene that lie in the zone; the same for equal seeds.
+pub fn places_in(field: &HeightField, zones: &ZoneMap, zone: Zone, n: usize, seed: u64) -> Vec<[f64; 2]> {
+    if zones.count(zone) == 0 {
+        return Vec::new();
+    }
+    let grid = field.grid();
+    let place = |[u, v, ..]: [f64; 4]| {
+        let x = grid.x_min() + u * (grid.x_max() - grid.x_min());
+        let y = grid.y_min() + v * (grid.y_max() - grid.y_min());
+        let is_building = field.roof_at(&field.place(x, y)).is_some();
+        (zones.over(x, y, is_building) == Some(zone)).then_some([x, y])
+    };
+    let stream = u64::from(zone.code());
+    Points::new(seed, stream).take(n.saturating_mul(TRIES)).filter_map(place).take(n).collect()
+}
+
+/// The middles of all crossroads, streets or buildings of a generated city of `size_m` × `size_m` \[m\] from the origin,
+/// row by row from the south-west; none for courtyards, which it has not. Streets along x and along y alternate.
+pub fn middles_of(built_up: &BuiltUp, size_m: f64, zone: Zone) -> Vec<[f64; 2]> {
+    let (street, period) = (built_up.street_width(), built_up.period());
+    let (on_street, on_building) = (0.5 * street, 0.5 * (street + period));
+    let offsets: &[[f64; 2]] = match zone {
+        Zone::Crossroad => &[[on_street, on_street]],
+        Zone::Street => &[[on_street, on_building], [on_building, on_street]],
+        Zone::Rooftop => &[[on_building, on_building]],
+        Zone::Courtyard => &[],
+    };
+    let along = || (0_u32..).map(|k| f64::from(k) * period).take_while(|v| *v < size_m);
+    along()
+        .flat_map(|y| along().map(move |x| [x, y]))
+        .flat_map(|[x, y]| offsets.iter().map(move |o| [x + o[0], y + o[1]]))
+        .filter(|[x, y]| *x < size_m && *y < size_m)
+        .collect()
+}
+
+/// Receivers that are counted together: all, and those of each zone that holds any.
+#[derive(Debug, Clone)]
+pub struct ReceiverParts {
+    parts: Vec<(Option<Zone>, BitGrid)>,
+}
+
+impl ReceiverParts {
+    /// The parts of the receivers on some cells.
+    pub fn new(receivers: &BitGrid, zones: &ZoneMap) -> Self {
+        let zone = |zone: Zone| (Some(zone), zones.cells(zone).and(receivers));
+        let mut parts = vec![(None, receivers.clone())];
+        parts.extend(Zone::ALL.into_iter().map(zone).filter(|(_, cells)| cells.count() > 0));
+        ReceiverParts { parts }
+    }
+
+    /// The zones in order; `None` stands for all.
+    pub fn zones(&self) -> Vec<Option<Zone>> {
+        self.parts.iter().map(|part| part.0).collect()
+    }
+}
+
+/// Counts what a UAV sees, `[block][part]`.
+pub fn count_by_part(mapper: &Mapper<'_>, uav: &Uav, parts: &ReceiverParts, blocks: &CellBlocks) -> Vec<Count> {
+    let seen = mapper.seen(uav);
+    let n_parts = parts.parts.len();
+    let mut counts = vec![Count::default(); blocks.count() * n_parts];
+    for row in 0..seen.receivers.n_rows() {
+        let (receivers, los) = (seen.receivers.row(row), seen.los.row(row));
+        let first_block = blocks.first_of_row(row);
+        for (word, (&receivers, &los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
+            for (part, (_, cells)) in parts.parts.iter().enumerate() {
+                let (mut receivers, los) = (receivers & cells.row(row)[word], los & cells.row(row)[word]);
+                // The cells of one block at a time; a word meets few.
+                while receivers != 0 {
+                    let col = 64 * word + receivers.trailing_zeros() as usize;
+                    let block = col / blocks.n_cols();
+                    let end = ((block + 1) * blocks.n_cols()).saturating_sub(64 * word);
+                    let in_block = if end < 64 { (1_u64 << end) - 1 } else { u64::MAX };
+                    let count = &mut counts[(first_block + block) * n_parts + part];
+                    count.receivers += u64::from((receivers & in_block).count_ones());
+                    count.los += u64::from((los & receivers & in_block).count_ones());
+                    receivers &= !in_block;
+                }
+            }
+        }
+    }
+    counts
+}
+
+/// What sampled placements of one zone and height see: counts `[placement][block][part]` of one city.
+#[derive(Debug, Clone)]
+pub struct SampledCounts {
+    /// Counts of each placement.
+    pub placements: Vec<Vec<Count>>,
+    /// Number of parts.
+    pub n_parts: usize,
+}
+
+impl SampledCounts {
+    /// Maps each placement and counts by block and part; shared by all threads, on which the counts do not depend.
+    pub fn of(mapper: &Mapper<'_>, uavs: &[Uav], parts: &ReceiverParts, blocks: &CellBlocks) -> Self {
+        let count = |uav: &Uav| count_by_part(mapper, uav, parts, blocks);
+        SampledCounts { placements: uavs.par_iter().map(count).collect(), n_parts: parts.parts.len() }
+    }
+
+    /// P_LoS by part over one city.
+    pub fn estimates(&self, confidence: f64, seed: u64) -> Vec<Estimate> {
+        if self.placements.is_empty() {
+            return vec![Estimate::none(); self.n_parts];
+        }
+        resampled(&self.placements, self.n_parts, confidence, seed)
+    }
+
+    /// The counts by part, all placements and blocks together.
+    pub fn totals(&self) -> Vec<Count> {
+        let mut totals = vec![Count::default(); self.n_parts];
+        for counts in self.placements.iter().flat_map(|placement| placement.chunks_exact(self.n_parts)) {
+            for (total, count) in totals.iter_mut().zip(counts) {
+                total.receivers += count.receivers;
+                total.los += count.los;
+            }
+        }
+        totals
+    }
+}
+
+/// P_LoS by part over many cities, from the totals of each, `[city][part]`.
+pub fn over_cities(totals: &[Vec<Count>], n_parts: usize, confidence: f64) -> Vec<Estimate> {
+    let of_part = |part: usize| totals.iter().map(|of_city| of_city[part]).collect::<Vec<Count>>();
+    (0..n_parts).map(|part| clustered(&of_part(part), confidence)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::coverage::{Control, MapOptions, class};
+    use crate::quantity::Height;
+    use crate::scene::{BuiltUpCity, Site};
+
+    #[test]
+    fn counts_by_part_and_block_are_those_of_the_mask() {
+        let built_up = BuiltUp::named("urban").expect("a known city");
+        let city = BuiltUpCity { built_up, size_m: 170.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
+        let scene = city.scene().expect("a city");
+        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let zones = ZoneMap::of(&field, Some(&built_up));
+        let options = MapOptions { radius: Some(70.0), ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
+        let parts = ReceiverParts::new(&field.cells().open, &zones);
+        assert_eq!(parts.zones(), [None, Some(Zone::Street), Some(Zone::Crossroad)]);
+        let site = Site { id: "1".into(), x: 88.0, y: 81.3, height: Height::AboveGround(70.0) };
+        let uav = Uav::place(&site, &field, None).expect("a place in the clear");
+        let map = mapper.map(&uav, &Control::default()).expect("nobody interrupts");
+        // Blocks narrower than a word, as wide as one, and wider.
+        for side in [13.0, 64.0, 100.0] {
+            let blocks = CellBlocks::new(field.grid(), 1.0, side);
+            let counts = count_by_part(&mapper, &uav, &parts, &blocks);
+            let mut wanted = vec![Count::default(); counts.len()];
+            for (cell, value) in map.mask.iter().enumerate().filter(|(_, value)| **value < 2) {
+                let (row, col) = (cell / 170, cell % 170);
+                let block = blocks.first_of_row(row) + col / blocks.n_cols();
+                let zone = 1 + usize::from(zones.of_cell(row, col) == Some(Zone::Crossroad));
+                for part in [0, zone] {
+                    wanted[3 * block + part].receivers += 1;
+                    wanted[3 * block + part].los += u64::from(*value == class::LOS);
+                }
+            }
+            assert_eq!(counts, wanted, "blocks of {side} m");
+        }
+    }
+
+    #[test]
+    fn middles_are_in_their_zones_and_places_too() {
+        let built_up = BuiltUp::named("high-rise").expect("a known city");
+        let city = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
+        let scene = city.scene().expect("a city");
+        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let zones = ZoneMap::of(&field, Some(&built_up));
+        for zone in Zone::ALL {
+            let middles = middles_of(&built_up, 300.0, zone);
+            // 300 m are 5.2 periods; the sixth street ends at 305.6 m, its middle is at 297.1 m.
+            let wanted = match zone {
+                Zone::Crossroad => 36,
+                Zone::Street => 60,
+                Zone::Rooftop => 25,
+                Zone::Courtyard => 0,
+            };
+            assert_eq!(middles.len(), wanted, "{zone:?}");
+            let places = places_in(&field, &zones, zone, 100, 1);
+            assert_eq!(places.len(), if zone == Zone::Courtyard { 0 } else { 100 });
+            for [x, y] in middles.into_iter().chain(places) {
+                let is_building = field.roof_at(&field.place(x, y)).is_some();
+                assert_eq!(zones.over(x, y, is_building), Some(zone), "({x}, {y})");
+            }
+        }
+    }
+}
