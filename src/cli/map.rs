@@ -3,24 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{LayerArg, MapArgs, Method, ReceiversArg, TifLayoutArg};
+use super::args::{LayerArg, MapArgs, TifLayoutArg};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
 use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready,
     receiver_height, refuse_words_without_picture, warn_of_flat_earth,
 };
+use super::receivers::{Asked, cell_names, check_receivers, setting_line};
 use super::words::{pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
-    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, Receivers, SiteCoverage, Tally, Uav, maps_at_once,
+    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{
     Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs, encode_table,
 };
-use crate::height_field::HeightField;
-use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
@@ -87,27 +86,14 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout));
     let zones = if tells_zones { scene.zones() } else { None };
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
+    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let options = MapOptions {
-        rx_height,
-        receivers: match args.receivers {
-            ReceiversArg::Roof => Receivers::Roof,
-            ReceiversArg::All => Receivers::All,
-            _ => Receivers::Ground,
-        },
-        within: args.receivers.zone().and_then(|zone| zones.as_ref().map(|zones| zones.cells(zone))),
-        radius,
-        meters_per_unit: meters_per_unit(scene.field.grid()),
         layers: HeightLayers {
             margin: layers.contains(&Layer::Margin),
             ceiling: layers.contains(&Layer::Ceiling),
             least_height: layers.contains(&Layer::LeastHeight),
         },
-        method: match args.engine.method {
-            Method::Auto => MethodChoice::Auto,
-            Method::Ray => MethodChoice::Ray,
-            Method::Sweep => MethodChoice::Sweep,
-            Method::Shadow => MethodChoice::Shadow,
-        },
+        ..asked.options(&scene, zones.as_ref())
     };
 
     // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
@@ -209,16 +195,6 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// Roofs and zones are known only where buildings are.
-pub(super) fn check_receivers(receivers: ReceiversArg, field: &HeightField) -> Result<()> {
-    if field.is_surface_only() && (receivers == ReceiversArg::Roof || receivers.zone().is_some()) {
-        let what = if receivers == ReceiversArg::Roof { "roof" } else { "zone" };
-        let text = format!("`--receivers {}` with a surface model alone: no {what} is known", receivers.name());
-        return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
-    }
-    Ok(())
-}
-
 fn layers(typed: &[LayerArg]) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for layer in typed {
@@ -238,7 +214,7 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
 }
 
 /// Typed sites, then those of the file; ids must differ.
-fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec<Site>> {
+pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec<Site>> {
     let mut sites = typed;
     if let Some(path) = file {
         let first = sites.len() + 1;
@@ -328,7 +304,9 @@ impl Writer<'_> {
                 let sidecar = crate::export::with_suffix(path, ".json");
                 Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
             }
-            Format::Stdout | Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz => Ok(Vec::new()),
+            Format::Stdout | Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz | Format::Html => {
+                Ok(Vec::new())
+            }
         }
     }
 
@@ -409,15 +387,7 @@ impl Writer<'_> {
                 render::Layer::Count { count: &count, mask: &union, n_sites }
             }
         };
-        let (receivers_name, others_name) = match self.args.receivers {
-            _ if self.scene.field.is_surface_only() => ("surface cells", "Nodata"),
-            ReceiversArg::Ground => ("open-ground cells", "Buildings"),
-            ReceiversArg::Street => ("street cells", "Other cells"),
-            ReceiversArg::Crossroad => ("crossroad cells", "Other cells"),
-            ReceiversArg::Courtyard => ("courtyard cells", "Other cells"),
-            ReceiversArg::Roof => ("roof cells", "Open ground"),
-            ReceiversArg::All => ("cells", "Nodata"),
-        };
+        let (receivers_name, others_name) = cell_names(self.args.receivers, &self.scene.field);
         let title = self.args.title.clone().unwrap_or_else(|| {
             let subject = match (&layer, self.coverages.len()) {
                 (render::Layer::Field { .. }, _) => match self.layers.first() {
@@ -512,7 +482,6 @@ impl Writer<'_> {
     }
 
     fn caption(&self, receivers_name: &str) -> Vec<String> {
-        let grid = self.scene.field.grid();
         let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
@@ -533,43 +502,24 @@ impl Writer<'_> {
         if self.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
         }
-        let unit = meters_per_unit(grid);
-        let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
-        let cell = if (width - height).abs() < 1e-9 * width {
-            format!("{} m", tidy(width))
-        } else {
-            format!("{} × {} m", tidy(width), tidy(height))
-        };
-        let stands = match self.args.receivers {
-            _ if self.scene.field.is_surface_only() => "the surface",
-            ReceiversArg::Roof => "roofs",
-            ReceiversArg::All => "ground and roofs",
-            _ => "ground",
-        };
-        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
-        let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
-        lines.push(format!(
-            "Cells of {cell}, receivers {} m above {stands}{range}; method {} (exact); {crs}; skyshed {}",
-            tidy(self.report.rx_height_m),
-            self.report.facts.method,
-            env!("CARGO_PKG_VERSION")
-        ));
+        let heights = (self.report.rx_height_m, self.report.radius_m);
+        lines.push(setting_line(self.scene, self.args.receivers, heights, self.report.facts.method));
         lines.extend(self.args.attribution.clone().or_else(|| self.scene.attribution.clone()));
         lines
     }
 }
 
 /// The cells of a window, row by row.
-fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
+pub(super) fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
     let rows = cells.chunks_exact(n_cols).skip(window.row).take(window.n_rows);
     rows.flat_map(|row| row[window.col..window.col + window.n_cols].iter().copied()).collect()
 }
 
-fn undrawable(cause: String) -> Error {
+pub(super) fn undrawable(cause: String) -> Error {
     Error::internal(403, format!("cannot draw the picture: {cause}"))
 }
 
-fn height_words(site: &SiteFacts) -> String {
+pub(super) fn height_words(site: &SiteFacts) -> String {
     match site.height_agl_m {
         Some(agl) => format!("{} m above ground", tidy(agl)),
         None => format!("{} m above the datum", tidy(site.height_amsl_m)),

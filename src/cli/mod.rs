@@ -14,6 +14,7 @@ mod map;
 mod messages;
 mod plan;
 mod plos;
+mod receivers;
 mod track;
 mod words;
 mod zones;

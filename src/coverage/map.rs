@@ -166,6 +166,26 @@ impl<'a> Mapper<'a> {
         self.field.grid().n_cells()
     }
 
+    /// Number of columns of the grid.
+    pub(super) fn n_cols(&self) -> usize {
+        self.field.grid().n_cols()
+    }
+
+    /// The scene.
+    pub(super) fn field(&self) -> &HeightField {
+        self.field
+    }
+
+    /// Receivers on the ground, on roofs, or both.
+    pub(super) fn receivers(&self) -> &[GridReceivers<'a>] {
+        &self.receivers
+    }
+
+    /// Positions of the receivers.
+    pub(super) fn positions(&self) -> &GridPositions {
+        self.engine.positions()
+    }
+
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
     /// without a mask.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
@@ -336,19 +356,13 @@ impl<'a> CellHeights<'a> {
             let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };
             let is_los = los[col / 64] >> (col % 64) & 1 == 1;
             if self.layers.margin || self.layers.ceiling {
-                let (b, t) = link_ceilings(self.field, &self.uav.station, &receiver);
-                debug_assert_eq!(is_los, b.is_met_by(receiver.z) && t.is_met_by(receiver.z));
-                let lowest = f64::from(receivers.base(first + col));
-                let ceiling = b.height_steps().max(t.height_steps()).max(lowest) / f64::from(STEPS_PER_UNIT);
-                #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-                let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
+                let (margin, ceiling) =
+                    link_margin(self.field, self.uav, (receivers, first + col, receiver.place), is_los);
                 if let Some(v) = out.ceiling.get_mut(col) {
                     *v = narrow(ceiling);
                 }
                 if let Some(v) = out.margin.get_mut(col) {
-                    // The sign is decided exactly; rounding to f32 must not turn it.
-                    let margin = narrow(height - ceiling);
-                    *v = if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) };
+                    *v = margin;
                 }
             }
             if let Some(v) = out.least_height.get_mut(col) {
@@ -359,6 +373,25 @@ impl<'a> CellHeights<'a> {
             }
         }
     }
+}
+
+/// Margin and ceiling \[m\] of the receiver of a cell at its place, of which it is known whether it is in line of sight.
+pub(super) fn link_margin(
+    field: &HeightField,
+    uav: &Uav,
+    (receivers, cell, place): (&GridReceivers<'_>, usize, Place),
+    is_los: bool,
+) -> (f32, f64) {
+    let receiver = Station { place, z: receivers.height(cell) };
+    let (b, t) = link_ceilings(field, &uav.station, &receiver);
+    debug_assert_eq!(is_los, b.is_met_by(receiver.z) && t.is_met_by(receiver.z));
+    let lowest = f64::from(receivers.base(cell));
+    let ceiling = b.height_steps().max(t.height_steps()).max(lowest) / f64::from(STEPS_PER_UNIT);
+    #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
+    let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
+    // The sign is decided exactly; rounding to f32 must not turn it.
+    let margin = narrow(height - ceiling);
+    (if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) }, ceiling)
 }
 
 /// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if

@@ -30,6 +30,8 @@ pub enum Format {
     Json,
     /// Features.
     GeoJson,
+    /// Web page.
+    Html,
     /// The document on standard output.
     Stdout,
 }
@@ -54,13 +56,14 @@ impl Format {
             "csv" => Format::Csv,
             "json" => Format::Json,
             "geojson" => Format::GeoJson,
+            "html" => Format::Html,
             _ => {
                 return Err(Error::usage(
                     104,
                     format!("cannot write {}: unknown extension `.{extension}`", path.display()),
                 )
                 .with_hint(
-                    "known are .png .svg .tif .exr .asc .npz .csv .json .geojson, and `-` for standard output",
+                    "known are .png .svg .tif .exr .asc .npz .csv .json .geojson .html, and `-` for standard output",
                 ));
             }
         })

@@ -145,6 +145,12 @@ impl GeoRef {
         ((x - self.x_min) / self.cell_width, (y - self.y_max) / self.cell_height + self.n_rows as f64)
     }
 
+    /// Shape, cell size and north-west corner in words, for messages about grids that differ.
+    pub fn description(&self) -> String {
+        let (width, height) = (self.cell_width, self.cell_height);
+        format!("{}×{} cells of {width}×{height} from ({}, {})", self.n_cols, self.n_rows, self.x_min, self.y_max)
+    }
+
     /// The same grid to within a millionth of a cell, whatever the CRS says.
     pub fn same_grid(&self, other: &GeoRef) -> bool {
         let close = |a: f64, b: f64, unit: f64| (a - b).abs() <= 1e-6 * unit;

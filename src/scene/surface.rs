@@ -250,17 +250,6 @@ fn terrain_on_grid(
     if grid.same_grid(from) {
         return Ok(terrain);
     }
-    let describe = |g: &GeoRef| {
-        format!(
-            "{}×{} cells of {}×{} from ({}, {})",
-            g.n_cols(),
-            g.n_rows(),
-            g.cell_width(),
-            g.cell_height(),
-            g.x_min(),
-            g.y_max()
-        )
-    };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid by the check")]
     let index = |position: f64, n: usize| {
         let position = (position + 1e-6).floor();
@@ -285,9 +274,9 @@ fn terrain_on_grid(
             format!(
                 "cannot combine {} ({}) with {} ({}): wanted a terrain below the surface, found none at any cell",
                 surface_path.display(),
-                describe(grid),
+                grid.description(),
                 terrain_path.display(),
-                describe(from)
+                from.description()
             ),
         )
         .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both"));
@@ -302,9 +291,9 @@ fn terrain_on_grid(
         format!(
             "{} ({}) is not on the grid of {} ({}): each cell takes the terrain that holds its center{without}",
             terrain_path.display(),
-            describe(from),
+            from.description(),
             surface_path.display(),
-            describe(grid)
+            grid.description()
         ),
     ));
     Ok(Raster::new(grid.clone(), cells))

@@ -8,7 +8,7 @@ mod plot_words;
 mod real;
 mod sweep;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 pub(super) use args::PlosArgs;
@@ -17,6 +17,7 @@ use real::Real;
 use sweep::Sweeps;
 
 use super::args::SceneArgs;
+use super::plan::check_csv;
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
@@ -140,15 +141,6 @@ fn check(args: &PlosArgs) -> Result<()> {
         Setting::reach_at_distance(0.0, *height, args.rx_height)?;
     }
     Ok(())
-}
-
-fn check_csv(path: &Path, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-        let all: Vec<PathBuf> = others.iter().cloned().chain([path.to_path_buf()]).collect();
-        return Ok(check_outputs(&all, rules)?.split_off(others.len()));
-    }
-    let text = format!("cannot write {}: `--csv` writes a table", path.display());
-    Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"))
 }
 
 /// An ignored input is an error, never silence.

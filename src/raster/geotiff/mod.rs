@@ -123,6 +123,12 @@ impl GeoTiff {
         self.image.n_bands
     }
 
+    /// What the bands are called, where the file says so.
+    pub fn band_names(&self) -> Vec<Option<&str>> {
+        let name = |band: usize| self.metadata.names.iter().find(|(b, _)| *b == band).map(|(_, name)| name.as_str());
+        (0..self.n_bands()).map(name).collect()
+    }
+
     /// Meters per unit of height, where the file says so; [`GeoTiff::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         self.metadata.unit.as_deref().and_then(meters_per_named_unit).or(self.placement.meters_per_height_unit)
@@ -350,6 +356,8 @@ struct Metadata {
     offsets: Vec<(usize, f64)>,
     /// Unit of the first band.
     unit: Option<String>,
+    /// Names of bands.
+    names: Vec<(usize, String)>,
 }
 
 impl Metadata {
@@ -368,6 +376,8 @@ impl Metadata {
                 (Some("scale"), Some(number)) if number != 0.0 => metadata.scales.push((band, number)),
                 (Some("offset"), Some(number)) => metadata.offsets.push((band, number)),
                 (Some("unittype"), _) if band == 0 => metadata.unit = Some(value.to_owned()),
+                // The writer, as GDAL does, escapes values twice.
+                (Some("description"), _) => metadata.names.push((band, unescaped(&unescaped(value)))),
                 _ => {}
             }
         }
@@ -379,6 +389,12 @@ impl Metadata {
         let of = |list: &[(usize, f64)]| list.iter().find(|(b, _)| *b == band).map(|(_, value)| *value);
         (of(&self.scales).unwrap_or(1.0), of(&self.offsets).unwrap_or(0.0))
     }
+}
+
+/// XML text as it was before its escaping.
+fn unescaped(text: &str) -> String {
+    let entities = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&amp;", "&")];
+    entities.iter().fold(text.to_owned(), |text, (entity, letter)| text.replace(entity, letter))
 }
 
 #[cfg(test)]

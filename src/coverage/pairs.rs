@@ -1,0 +1,196 @@
+//! Two maps of one scene, cell by cell: what both see, what is lost and what is gained from the first to the second.
+//!
+//! Only cells that hold a receiver in range of both are compared; those that are a receiver of one alone are counted apart,
+//! so that no change of range passes for a change of line of sight.
+
+use rayon::prelude::*;
+
+use super::class;
+use crate::raster::CellBlocks;
+
+/// Values of a difference layer.
+pub mod difference {
+    use super::class;
+
+    /// Neither sees the receiver.
+    pub const NEITHER: u8 = 0;
+    /// Only the first sees it: lost on the way to the second.
+    pub const ONLY_FIRST: u8 = 1;
+    /// Only the second sees it: gained.
+    pub const ONLY_SECOND: u8 = 2;
+    /// Both see it.
+    pub const BOTH: u8 = 3;
+    /// The cell is not a receiver of both.
+    pub const NOT_COMPARED: u8 = 255;
+
+    /// Every value with its name, in order.
+    pub const NAMES: [(u8, &str); 5] = [
+        (NEITHER, "neither"),
+        (ONLY_FIRST, "only the first (lost)"),
+        (ONLY_SECOND, "only the second (gained)"),
+        (BOTH, "both"),
+        (NOT_COMPARED, "not compared"),
+    ];
+
+    /// The value of a cell from its classes in two masks.
+    #[inline]
+    pub fn of(first: u8, second: u8) -> u8 {
+        if first > class::LOS || second > class::LOS {
+            return NOT_COMPARED;
+        }
+        first * ONLY_FIRST + second * ONLY_SECOND
+    }
+}
+
+/// Cells of two masks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PairCounts {
+    /// Receivers of both that both see.
+    pub both: u64,
+    /// That only the first sees.
+    pub only_first: u64,
+    /// That only the second sees.
+    pub only_second: u64,
+    /// That neither sees.
+    pub neither: u64,
+    /// Cells that are a receiver of the first alone.
+    pub receivers_of_first: u64,
+    /// Cells that are a receiver of the second alone.
+    pub receivers_of_second: u64,
+}
+
+impl PairCounts {
+    /// Receivers of both.
+    pub fn compared(&self) -> u64 {
+        self.both + self.only_first + self.only_second + self.neither
+    }
+
+    /// Receivers gained from the first to the second, less those lost.
+    #[expect(clippy::cast_possible_wrap, reason = "counts of cells are far below 2^63")]
+    pub fn gain(&self) -> i64 {
+        self.only_second as i64 - self.only_first as i64
+    }
+
+    /// The sum of the counts of disjoint cells.
+    #[must_use]
+    pub fn plus(&self, other: &PairCounts) -> PairCounts {
+        PairCounts {
+            both: self.both + other.both,
+            only_first: self.only_first + other.only_first,
+            only_second: self.only_second + other.only_second,
+            neither: self.neither + other.neither,
+            receivers_of_first: self.receivers_of_first + other.receivers_of_first,
+            receivers_of_second: self.receivers_of_second + other.receivers_of_second,
+        }
+    }
+}
+
+/// Which cells are counted together: blocks of ground, and in each of them groups such as zones.
+#[derive(Debug, Clone, Copy)]
+pub struct CellGroups<'a> {
+    /// Blocks of ground.
+    pub blocks: &'a CellBlocks,
+    /// The group of every cell.
+    pub groups: &'a [u8],
+    /// Columns of the grid.
+    pub n_cols: usize,
+}
+
+/// Counts two masks by block and group, `[block][group]`; a mask with itself counts its receivers (`both` and `neither`).
+///
+/// Cost: one pass over the cells.
+///
+/// # Panics
+/// If an entry of `groups` is `N` or more.
+pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGroups<'_>) -> Vec<[PairCounts; N]> {
+    // By the state of the cell in either mask: not in line of sight, in line of sight, no receiver.
+    let mut counts = vec![[[0_u64; 9]; N]; cells.blocks.count()];
+    let state = |class: u8| usize::from(class.min(2));
+    let rows = |mask| <[u8]>::chunks_exact(mask, cells.n_cols);
+    for (row, ((first, second), groups)) in rows(first).zip(rows(second)).zip(rows(cells.groups)).enumerate() {
+        let first_block = cells.blocks.first_of_row(row);
+        let width = cells.blocks.n_cols();
+        let parts = first.chunks(width).zip(second.chunks(width)).zip(groups.chunks(width));
+        for (counts, ((first, second), groups)) in counts[first_block..].iter_mut().zip(parts) {
+            for ((first, second), group) in first.iter().zip(second).zip(groups) {
+                counts[usize::from(*group)][3 * state(*first) + state(*second)] += 1;
+            }
+        }
+    }
+    let named = |counts: [u64; 9]| {
+        let [neither, only_second, first_a, only_first, both, first_b, second_a, second_b, _] = counts;
+        PairCounts {
+            both,
+            only_first,
+            only_second,
+            neither,
+            receivers_of_first: first_a + first_b,
+            receivers_of_second: second_a + second_b,
+        }
+    };
+    counts.into_iter().map(|groups| groups.map(named)).collect()
+}
+
+/// The layer of [`difference`] values of two masks.
+pub fn difference_layer(first: &[u8], second: &[u8]) -> Vec<u8> {
+    first.par_iter().zip(second).map(|(first, second)| difference::of(*first, *second)).collect()
+}
+
+/// Most placements whose sets of cells are counted.
+pub const MOST_SETS: usize = 8;
+
+/// Number of receivers that exactly the placements of each set see, bit k for mask k, `[2^masks]`; a cell counts that is a
+/// receiver of any. `None` for more than [`MOST_SETS`] masks.
+pub fn count_sets(masks: &[&[u8]]) -> Option<Vec<u64>> {
+    if masks.is_empty() || masks.len() > MOST_SETS {
+        return None;
+    }
+    let n_sets = 1 << masks.len();
+    let mut counts = vec![0_u64; n_sets];
+    for cell in 0..masks[0].len() {
+        let (mut set, mut is_receiver) = (0, false);
+        for (k, mask) in masks.iter().enumerate() {
+            set |= usize::from(mask[cell] == class::LOS) << k;
+            is_receiver |= mask[cell] <= class::LOS;
+        }
+        counts[set] += u64::from(is_receiver);
+    }
+    Some(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::GeoRef;
+
+    #[test]
+    fn every_combination_of_classes_is_counted_once() {
+        let classes = [0, 1, 2, 3, 255];
+        let (first, second): (Vec<u8>, Vec<u8>) = classes.iter().flat_map(|a| classes.map(|b| (*a, b))).unzip();
+        let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (5, 5), None).expect("a valid grid");
+        let blocks = CellBlocks::new(&grid, 1.0, 2.0);
+        let cells = CellGroups { blocks: &blocks, groups: &[0; 25], n_cols: 5 };
+        let by_block = count_pairs::<1>(&first, &second, &cells);
+        assert_eq!(by_block.len(), 9);
+        let sum = by_block.iter().fold(PairCounts::default(), |sum, [counts]| sum.plus(counts));
+        let wanted = PairCounts {
+            both: 1,
+            only_first: 1,
+            only_second: 1,
+            neither: 1,
+            receivers_of_first: 6,
+            receivers_of_second: 6,
+        };
+        assert_eq!(sum, wanted);
+        // Rows are the first mask's classes: the north-west block holds NLoS and LoS of both.
+        assert_eq!((by_block[0][0].compared(), by_block[1][0].receivers_of_first), (4, 4));
+        assert_eq!(difference_layer(&first, &second)[..7], [0, 2, 255, 255, 255, 1, 3]);
+    }
+
+    #[test]
+    fn sets_tell_who_sees_what() {
+        let masks: [&[u8]; 3] = [&[1, 0, 2, 1, 255], &[1, 0, 2, 2, 255], &[0, 0, 2, 1, 0]];
+        assert_eq!(count_sets(&masks), Some(vec![2, 0, 0, 1, 0, 1, 0, 0]));
+        assert_eq!(count_sets(&[&[0][..]; 9]), None);
+    }
+}
