@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use super::compare::CompareArgs;
 use super::plos::PlosArgs;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
@@ -21,6 +22,7 @@ Examples:
   skyshed link itu:urban --uav 500,500,100 --rx 630,480
   skyshed info buildings.geojson
   skyshed plos itu:urban --theta 5:90:5 --method product,itu,alhourani2014 -o plos.png
+  skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
 6 a check failed, 130 interrupted.")]
@@ -58,6 +60,8 @@ pub(super) enum Command {
     Info(InfoArgs),
     /// Probability of line of sight: curves by exact products, simulators, published models, and over real cities
     Plos(Box<PlosArgs>),
+    /// Placements side by side: maps, differences and a table with intervals, as a picture or a page to swipe over
+    Compare(Box<CompareArgs>),
 }
 
 impl Command {
@@ -68,6 +72,7 @@ impl Command {
             Command::City(args) => &mut args.scene,
             Command::Info(args) => &mut args.scene,
             Command::Plos(args) => &mut args.scene,
+            Command::Compare(args) => &mut args.scene,
         }
     }
 }

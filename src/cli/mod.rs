@@ -5,6 +5,7 @@
 
 mod args;
 mod city;
+mod compare;
 mod expected;
 mod height_curve;
 mod info;
@@ -50,6 +51,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
         args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
         args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
+        args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(&args, command)),
         args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
     }
 }
@@ -74,7 +76,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             Err(error) => fail(&error),
         },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
-            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info` and `plos`")
+            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info`, `plos` and `compare`")
                 .with_hint("skyshed --help"),
         ),
         _ => {

@@ -47,6 +47,12 @@ pub struct Timing {
     pub total: f64,
 }
 
+impl Timing {
+    pub(super) fn json(&self) -> Value {
+        json!({"read": self.read, "build": self.build, "los": self.los, "write": self.write, "total": self.total})
+    }
+}
+
 /// One UAV of a map, as reported.
 #[derive(Debug, Clone)]
 pub struct SiteFacts {
@@ -240,10 +246,7 @@ impl MapReport {
         union.insert("zones".into(), zones_json(self.union_zones.as_ref()));
         document.insert("union".into(), union.into());
         if let Some(t) = timing {
-            document.insert(
-                "timing_s".into(),
-                json!({"read": t.read, "build": t.build, "los": t.los, "write": t.write, "total": t.total}),
-            );
+            document.insert("timing_s".into(), t.json());
         }
         document.insert("warnings".into(), self.facts.warnings());
         document.insert("digest".into(), self.digest.clone().into());

@@ -1,10 +1,15 @@
 //! What is reported: versioned JSON documents, tables, captions.
 
+mod compare;
 mod documents;
 mod height_curve;
 mod plos;
 mod track;
 
+pub use compare::{
+    CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,
+    PlacementFacts, group_names, signed,
+};
 pub use documents::{
     LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, zone_tallies,
 };

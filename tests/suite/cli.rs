@@ -48,12 +48,25 @@ fn scenes() -> Folder {
 #[test]
 fn help_and_version_are_answers() {
     let folder = Folder::new();
-    for line in ["--help", "-h", "help", "map --help", "link -h", "city --help", "info --help", "plos -h", "help map"] {
+    for line in [
+        "--help",
+        "-h",
+        "help",
+        "map --help",
+        "link -h",
+        "city --help",
+        "info --help",
+        "plos -h",
+        "compare -h",
+        "help map",
+    ] {
         let answer = folder.type_in(line).done();
         assert!(answer.out.contains("Usage: skyshed") && answer.err.is_empty(), "{line}: {answer:?}");
     }
     let help = folder.type_in("--help").out;
-    for words in ["map ", "link ", "city ", "info ", "plos ", "Exit codes: 0 done", "130 interrupted", "Examples:"] {
+    for words in
+        ["map ", "link ", "city ", "info ", "plos ", "compare ", "Exit codes: 0 done", "130 interrupted", "Examples:"]
+    {
         assert!(help.contains(words), "{words}: {help}");
     }
     let version = format!("skyshed {}\n", env!("CARGO_PKG_VERSION"));
@@ -76,7 +89,7 @@ fn the_examples_of_the_help_text_run() {
             n_run += 1;
         }
     }
-    assert_eq!(n_run, 4, "{help}");
+    assert_eq!(n_run, 5, "{help}");
 }
 
 #[test]
@@ -109,7 +122,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
     let before = folder.files();
     let small = "map itu:urban --size 200 -o out.png";
     let refusals: Vec<Refusal> = vec![
-        ("", 2, "error[E101]: no command, wanted one of `map`, `link`, `city`, `info` and `plos`"),
+        ("", 2, "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos` and `compare`"),
         ("mapp", 2, "error[E101]: unrecognized subcommand 'mapp'"),
         ("map", 2, "error[E101]: the following required arguments were not provided: <SCENE>"),
         ("map itu:urban --no-such-flag", 2, "error[E101]: unexpected argument '--no-such-flag' found"),

@@ -1,0 +1,50 @@
+//! What can be typed after `skyshed compare`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct CompareArgs {
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(in crate::cli) uav: Vec<String>,
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson)
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) uavs: Option<PathBuf>,
+    /// A saved map on the scene's grid (.tif or .asc with the classes of `skyshed map`), named after its file; repeat for
+    /// more
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) mask: Vec<PathBuf>,
+    /// Height of the receivers above ground or roof [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    pub(in crate::cli) rx_height: f64,
+    /// Which cells hold receivers
+    #[arg(long, value_enum, default_value = "ground")]
+    pub(in crate::cli) receivers: ReceiversArg,
+    /// Edge of the blocks of ground that are resampled for intervals [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "50", allow_hyphen_values = true)]
+    pub(in crate::cli) block: f64,
+    /// File to write, by extension: .html (a page to swipe over, in one file), .png .svg (all maps on one sheet), .tif
+    /// (masks, differences, count), .csv, .json, `-` for JSON on standard output; repeat for more. Without any the table
+    /// goes to standard output
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(in crate::cli) output: Vec<PathBuf>,
+    /// Write the table to this file
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) csv: Option<PathBuf>,
+    /// Title of the picture and the page
+    #[arg(long, value_name = "TEXT")]
+    pub(in crate::cli) title: Option<String>,
+    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
+    #[arg(long, value_name = "TEXT")]
+    pub(in crate::cli) attribution: Option<String>,
+    #[command(flatten)]
+    pub(in crate::cli) scene: SceneArgs,
+    #[command(flatten)]
+    pub(in crate::cli) engine: EngineArgs,
+    #[command(flatten)]
+    pub(in crate::cli) out: OutputArgs,
+}

@@ -1,0 +1,258 @@
+//! `skyshed compare`: placements side by side.
+
+mod args;
+mod masks;
+mod tables;
+mod write;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub(super) use args::CompareArgs;
+use masks::read_masks;
+use tables::{Tables, margin_facts, pairs_of, tables};
+use write::Writer;
+
+use super::map::sites;
+use super::plan::{
+    FIELD_BYTES_PER_CELL, Ready, check_csv, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav,
+    ready, receiver_height, refuse_words_without_picture, warn_of_flat_earth,
+};
+use super::receivers::{Asked, check_receivers};
+use super::words::pretty;
+use super::{interrupt, messages};
+use crate::coverage::{CellGroups, Control, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table};
+use crate::raster::CellBlocks;
+use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
+use crate::scene::{Site, Source};
+use crate::zones::{NONE, ZoneMap};
+
+/// Formats of `skyshed compare`.
+const FORMATS: [Format; 7] =
+    [Format::Html, Format::Png, Format::Svg, Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
+
+/// Most placements: their pairs grow with the square.
+const MOST_PLACEMENTS: usize = 16;
+/// Most blocks of ground: each is drawn a thousand times.
+const MOST_BLOCKS: usize = 1 << 16;
+/// Receivers per placement whose margins are asked for.
+const MARGIN_SAMPLE: usize = 1 << 16;
+/// Confidence of the intervals.
+const CONFIDENCE: f64 = 0.95;
+/// What all masks laid over each other, the zones and a picture's surface take.
+const BYTES_PER_CELL: usize = 5 + 1 + 4;
+
+/// A mask, and where it comes from.
+struct Placed {
+    id: String,
+    origin: Origin,
+    mask: Vec<u8>,
+    tally: Tally,
+    margins: Option<crate::coverage::MarginSample>,
+}
+
+pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
+    let start = Instant::now();
+    let rx_height = receiver_height(args.rx_height)?;
+    let radius_m = checked_radius(args.engine.radius)?;
+    if args.block <= 0.0 {
+        return Err(Error::usage(113, format!("`--block` is `{}`, wanted above 0 m", args.block)));
+    }
+    let outputs = outputs(args)?;
+    let typed: Vec<Site> =
+        args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
+    if args.uavs.is_none() && args.mask.is_empty() {
+        check_number(typed.len())?;
+    }
+
+    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let grid = scene.field.grid().clone();
+    let sites = sites(typed, args.uavs.as_deref(), grid.crs())?;
+    let radius = radius_m.map(|r| scene.crs_units(r));
+    let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    check_receivers(args.receivers, &scene.field)?;
+    let blocks = CellBlocks::new(&grid, meters_per_unit(&grid), args.block);
+    if blocks.count() > MOST_BLOCKS {
+        let text =
+            format!("cannot resample {} blocks of {} m, wanted at most {MOST_BLOCKS}", blocks.count(), args.block);
+        return Err(Error::limit(502, text).with_hint("choose larger blocks: `--block M`"));
+    }
+    let n_bands = if outputs.iter().any(|(_, f)| *f == Format::GeoTiff) { pairs_of(uavs.len()).len() + 1 } else { 0 };
+    let needs = (FIELD_BYTES_PER_CELL, uavs.len() + args.mask.len() + n_bands + BYTES_PER_CELL);
+    check_memory(&args.scene.scene, &grid, needs, args.engine.max_memory)?;
+    warn_of_flat_earth(&uavs, &grid, radius, &mut scene.warnings);
+    let zones = scene.zones();
+
+    let before_los = Instant::now();
+    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, &uavs, args.out.quiet)?;
+    scene.timing.los = before_los.elapsed().as_secs_f64();
+    for path in &args.mask {
+        placed.extend(saved(path, args, &mut scene)?);
+    }
+    check_number(placed.len())?;
+    check_ids(&placed)?;
+    for p in placed.iter().filter(|p| p.tally.receivers == 0) {
+        let text = format!("placement `{}` has no receiver: {}; P_LoS is undefined", p.id, p.tally.reason());
+        scene.warnings.push(Warning::new(202, text));
+    }
+
+    let masks: Vec<&[u8]> = placed.iter().map(|p| p.mask.as_slice()).collect();
+    let mut overlay = Overlay::new(grid.n_cells());
+    masks.iter().for_each(|mask| overlay.add(mask));
+    let intervals = IntervalFacts { confidence: CONFIDENCE, block_m: args.block, seed: args.scene.seed };
+    let no_zones = if zones.is_none() { vec![NONE; grid.n_cells()] } else { Vec::new() };
+    let codes = zones.as_ref().map_or(no_zones.as_slice(), ZoneMap::codes);
+    let cells = CellGroups { blocks: &blocks, groups: codes, n_cols: grid.n_cols() };
+    let Tables { shares, differences } = tables(&masks, &cells, &intervals);
+    let pairs = pairs_of(placed.len()).into_iter().zip(differences);
+    let report = CompareReport {
+        facts: scene.facts(command, method),
+        rx_height_m: args.rx_height,
+        receivers: args.receivers.name(),
+        radius_m,
+        intervals,
+        has_zones: zones.is_some(),
+        placements: placed
+            .iter()
+            .zip(shares)
+            .map(|(p, groups)| PlacementFacts {
+                id: p.id.clone(),
+                origin: p.origin.clone(),
+                tally: p.tally,
+                groups,
+                margins: p.margins.as_ref().map(|sample| margin_facts(sample, codes)),
+            })
+            .collect(),
+        pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups }).collect(),
+        union: Tally::of_mask(overlay.union()),
+        seen_by: seen_by(&overlay, placed.len()),
+        sets: count_sets(&masks),
+        digest: digest(&grid, masks.iter().copied()),
+    };
+    let before_write = Instant::now();
+    let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
+    interrupt::begin_writing();
+    let mut batch = Batch::new(args.out.overwrite);
+    let writer = Writer { args, scene: &scene, masks: &masks, overlay: &overlay, report: &report, timing };
+    for (path, format) in &outputs {
+        writer.add(&mut batch, path, *format)?;
+    }
+    batch.commit()?;
+    scene.timing.write = before_write.elapsed().as_secs_f64();
+    scene.timing.total = start.elapsed().as_secs_f64();
+    say(args, &report, scene.timing, &outputs)
+}
+
+/// The files to write, checked before any work.
+fn outputs(args: &CompareArgs) -> Result<Vec<(PathBuf, Format)>> {
+    let inputs: Vec<PathBuf> =
+        input_paths(&args.scene).into_iter().chain(args.uavs.clone()).chain(args.mask.clone()).collect();
+    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let mut outputs = check_outputs(&args.output, rules)?;
+    if let Some(path) = &args.csv {
+        outputs.extend(check_csv(path, &args.output, rules)?);
+    }
+    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    Ok(outputs)
+}
+
+/// A comparison needs two placements, and does not become clearer beyond a number.
+fn check_number(n: usize) -> Result<()> {
+    match n {
+        0 | 1 => Err(Error::usage(108, format!("cannot compare: found {n} placements, wanted at least 2"))
+            .with_hint("repeat `--uav X,Y,H`, or give `--uavs FILE` or `--mask FILE`")),
+        n if n > MOST_PLACEMENTS => {
+            let text = format!("cannot compare {n} placements, wanted at most {MOST_PLACEMENTS}");
+            Err(Error::limit(502, text).with_hint("`skyshed map` makes maps and tables of any number"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_ids(placed: &[Placed]) -> Result<()> {
+    let mut seen = std::collections::HashSet::new();
+    match placed.iter().find(|p| !seen.insert(&p.id)) {
+        Some(twice) => Err(Error::site(207, format!("two placements are named `{}`, wanted different ids", twice.id))),
+        None => Ok(()),
+    }
+}
+
+/// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was.
+fn mapped(
+    scene: &Ready,
+    zones: Option<&ZoneMap>,
+    asked: &Asked<'_>,
+    uavs: &[Uav],
+    quiet: bool,
+) -> Result<(Vec<Placed>, &'static str)> {
+    if uavs.is_empty() {
+        return Ok((Vec::new(), "saved masks"));
+    }
+    let options = asked.options(scene, zones);
+    let mapper = Mapper::new(&scene.field, &options)?;
+    let control = Control::default();
+    let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
+    let maps = messages::with_progress(&control, total, quiet, || mapper.map_many(uavs, true, &control, |_| {}))?;
+    let placed = |site: SiteCoverage| Placed {
+        id: site.uav.id.clone(),
+        origin: Origin::Uav(Box::new(SiteFacts::of(&site, zones))),
+        margins: Some(mapper.margin_sample(&site, MARGIN_SAMPLE)),
+        tally: site.tally,
+        mask: site.mask,
+    };
+    Ok((maps.sites.into_iter().map(placed).collect(), mapper.method().0.name()))
+}
+
+/// Placements from a file of masks, which becomes a source of the run.
+fn saved(path: &Path, args: &CompareArgs, scene: &mut Ready) -> Result<Vec<Placed>> {
+    let masks = read_masks(path, (Path::new(&args.scene.scene), scene.field.grid()), &mut scene.warnings)?;
+    scene.sources.push(Source::of(path, args.scene.hash)?);
+    let placed = masks.into_iter().map(|saved| Placed {
+        id: saved.id,
+        origin: Origin::File(saved.path),
+        tally: Tally::of_mask(&saved.mask),
+        mask: saved.mask,
+        margins: None,
+    });
+    Ok(placed.collect())
+}
+
+/// Receivers of any placement that 0, 1, 2 … of `n` see.
+fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
+    let mut counts = vec![0; n + 1];
+    for (class, count) in overlay.union().iter().zip(overlay.count()) {
+        if matches!(*class, class::NLOS | class::LOS) {
+            counts[*count as usize] += 1;
+        }
+    }
+    counts
+}
+
+/// Says what came out, and answers on standard output.
+fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(PathBuf, Format)]) -> Result<()> {
+    if !args.out.quiet {
+        messages::warnings(&report.facts.warnings);
+        for p in &report.placements {
+            let share = p.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
+            messages::note(&format!("{}: P_LoS {share}, {} of {} receivers", p.id, p.tally.los, p.tally.receivers));
+        }
+        report.pairs.iter().for_each(|pair| messages::note(&report.sentence(pair)));
+        let files: Vec<String> =
+            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
+        let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
+        messages::note(&format!(
+            "method {} (exact): line of sight {:.3} s of {:.2} s{wrote}",
+            report.facts.method, timing.los, timing.total
+        ));
+    }
+    if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+        return messages::answer(&pretty(&report.document(Some(timing))));
+    }
+    if outputs.is_empty() {
+        return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
+    }
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! The files of a comparison.
+
+use std::path::Path;
+
+use super::CompareArgs;
+use crate::cli::interrupt;
+use crate::cli::plan::Ready;
+use crate::cli::words::pretty;
+use crate::coverage::Overlay;
+use crate::error::Result;
+use crate::export::{Batch, Comparison, Format, add_comparison, encode_table, with_suffix};
+use crate::report::{CompareReport, Timing};
+
+/// Everything that outputs are made from.
+pub(super) struct Writer<'a> {
+    pub(super) args: &'a CompareArgs,
+    pub(super) scene: &'a Ready,
+    /// In the order of the report's placements.
+    pub(super) masks: &'a [&'a [u8]],
+    /// All masks together.
+    pub(super) overlay: &'a Overlay,
+    pub(super) report: &'a CompareReport,
+    pub(super) timing: Timing,
+}
+
+impl Writer<'_> {
+    /// Adds the files of one output to a batch.
+    pub(super) fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+        interrupt::check()?;
+        let provenance = || self.report.document(None);
+        match format {
+            Format::GeoTiff => {
+                let provenance = provenance().to_string();
+                let ids: Vec<&str> = self.report.placements.iter().map(|p| p.id.as_str()).collect();
+                let pairs: Vec<(usize, usize)> = self.report.pairs.iter().map(|p| (p.first, p.second)).collect();
+                let comparison = Comparison {
+                    georef: self.scene.field.grid(),
+                    ids: &ids,
+                    masks: self.masks,
+                    pairs: &pairs,
+                    overlay: self.overlay,
+                    provenance: &provenance,
+                };
+                add_comparison(batch, &comparison, path)
+            }
+            Format::Csv => {
+                batch.add(path, &encode_table(&self.report.table())?)?;
+                batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())
+            }
+            // The time of writing is not known before the file is written.
+            Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),
+            _ => Ok(()),
+        }
+    }
+}
