@@ -16,6 +16,8 @@ mod messages;
 mod plan;
 mod plos;
 mod receivers;
+mod sample;
+mod sample_plot;
 mod track;
 mod words;
 mod zones;

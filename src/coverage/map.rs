@@ -161,6 +161,13 @@ impl<'a> Mapper<'a> {
         (self.engine.method(), self.why)
     }
 
+    /// The cells that hold receivers, in range or not.
+    pub fn receiver_cells(&self) -> BitGrid {
+        let grid = self.field.grid();
+        let none = BitGrid::new(grid.n_rows(), grid.n_cols());
+        self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
+    }
+
     /// Number of cells of the grid.
     pub(super) fn n_cells(&self) -> usize {
         self.field.grid().n_cells()

@@ -112,25 +112,32 @@ pub fn count_by_part(mapper: &Mapper<'_>, uav: &Uav, parts: &ReceiverParts, bloc
 /// What sampled placements of one zone and height see: counts `[placement][block][part]` of one city.
 #[derive(Debug, Clone)]
 pub struct SampledCounts {
-    /// Counts of each placement.
-    pub placements: Vec<Vec<Count>>,
-    /// Number of parts.
-    pub n_parts: usize,
+    placements: Vec<Vec<Count>>,
+    n_parts: usize,
+    /// Placements that were mapped.
+    pub n_placements: usize,
 }
 
 impl SampledCounts {
     /// Maps each placement and counts by block and part; shared by all threads, on which the counts do not depend.
     pub fn of(mapper: &Mapper<'_>, uavs: &[Uav], parts: &ReceiverParts, blocks: &CellBlocks) -> Self {
         let count = |uav: &Uav| count_by_part(mapper, uav, parts, blocks);
-        SampledCounts { placements: uavs.par_iter().map(count).collect(), n_parts: parts.parts.len() }
+        let placements = uavs.par_iter().map(count).collect();
+        SampledCounts { placements, n_parts: parts.parts.len(), n_placements: uavs.len() }
     }
 
     /// P_LoS by part over one city.
     pub fn estimates(&self, confidence: f64, seed: u64) -> Vec<Estimate> {
-        if self.placements.is_empty() {
+        if self.n_placements == 0 {
             return vec![Estimate::none(); self.n_parts];
         }
         resampled(&self.placements, self.n_parts, confidence, seed)
+    }
+
+    /// The same with all placements and blocks as one, which says nothing of their spread.
+    #[must_use]
+    pub fn summed(self) -> Self {
+        SampledCounts { placements: vec![self.totals()], ..self }
     }
 
     /// The counts by part, all placements and blocks together.

@@ -4,6 +4,7 @@ mod compare;
 mod documents;
 mod height_curve;
 mod plos;
+mod sampled;
 mod track;
 
 pub use compare::{
@@ -15,4 +16,5 @@ pub use documents::{
 };
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
+pub use sampled::{SampledReport, SampledRow};
 pub use track::TrackReport;

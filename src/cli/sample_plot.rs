@@ -1,0 +1,146 @@
+//! The plot of a sample: P_LoS against height, a panel for each kind of receivers, a line for each placement zone.
+
+use super::words::{title_of, unbreakable};
+use crate::error::{Error, Result};
+use crate::quantity::{counted, tidy};
+use crate::raster::Crs;
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::report::{SampledReport, SampledRow};
+use crate::zones::Zone;
+
+/// Draws P_LoS by zone, with a typed title and a credit.
+pub(super) fn plot(
+    report: &SampledReport,
+    (title, credit): (Option<&str>, Option<&str>),
+    as_vectors: bool,
+) -> Result<Vec<u8>> {
+    let placements = in_order(report, |row| row.placement);
+    let receivers = in_order(report, |row| row.receivers);
+    let heights = in_order(report, |row| row.height_m.to_bits());
+    let point =
+        |row: &SampledRow| CurvePoint { x: row.height_m, y: row.estimate.p_los, low_high: row.estimate.interval };
+    let points: Vec<Vec<Vec<CurvePoint>>> = receivers
+        .iter()
+        .map(|receivers| {
+            let of = |placement: &Zone| {
+                let rows = report.rows.iter().filter(|r| r.receivers == *receivers && r.placement == *placement);
+                let mut points: Vec<CurvePoint> = rows.map(point).collect();
+                points.sort_by(|a, b| a.x.total_cmp(&b.x));
+                points
+            };
+            placements.iter().map(of).collect()
+        })
+        .collect();
+    let labels: Vec<String> = placements.iter().map(|zone| format!("UAV over {}", over(*zone))).collect();
+    // One height is a row of points with their intervals, several are lines.
+    let look = if heights.len() > 1 { LineLook::Solid } else { LineLook::Markers };
+    let lines: Vec<Vec<CurveLine<'_>>> = points
+        .iter()
+        .map(|of_receivers| {
+            let lines = of_receivers.iter().enumerate().map(|(k, points)| CurveLine {
+                label: &labels[k],
+                detail: None,
+                color_index: placements[k].code().into(),
+                look,
+                points,
+            });
+            lines.collect()
+        })
+        .collect();
+    let titles: Vec<String> = receivers.iter().map(|zone| title_of(&users(*zone))).collect();
+    let ends = ends_of(report.rows.iter().map(|row| row.height_m));
+    let panels: Vec<CurvePanel<'_>> = lines
+        .iter()
+        .zip(&titles)
+        .map(|(lines, title)| CurvePanel {
+            title,
+            x: CurveAxis { name: "UAV height above ground [m]", ends, is_log: false },
+            y_name: "P_LoS",
+            y_ends: [0.0, 1.0],
+            lines,
+        })
+        .collect();
+    let range = report.radius_m.map_or(String::new(), |r| format!(" within {} m", tidy(r)));
+    let title = title.map_or_else(
+        || unbreakable(&format!("P_LoS{range} by what the UAV hovers over: {}", report.facts.scene_name)),
+        unbreakable,
+    );
+    let caption = caption(report, credit);
+    let sheet =
+        CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
+    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+    let provenance = [("Software".to_string(), software), ("skyshed".to_string(), report.provenance().to_string())];
+    let drawn = if as_vectors {
+        render::draw_curve_sheet_svg(&sheet, &provenance).map(String::into_bytes)
+    } else {
+        render::draw_curve_sheet(&sheet, &provenance)
+    };
+    drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
+}
+
+/// The values of the rows, each once, in the order in which they come.
+fn in_order<T: PartialEq>(report: &SampledReport, of: impl Fn(&SampledRow) -> T) -> Vec<T> {
+    let mut values = Vec::new();
+    for value in report.rows.iter().map(of) {
+        if !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    values
+}
+
+fn over(zone: Zone) -> &'static str {
+    match zone {
+        Zone::Street => "streets",
+        Zone::Crossroad => "crossroads",
+        Zone::Courtyard => "courtyards",
+        Zone::Rooftop => "rooftops",
+    }
+}
+
+fn users(zone: Option<Zone>) -> String {
+    match zone {
+        None => "all receivers".into(),
+        Some(Zone::Rooftop) => "receivers on rooftops".into(),
+        Some(zone) => format!("receivers in {}", over(zone)).replace("in crossroads", "on crossroads"),
+    }
+}
+
+/// The range of some heights, a little wider.
+fn ends_of(heights: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let low = heights.clone().fold(f64::INFINITY, f64::min);
+    let high = heights.fold(f64::NEG_INFINITY, f64::max);
+    let border = if high > low { 0.06 * (high - low) } else { (0.2 * high.abs()).max(1.0) };
+    [low - border, high + border]
+}
+
+fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
+    let n = report.rows.iter().map(|row| row.n_placements).max().unwrap_or(0);
+    let inside: usize =
+        in_order(report, |row| (row.placement, row.height_m.to_bits(), row.n_inside)).iter().map(|k| k.2).sum();
+    let where_ = if report.is_centered { "over middles of the zone" } else { "spread evenly over the zone" };
+    let mut first = format!(
+        "Exact maps of up to {} for each zone and height, {where_}",
+        counted(n as u64, "placement", "placements")
+    );
+    if report.n_cities > 1 {
+        first += &format!(", in {} cities", report.n_cities);
+    }
+    if inside > 0 {
+        first += &format!("; {inside} inside a building left out");
+    }
+    let percent = tidy(100.0 * report.confidence);
+    let crs = report.facts.grid.crs().map_or("local coordinates".to_string(), Crs::label);
+    let mut lines = vec![
+        first,
+        format!("Bands and bars: {percent} % intervals over {}", report.clusters()),
+        format!(
+            "Receivers {} m above what they stand on; method {} (exact); {crs}; skyshed {}",
+            tidy(report.rx_height_m),
+            report.facts.method,
+            env!("CARGO_PKG_VERSION")
+        ),
+    ];
+    lines.extend(credit.map(str::to_string));
+    lines
+}
