@@ -115,8 +115,14 @@ impl SampleJob<'_> {
             let scene = SceneArgs { seed: self.scene.seed.wrapping_add(k), ..self.scene.clone() };
             cities.push(self.count(&ready(&scene, self.engine.max_memory)?, asked, block_m)?);
         }
+        let mut facts = first.facts(command, cities[0].method);
+        if let Some((seed, last)) = first.seed.zip(first.seed.map(|seed| seed.wrapping_add(self.sample.cities - 1)))
+            && last != seed
+        {
+            facts.scene_name = facts.scene_name.replace(&format!("seed {seed}"), &format!("seeds {seed} to {last}"));
+        }
         let mut report = SampledReport {
-            facts: first.facts(command, cities[0].method),
+            facts,
             rx_height_m: self.rx_height_m,
             radius_m,
             n_cities: self.sample.cities,
