@@ -25,6 +25,9 @@ pub(crate) const OUT_OF_RANGE: Rgb = [0xE9, 0xED, 0xF0];
 pub(crate) const HATCH: Rgb = [0xC2, 0xC8, 0xCE];
 /// Open ground on a city plan.
 pub(crate) const OPEN_GROUND: Rgb = [0xF3, 0xF1, 0xEB];
+/// What two UAVs see: neither, only the first (lost), only the second (gained), both. What changes is strong, what stays
+/// is pale, and all four differ in lightness.
+pub(crate) const PAIR: [Rgb; 4] = [[0xF6, 0xEE, 0xDF], [0xD5, 0x5E, 0x00], [0x00, 0x2F, 0x4C], [0x9C, 0xC9, 0xE6]];
 /// Paper.
 pub(crate) const WHITE: Rgb = [0xFF, 0xFF, 0xFF];
 
@@ -234,6 +237,16 @@ mod tests {
                 let [a, b] = [k, k + 1].map(|k| lightness(ramp.at(f64::from(k) / 64.0)));
                 assert!((b - a) * sign > 0.0, "{ramp:?} at step {k}: {a} to {b}");
             }
+        }
+    }
+
+    #[test]
+    fn the_colors_of_a_pair_differ_in_lightness() {
+        let mut of_pair = PAIR.map(lightness);
+        of_pair.sort_by(f64::total_cmp);
+        // WCAG's contrast of neighbors; buildings are gray, so hue tells them apart.
+        for pair in of_pair.windows(2) {
+            assert!((pair[1] + 0.05) / (pair[0] + 0.05) > 1.4, "{of_pair:?}");
         }
     }
 

@@ -14,7 +14,7 @@ const MOST_COUNT_ENTRIES: u32 = 6;
 const SPECIAL: [Paint; 3] = [Paint::Building, Paint::OutOfRange, Paint::Void];
 
 /// Returns the offset of a special class behind `n` colors, or nothing for a receiver.
-fn special(class: u8, n: usize) -> Option<usize> {
+pub(crate) fn special(class: u8, n: usize) -> Option<usize> {
     match class {
         0 | 1 => None,
         2 => Some(n),
@@ -25,11 +25,12 @@ fn special(class: u8, n: usize) -> Option<usize> {
 
 /// Paints the layer of a picture and makes the entries of its legend.
 pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted, Vec<Block>) {
+    let backing = Backing { axes, cell_m: picture.cell_m, surface_m: picture.surface_m };
     let mut legend = Vec::new();
     let painted = match picture.layer {
         Layer::Los(mask) => {
             let index_of = |cell: usize| special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
-            let painted = paint_with(picture, axes, &[colors::NLOS, colors::LOS], index_of);
+            let painted = paint_flat(&backing, &[colors::NLOS, colors::LOS], index_of);
             let (nlos, los) = (painted.histogram[0], painted.histogram[1]);
             for (n, color, name) in [(los, colors::LOS, "Line of sight"), (nlos, colors::NLOS, "No line of sight")] {
                 if n > 0 {
@@ -47,7 +48,7 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             let palette: Vec<Rgb> = (0..=n_sites).map(|k| colors::count_color(k, n_sites)).collect();
             let index_of =
                 |cell: usize| special(mask[cell], palette.len()).unwrap_or(count[cell].min(n_sites) as usize);
-            let painted = paint_with(picture, axes, &palette, index_of);
+            let painted = paint_flat(&backing, &palette, index_of);
             legend.extend(count_legend(n_sites, &palette, &painted.histogram));
             painted
         }
@@ -67,7 +68,7 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             let palette: Vec<Rgb> = (0..=255).map(|k| field.color(k)).collect();
             let index_of =
                 |cell: usize| special(mask[cell], 256).unwrap_or_else(|| field.index(values[cell]).unwrap_or(256 + 2));
-            let painted = paint_with(picture, axes, &palette, index_of);
+            let painted = paint_flat(&backing, &palette, index_of);
             let n: u64 = painted.histogram[..256].iter().sum();
             let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
             if n > 0 {
@@ -84,19 +85,9 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         }
     };
     let n_colors = painted.histogram.len() - SPECIAL.len();
-    let tones = [Ramp::BuildingTone.at(0.0), Ramp::BuildingTone.at(1.0)];
-    let building =
-        if picture.surface_m.is_some() { Swatch::Range(tones[0], tones[1]) } else { Swatch::Flat(colors::BUILDING) };
-    let special = [
-        (building, picture.others_name),
-        (Swatch::Flat(colors::OUT_OF_RANGE), "Out of range"),
-        (Swatch::Hatched, "No data"),
-    ];
-    for ((swatch, name), &n) in special.into_iter().zip(&painted.histogram[n_colors..]) {
-        if n > 0 {
-            let detail = format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" });
-            legend.push(furniture::legend_entry(swatch, name, &detail));
-        }
+    for (swatch, name, n) in special_legend(&painted.histogram[n_colors..], picture.others_name, &backing) {
+        let detail = format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" });
+        legend.push(furniture::legend_entry(swatch, &name, &detail));
     }
     match picture.uavs {
         [] => {}
@@ -113,17 +104,37 @@ fn uav_name(label: &str) -> String {
     if label.to_lowercase().contains("uav") { label.to_string() } else { format!("UAV {label}").trim_end().to_string() }
 }
 
-fn paint_with(
-    picture: &MapPicture<'_>,
-    axes: [Axis; 2],
-    colors: &[Rgb],
-    index_of: impl Fn(usize) -> usize + Sync,
-) -> Painted {
-    let palette: Vec<Paint> = colors.iter().map(|&color| Paint::Flat(color)).chain(SPECIAL).collect();
-    paint::paint(&Cells { axes, cell_m: picture.cell_m, index_of, palette: &palette, surface_m: picture.surface_m })
+/// What is the same in all maps of one scene: where cells go, and the surface below them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Backing<'a> {
+    /// Columns and rows.
+    pub(crate) axes: [Axis; 2],
+    /// Cell size \[m\] along columns and rows.
+    pub(crate) cell_m: (f64, f64),
+    /// Surface heights \[m\].
+    pub(crate) surface_m: Option<&'a [f32]>,
 }
 
-fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
+/// Paints cells in flat colors; indices from [`special`] follow behind the colors.
+pub(crate) fn paint_flat(backing: &Backing<'_>, colors: &[Rgb], index_of: impl Fn(usize) -> usize + Sync) -> Painted {
+    let palette: Vec<Paint> = colors.iter().map(|&color| Paint::Flat(color)).chain(SPECIAL).collect();
+    let Backing { axes, cell_m, surface_m } = *backing;
+    paint::paint(&Cells { axes, cell_m, index_of, palette: &palette, surface_m })
+}
+
+/// The special classes that occur, from their numbers of cells: swatch, name, number.
+pub(crate) fn special_legend(numbers: &[u64], others_name: &str, backing: &Backing<'_>) -> Vec<(Swatch, String, u64)> {
+    let tones = [Ramp::BuildingTone.at(0.0), Ramp::BuildingTone.at(1.0)];
+    let building =
+        if backing.surface_m.is_some() { Swatch::Range(tones[0], tones[1]) } else { Swatch::Flat(colors::BUILDING) };
+    let special =
+        [(building, others_name), (Swatch::Flat(colors::OUT_OF_RANGE), "Out of range"), (Swatch::Hatched, "No data")];
+    let named = special.into_iter().zip(numbers).map(|((swatch, name), &n)| (swatch, name.to_string(), n));
+    named.filter(|(_, _, n)| *n > 0).collect()
+}
+
+/// Entries for the numbers of UAVs that occur; a color bar for many UAVs.
+pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
     let receivers: u64 = histogram[..palette.len()].iter().sum();
     let entry = |k: u32, name: &str| {
         let n = histogram[k as usize];

@@ -11,6 +11,7 @@
 //! * [`draw_link_profile`]: one link from the side.
 //! * [`draw_height_curve`]: P_LoS against the UAV's height.
 //! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
+//! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
@@ -20,6 +21,8 @@ mod city_picture;
 mod city_solids;
 mod city_view;
 mod colors;
+mod compare_page;
+mod compare_sheet;
 mod contours;
 mod curve_lines;
 mod curve_sheet;
@@ -45,6 +48,8 @@ mod track_profile;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
+pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
+pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet, draw_compare_sheet_svg};
 pub use curve_sheet::{
     CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet, draw_curve_sheet_svg,
 };

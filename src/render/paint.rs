@@ -51,13 +51,18 @@ impl Axis {
 
 /// Chooses the size of a map in pixels, columns first.
 pub(crate) fn scale(n_cols: usize, n_rows: usize, cell_m: (f64, f64)) -> [Axis; 2] {
+    scale_to(n_cols, n_rows, cell_m, (TARGET_PX, WHOLE_CELLS))
+}
+
+/// Chooses the size of a map whose longer side aims at `target` \[px\] and is reduced where it has more than `whole` cells.
+pub(crate) fn scale_to(n_cols: usize, n_rows: usize, cell_m: (f64, f64), (target, whole): (f64, f64)) -> [Axis; 2] {
     let finest = cell_m.0.min(cell_m.1);
     let sides_m = [n_cols as f64 * cell_m.0, n_rows as f64 * cell_m.1];
     let longest = sides_m[0].max(sides_m[1]) / finest;
-    let px_per_finest = if longest > WHOLE_CELLS {
-        1.0 / (longest / TARGET_PX).round().max(2.0)
+    let px_per_finest = if longest > whole {
+        1.0 / (longest / target).round().max(2.0)
     } else {
-        (TARGET_PX / longest).round().clamp(1.0, LARGEST_CELL_PX)
+        (target / longest).round().clamp(1.0, LARGEST_CELL_PX)
     };
     let axis = |n_cells: usize, side_m: f64| {
         let n_px = colors::index((side_m / finest * px_per_finest).round(), 4000).max(1);

@@ -52,10 +52,7 @@ pub fn draw_bare(
     provenance: &[(String, String)],
 ) -> Result<Vec<u8>, String> {
     super::check_shape("mask", mask.len(), n_cols, n_rows)?;
-    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
-    let (Some(width), Some(height)) = (side(n_cols), side(n_rows)) else {
-        return Err(format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"));
-    };
+    let (width, height) = sides(n_cols, n_rows)?;
     let palette: [Rgb; 4] = [colors::NLOS, colors::LOS, colors::BUILDING, colors::WHITE];
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
@@ -97,10 +94,7 @@ pub fn draw_bare_count(
 ) -> Result<Vec<u8>, String> {
     super::check_shape("mask", mask.len(), n_cols, n_rows)?;
     super::check_shape("count", count.len(), n_cols, n_rows)?;
-    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
-    let (Some(width), Some(height)) = (side(n_cols), side(n_rows)) else {
-        return Err(format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"));
-    };
+    let (width, height) = sides(n_cols, n_rows)?;
     // Not a receiver, and nothing to show, come after the counts.
     const MOST: u32 = 252;
     let shown = n_sites.min(MOST);
@@ -133,6 +127,44 @@ pub fn draw_bare_count(
     writer.write_image_data(&pixels).map_err(|e| cannot(&e))?;
     writer.finish().map_err(|e| cannot(&e))?;
     Ok(file)
+}
+
+/// Encodes a picture of nearly gray colors with a palette of 64 of them: each pixel takes the mean color of those whose
+/// green is the same to a quarter.
+///
+/// # Errors
+/// An array of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a side.
+pub(crate) fn encode_grays(n_cols: usize, n_rows: usize, colors: &[Rgb]) -> Result<Vec<u8>, String> {
+    super::check_shape("colors", colors.len(), n_cols, n_rows)?;
+    let (width, height) = sides(n_cols, n_rows)?;
+    let level = |color: &Rgb| color[1] / 4;
+    let mut sums = [[0_u64; 4]; 64];
+    for color in colors {
+        let sum = &mut sums[usize::from(level(color))];
+        (0..3).for_each(|k| sum[k] += u64::from(color[k]));
+        sum[3] += 1;
+    }
+    let mean = |[r, g, b, n]: [u64; 4]| [r, g, b].map(|c| u8::try_from((c + n / 2) / n.max(1)).unwrap_or(u8::MAX));
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(sums.map(mean).concat());
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
+    let pixels: Vec<u8> = colors.iter().map(level).collect();
+    writer.write_image_data(&pixels).map_err(|e| cannot(&e))?;
+    writer.finish().map_err(|e| cannot(&e))?;
+    Ok(file)
+}
+
+/// The sides of a raster as PNG has them.
+fn sides(n_cols: usize, n_rows: usize) -> Result<(u32, u32), String> {
+    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
+    side(n_cols)
+        .zip(side(n_rows))
+        .ok_or_else(|| format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"))
 }
 
 fn add_provenance<W: std::io::Write>(

@@ -2,6 +2,7 @@
 
 mod args;
 mod masks;
+mod show;
 mod tables;
 mod write;
 

@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use super::CompareArgs;
+use super::show::Show;
 use crate::cli::interrupt;
+use crate::cli::map::undrawable;
 use crate::cli::plan::Ready;
 use crate::cli::words::pretty;
 use crate::coverage::Overlay;
 use crate::error::Result;
 use crate::export::{Batch, Comparison, Format, add_comparison, encode_table, with_suffix};
+use crate::render;
 use crate::report::{CompareReport, Timing};
 
 /// Everything that outputs are made from.
@@ -46,6 +49,20 @@ impl Writer<'_> {
             Format::Csv => {
                 batch.add(path, &encode_table(&self.report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())
+            }
+            Format::Png | Format::Svg => {
+                let show = Show::of(self);
+                let software = ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
+                let provenance = [software, ("skyshed".to_string(), provenance().to_string())];
+                let file = show.with_sheet(|sheet| match format {
+                    Format::Svg => render::draw_compare_sheet_svg(sheet, &provenance).map(String::into_bytes),
+                    _ => render::draw_compare_sheet(sheet, &provenance),
+                });
+                batch.add(path, &file.map_err(undrawable)?)
+            }
+            Format::Html => {
+                let page = Show::of(self).page(&provenance()).map_err(undrawable)?;
+                batch.add(path, page.as_bytes())
             }
             // The time of writing is not known before the file is written.
             Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),

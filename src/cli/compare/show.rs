@@ -1,0 +1,265 @@
+//! What a sheet or a page of placements shows, in words and marks.
+
+use serde_json::Value;
+
+use super::write::Writer;
+use crate::cli::map::{crop, height_words};
+use crate::cli::plan::meters_per_unit;
+use crate::cli::receivers::{cell_names, setting_line};
+use crate::cli::words::unbreakable;
+use crate::coverage::class;
+use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
+use crate::quantity::tidy;
+use crate::raster::{CellWindow, GeoRef};
+use crate::render::{
+    self, CompareMap, ComparePage, ComparePair, CompareSheet, Mark, PagePlacement, PageTable, grouped,
+};
+use crate::report::{CompareReport, MEANING, Origin, PairFacts, PlacementFacts, group_names, signed};
+
+/// Up to so many placements a sheet shows all pairs of them, beyond that those with the first.
+const MOST_WITH_ALL_PAIRS: usize = 6;
+
+/// Words for what is drawn.
+pub(super) struct Show<'a> {
+    writer: &'a Writer<'a>,
+    title: String,
+    /// By placement: `square · 60 m above ground`.
+    labels: Vec<String>,
+    caption: Vec<String>,
+}
+
+impl<'a> Show<'a> {
+    pub(super) fn of(writer: &'a Writer<'a>) -> Self {
+        let Writer { args, scene, report, .. } = writer;
+        let title = format!("What {} placements see of {}", report.placements.len(), scene.name);
+        let title = args.title.clone().unwrap_or(title);
+        let label = |p: &PlacementFacts| match &p.origin {
+            Origin::Uav(site) => unbreakable(&format!("{} · {}", p.id, height_words(site))),
+            Origin::File(_) => format!("{} · saved map", p.id),
+        };
+        let labels = report.placements.iter().map(label).collect();
+        Show { writer, title: unbreakable(&title), labels, caption: caption(writer) }
+    }
+
+    /// Makes the sheet, cropped to the receivers, and hands it to `draw`.
+    pub(super) fn with_sheet<T>(&self, draw: impl FnOnce(&CompareSheet<'_>) -> T) -> T {
+        let Writer { args, scene, report, .. } = self.writer;
+        let grid = scene.field.grid();
+        let window = window_of_receivers(grid, self.writer.overlay.union());
+        let shown = grid.part(window);
+        let masks: Vec<Vec<u8>> = self.writer.masks.iter().map(|mask| crop(mask, grid.n_cols(), window)).collect();
+        let surface = crop(&scene.field.above_ground_m(), grid.n_cols(), window);
+        let details: Vec<String> = report
+            .placements
+            .iter()
+            .map(|p| match p.groups[0].p_los.value {
+                Some(value) => format!("P_LoS = {value:.4}{}", interval_words(&p.groups[0].p_los, plain)),
+                None => "P_LoS undefined: no receiver".to_string(),
+            })
+            .collect();
+        let maps: Vec<CompareMap<'_>> = (0..masks.len())
+            .map(|k| CompareMap {
+                title: &self.labels[k],
+                detail: &details[k],
+                mask: &masks[k],
+                mark: mark(&report.placements[k], &shown),
+            })
+            .collect();
+        let is_shown = |pair: &&PairFacts| maps.len() <= MOST_WITH_ALL_PAIRS || pair.first == 0;
+        let pairs: Vec<(&PairFacts, String, String)> = report
+            .pairs
+            .iter()
+            .filter(is_shown)
+            .map(|pair| {
+                let [first, second] = [pair.first, pair.second].map(|k| &report.placements[k].id);
+                let difference = &pair.groups[0].difference;
+                let detail = match difference.value {
+                    Some(value) => format!("P_LoS {}{}", signed(value), interval_words(difference, signed)),
+                    None => "no receiver of both".to_string(),
+                };
+                (pair, format!("{first} → {second}"), detail)
+            })
+            .collect();
+        let pairs: Vec<ComparePair<'_>> = pairs
+            .iter()
+            .map(|(pair, title, detail)| ComparePair { title, detail, first: pair.first, second: pair.second })
+            .collect();
+        let mut caption = self.caption.clone();
+        if maps.len() > MOST_WITH_ALL_PAIRS {
+            let text = format!("Differences are drawn from {} to each other placement.", report.placements[0].id);
+            caption.insert(1, text);
+        }
+        let unit = meters_per_unit(grid);
+        draw(&CompareSheet {
+            title: &self.title,
+            caption: &caption,
+            n_cols: window.n_cols,
+            n_rows: window.n_rows,
+            cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
+            maps: &maps,
+            pairs: &pairs,
+            surface_m: Some(&surface),
+            others_name: cell_names(args.receivers, &scene.field).1,
+        })
+    }
+
+    /// Writes the page, which holds the document.
+    pub(super) fn page(&self, document: &Value) -> Result<String, String> {
+        let Writer { args, scene, report, masks, .. } = self.writer;
+        let grid = scene.field.grid();
+        let placements: Vec<PagePlacement<'_>> = report
+            .placements
+            .iter()
+            .zip(&self.labels)
+            .zip(*masks)
+            .map(|((p, label), mask)| PagePlacement { id: &p.id, label, mask, mark: mark(p, grid) })
+            .collect();
+        let sentences: Vec<String> = report.pairs.iter().map(|pair| report.sentence(pair)).collect();
+        render::compare_page(&ComparePage {
+            title: &self.title,
+            caption: &self.caption,
+            n_cols: grid.n_cols(),
+            n_rows: grid.n_rows(),
+            corner: (grid.x_min(), grid.y_max()),
+            cell: (grid.cell_width(), grid.cell_height()),
+            meters_per_unit: meters_per_unit(grid),
+            placements: &placements,
+            above_ground_m: &scene.field.above_ground_m(),
+            others_name: cell_names(args.receivers, &scene.field).1,
+            sentences: &sentences,
+            tables: &[shares_table(report), differences_table(report), margins_table(report)],
+            document,
+        })
+    }
+}
+
+/// The lines below: what intervals are, for whom the maps are, whom to credit.
+fn caption(writer: &Writer<'_>) -> Vec<String> {
+    let Writer { args, scene, report, .. } = writer;
+    let intervals = &report.intervals;
+    let (receivers, _) = cell_names(args.receivers, &scene.field);
+    let mut lines = vec![format!(
+        "P_LoS is the share of {receivers} in line of sight; brackets hold its {:.0} % interval from {} resamplings of \
+         blocks of {} m, seed {}.",
+        100.0 * intervals.confidence,
+        grouped(RESAMPLINGS),
+        tidy(intervals.block_m),
+        intervals.seed
+    )];
+    lines.push(format!("In each resampling {MEANING}."));
+    let heights = (report.rx_height_m, report.radius_m);
+    lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
+    lines.extend(args.attribution.clone().or_else(|| scene.attribution.clone()));
+    lines.iter().map(|line| unbreakable(line)).collect()
+}
+
+/// The mark of a UAV on a grid.
+fn mark<'a>(placement: &'a PlacementFacts, grid: &GeoRef) -> Option<Mark<'a>> {
+    let Origin::Uav(site) = &placement.origin else { return None };
+    Some(Mark {
+        label: &placement.id,
+        height: "",
+        col: (site.x - grid.x_min()) / grid.cell_width(),
+        row: (grid.y_max() - site.y) / grid.cell_height(),
+    })
+}
+
+/// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.
+fn window_of_receivers(grid: &GeoRef, union: &[u8]) -> CellWindow {
+    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+    let is_receiver = |class: &u8| matches!(*class, class::NLOS | class::LOS);
+    let (mut rows, mut cols) = ((n_rows, 0), (n_cols, 0));
+    for (row, classes) in union.chunks_exact(n_cols).enumerate() {
+        if let Some(first) = classes.iter().position(is_receiver) {
+            let last = classes.iter().rposition(is_receiver).unwrap_or(first);
+            rows = (rows.0.min(row), row + 1);
+            cols = (cols.0.min(first), cols.1.max(last + 1));
+        }
+    }
+    if rows.0 >= rows.1 {
+        return grid.window();
+    }
+    let border = (rows.1 - rows.0).max(cols.1 - cols.0) / 20;
+    let grown = |(low, high): (usize, usize), n: usize| (low.saturating_sub(border), (high + border).min(n));
+    let (rows, cols) = (grown(rows, n_rows), grown(cols, n_cols));
+    CellWindow { row: rows.0, col: cols.0, n_rows: rows.1 - rows.0, n_cols: cols.1 - cols.0 }
+}
+
+fn plain(p_los: f64) -> String {
+    format!("{p_los:.4}")
+}
+
+/// An interval in brackets, behind a space; nothing without one.
+fn interval_words(estimate: &RatioEstimate, number: fn(f64) -> String) -> String {
+    estimate.interval.map_or(String::new(), |(low, high)| format!(" [{}, {}]", number(low), number(high)))
+}
+
+/// The head of a table with a column per group.
+fn head(report: &CompareReport, first: &str) -> Vec<String> {
+    let names = group_names().into_iter().take(report.n_told());
+    std::iter::once(first).chain(names).map(str::to_string).collect()
+}
+
+fn shares_table(report: &CompareReport) -> PageTable {
+    let row = |p: &PlacementFacts| {
+        let cell = |k: usize| match p.groups[k].p_los.value {
+            Some(value) => format!("{value:.4}{}", interval_words(&p.groups[k].p_los, plain)),
+            None => "no receiver".to_string(),
+        };
+        std::iter::once(p.id.clone()).chain((0..report.n_told()).map(cell)).collect()
+    };
+    PageTable {
+        caption: "P_LoS by zone, with intervals".into(),
+        head: head(report, "placement"),
+        rows: report.placements.iter().map(row).collect(),
+    }
+}
+
+fn differences_table(report: &CompareReport) -> PageTable {
+    let row = |pair: &PairFacts| {
+        let [first, second] = [pair.first, pair.second].map(|k| &report.placements[k].id);
+        let cell = |k: usize| {
+            let difference = &pair.groups[k].difference;
+            let exceeds = match difference.exceeds() {
+                Some(true) => ", exceeds",
+                Some(false) => ", does not exceed",
+                None => "",
+            };
+            match difference.value {
+                Some(value) => format!("{}{}{exceeds}", signed(value), interval_words(difference, signed)),
+                None => "no receiver".to_string(),
+            }
+        };
+        std::iter::once(format!("{first} → {second}")).chain((0..report.n_told()).map(cell)).collect()
+    };
+    PageTable {
+        caption: "Difference of P_LoS by zone, with intervals; it exceeds one that does not hold 0".into(),
+        head: head(report, "from → to"),
+        rows: report.pairs.iter().map(row).collect(),
+    }
+}
+
+fn margins_table(report: &CompareReport) -> PageTable {
+    let meters = |v: f32| if v.is_finite() { format!("{v:.1} m").replace('-', "−") } else { "none is enough".into() };
+    let row = |p: &PlacementFacts| {
+        let cells = match p.margins.and_then(|m| m.groups[0].map(|stats| (m.every, stats))) {
+            Some((every, stats)) => {
+                let [low, median, high] = stats.quantiles.map(meters);
+                let grazing = format!("{:.1} %", 100.0 * stats.grazing as f64 / stats.receivers as f64);
+                let sample = match every {
+                    1 => format!("all {}", grouped(stats.receivers)),
+                    n => format!("{}, every {n}th", grouped(stats.receivers)),
+                };
+                [low, median, high, grazing, sample]
+            }
+            None => ["–", "–", "–", "–", "saved map: no margins"].map(str::to_string),
+        };
+        std::iter::once(p.id.clone()).chain(cells).collect()
+    };
+    let head = ["placement", "5 % quantile", "median", "95 % quantile", "within ±1 m of grazing", "receivers asked"];
+    PageTable {
+        caption: "Margins: receiver height less the least height in line of sight".into(),
+        head: head.map(str::to_string).to_vec(),
+        rows: report.placements.iter().map(row).collect(),
+    }
+}

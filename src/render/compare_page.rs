@@ -1,0 +1,349 @@
+//! Placements side by side as one self-contained web page: a map to swipe over, differences in words, tables.
+//!
+//! The page loads nothing and asks nobody: style, script and pictures are in the file, and a policy in its head forbids
+//! the browser to fetch more. A mask is a palette PNG of one pixel per cell, so the script reads classes, shares and
+//! differences from the very pixels that are shown. Its parts are in `compare_page/` as files of their own kinds.
+//!
+//! A grid of more cells than a picture may have is thinned, not averaged: each pixel is the cell in the middle of a square
+//! of them. So a pixel still says what is true of one cell, and the same cell in every mask; the page says so.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use super::colors::{self, Rgb, hex};
+use super::furniture;
+use super::lettering::escape;
+use super::marks::Mark;
+use super::paint::{self, Axis, Cells, Paint};
+use super::png;
+use super::sheet::{Drawing, base64};
+
+const TEMPLATE: &str = include_str!("compare_page/page.html");
+const STYLE: &str = include_str!("compare_page/page.css");
+const SCRIPT: &str = include_str!("compare_page/page.js");
+
+/// Pixels that one picture may have …
+const MOST_PIXELS: usize = 4_000_000;
+/// … and that all masks together may have: two bits each, they stay below 8 MB in base 64 even if nothing compresses.
+const MOST_PIXELS_OF_ALL: usize = 24_000_000;
+
+/// Placements to show. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
+#[derive(Clone, Copy, Debug)]
+pub struct ComparePage<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Lines at the end.
+    pub caption: &'a [String],
+    /// Columns.
+    pub n_cols: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// North-west corner \[CRS units\].
+    pub corner: (f64, f64),
+    /// Cell size along columns and along rows \[CRS units\].
+    pub cell: (f64, f64),
+    /// Length of a CRS unit \[m\].
+    pub meters_per_unit: f64,
+    /// Two placements or more.
+    pub placements: &'a [PagePlacement<'a>],
+    /// Heights above ground \[m\], for the buildings behind the masks; not finite where unknown.
+    pub above_ground_m: &'a [f32],
+    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    pub others_name: &'a str,
+    /// What the differences come to, sentence by sentence.
+    pub sentences: &'a [String],
+    /// Tables.
+    pub tables: &'a [PageTable],
+    /// The document of the run, kept in the page.
+    pub document: &'a Value,
+}
+
+/// A placement.
+#[derive(Clone, Copy, Debug)]
+pub struct PagePlacement<'a> {
+    /// Its id, as in the page's address.
+    pub id: &'a str,
+    /// What it is called in words.
+    pub label: &'a str,
+    /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
+    pub mask: &'a [u8],
+    /// Where the UAV is, if that is known.
+    pub mark: Option<Mark<'a>>,
+}
+
+/// A table of words.
+#[derive(Clone, Debug)]
+pub struct PageTable {
+    /// What it shows.
+    pub caption: String,
+    /// Names of the columns.
+    pub head: Vec<String>,
+    /// Rows, each as long as the head; its first cell names it.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Every how manyth cell along each side is shown.
+fn step(n_cells: usize, n_masks: usize) -> usize {
+    let most = MOST_PIXELS.min(MOST_PIXELS_OF_ALL / n_masks.max(1));
+    (1..).find(|step| n_cells.div_ceil(step * step) <= most).unwrap_or(1)
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// Fewer than two placements, an empty raster, or an array of another length.
+pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
+    if page.placements.len() < 2 {
+        return Err(format!("cannot show {} placements side by side: there must be at least 2", page.placements.len()));
+    }
+    let shape = |name: &str, length: usize| super::check_shape(name, length, page.n_cols, page.n_rows);
+    page.placements.iter().try_for_each(|p| shape("mask", p.mask.len()))?;
+    shape("heights", page.above_ground_m.len())?;
+    let thinned = Thinned::of(page);
+    let mut caption: Vec<String> = page.caption.to_vec();
+    if thinned.step > 1 {
+        caption.push(thinned.words());
+    }
+    let aspect = page.n_cols as f64 * page.cell.0 / (page.n_rows as f64 * page.cell.1);
+    let [neither, lost, gained, both] = colors::PAIR.map(hex);
+    let mut symbol = Drawing::default();
+    furniture::uav_symbol(&mut symbol, [20.0, 20.0], 18.0);
+    let symbol = format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", symbol.svg.replace('\n', ""));
+    let parts: [(&str, String); 22] = [
+        ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
+        ("css", STYLE.to_string()),
+        ("js", SCRIPT.to_string()),
+        ("title", escape(page.title)),
+        ("options", options(page)),
+        ("aspect", format!("{aspect:.6}")),
+        ("backdrop", picture("id=\"backdrop\" alt=\"buildings\"", &thinned.backdrop()?)),
+        ("marks", marks(page, &symbol)),
+        ("symbol", symbol),
+        ("los", hex(colors::LOS)),
+        ("nlos", hex(colors::NLOS)),
+        ("neither", neither),
+        ("lost", lost),
+        ("gained", gained),
+        ("both", both),
+        ("counts", counts(page.placements.len())),
+        ("others", escape(&page.others_name.to_lowercase())),
+        ("sentences", page.sentences.iter().map(|s| format!("<li>{}</li>\n", escape(s))).collect()),
+        ("tables", page.tables.iter().map(table).collect()),
+        ("caption", caption.iter().map(|line| format!("<p>{}</p>\n", escape(line))).collect()),
+        ("masks", thinned.masks()?),
+        ("view", in_script(&view(page, &thinned))),
+    ];
+    Ok(filled(&parts, &in_script(page.document)))
+}
+
+/// The template with its marks replaced, in one pass, so that words of the user are never taken for a mark.
+fn filled(parts: &[(&str, String)], document: &str) -> String {
+    let mut out = String::new();
+    let mut rest = TEMPLATE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+        out.push_str(before);
+        match parts.iter().find(|(part, _)| *part == name) {
+            Some((_, text)) => out.push_str(text),
+            None => out.push_str(document),
+        }
+        rest = after;
+    }
+    out + rest
+}
+
+/// JSON that no parser of HTML takes for the end of its script.
+fn in_script(value: &Value) -> String {
+    value.to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+}
+
+fn options(page: &ComparePage<'_>) -> String {
+    page.placements.iter().fold(String::new(), |mut out, p| {
+        let _ = write!(out, "<option value=\"{}\">{}</option>", escape(p.id), escape(p.label));
+        out
+    })
+}
+
+/// Symbols and names of the UAVs that are on the map.
+fn marks(page: &ComparePage<'_>, symbol: &str) -> String {
+    let mut out = String::new();
+    for (k, placement) in page.placements.iter().enumerate() {
+        let Some(mark) = placement.mark else { continue };
+        let (x, y) = (mark.col / page.n_cols as f64, mark.row / page.n_rows as f64);
+        if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
+            let side = if x > 0.8 { "mark left-of" } else { "mark" };
+            let _ = writeln!(
+                out,
+                "<div class=\"{side}\" data-placement=\"{k}\" style=\"left:{:.4}%;top:{:.4}%\">{symbol}<span>{}</span></div>",
+                100.0 * x,
+                100.0 * y,
+                escape(mark.label)
+            );
+        }
+    }
+    out
+}
+
+/// Legend entries for the numbers of UAVs.
+fn counts(n: usize) -> String {
+    let n = u32::try_from(n).unwrap_or(u32::MAX);
+    (0..=n).fold(String::new(), |mut out, k| {
+        let words = match k {
+            0 => "none".to_string(),
+            k if k == n => format!("all {k}"),
+            k => k.to_string(),
+        };
+        let _ = writeln!(out, "<li><i style=\"background:{}\"></i>{words}</li>", hex(colors::count_color(k, n)));
+        out
+    })
+}
+
+fn table(table: &PageTable) -> String {
+    let cell = |name: &str, text: &String| format!("<{name}>{}</{}>", escape(text), &name[..2]);
+    let head: String = table.head.iter().map(|text| cell("th scope=\"col\"", text)).collect();
+    let mut out = format!(
+        "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n",
+        escape(&table.caption)
+    );
+    for row in &table.rows {
+        let cells = row.iter().enumerate().map(|(k, text)| cell(if k == 0 { "th scope=\"row\"" } else { "td" }, text));
+        let _ = writeln!(out, "<tr>{}</tr>", cells.collect::<String>());
+    }
+    out + "</tbody>\n</table></div>\n"
+}
+
+/// A picture that is part of the page.
+fn picture(attributes: &str, file: &[u8]) -> String {
+    format!("<img {attributes} src=\"data:image/png;base64,{}\">\n", base64(file))
+}
+
+/// What the script needs to know of the map.
+fn view(page: &ComparePage<'_>, thinned: &Thinned<'_>) -> Value {
+    let n = u32::try_from(page.placements.len()).unwrap_or(u32::MAX);
+    let list = |of: fn(&PagePlacement<'_>) -> String| page.placements.iter().map(of).collect::<Vec<_>>();
+    json!({
+        "ids": list(|p| p.id.to_string()),
+        "labels": list(|p| p.label.to_string()),
+        "cols": thinned.cols.len(),
+        "rows": thinned.rows.len(),
+        "grid_cols": page.n_cols,
+        "grid_rows": page.n_rows,
+        "step": thinned.step,
+        "x_min": page.corner.0,
+        "y_max": page.corner.1,
+        "cell_width": page.cell.0,
+        "cell_height": page.cell.1,
+        "width_m": page.n_cols as f64 * page.cell.0 * page.meters_per_unit,
+        "colors": {
+            "los": [hex(colors::NLOS), hex(colors::LOS)],
+            "pair": colors::PAIR.map(hex),
+            "count": (0..=n).map(|k| hex(colors::count_color(k, n))).collect::<Vec<_>>(),
+        },
+    })
+}
+
+/// The cells that are shown.
+struct Thinned<'a> {
+    page: &'a ComparePage<'a>,
+    step: usize,
+    cols: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl<'a> Thinned<'a> {
+    fn of(page: &'a ComparePage<'a>) -> Self {
+        let step = step(page.n_cols * page.n_rows, page.placements.len());
+        let middles = |n: usize| (0..n.div_ceil(step)).map(|k| (k * step + step / 2).min(n - 1)).collect();
+        Thinned { page, step, cols: middles(page.n_cols), rows: middles(page.n_rows) }
+    }
+
+    fn words(&self) -> String {
+        let step = self.step;
+        format!(
+            "The map shows one cell of each {step} × {step}, the one in the middle; tables and sentences count all cells, \
+             the shares below the map those that are shown."
+        )
+    }
+
+    /// Some values of the cells that are shown, row by row.
+    fn pick<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        let n_cols = self.page.n_cols;
+        self.rows.iter().flat_map(|row| self.cols.iter().map(move |col| values[row * n_cols + col])).collect()
+    }
+
+    fn masks(&self) -> Result<String, String> {
+        let mut out = String::new();
+        for (k, placement) in self.page.placements.iter().enumerate() {
+            let file = png::draw_bare(self.cols.len(), self.rows.len(), &self.pick(placement.mask), &[])?;
+            let attributes =
+                format!("class=\"mask\" data-placement=\"{k}\" alt=\"mask of {}\"", escape(placement.label));
+            out.push_str(&picture(&attributes, &file));
+        }
+        Ok(out)
+    }
+
+    /// Buildings in gray by height, with light from the north-west, over pale ground.
+    fn backdrop(&self) -> Result<Vec<u8>, String> {
+        let heights = self.pick(self.page.above_ground_m);
+        let (n_cols, n_rows) = (self.cols.len(), self.rows.len());
+        let axis = |n: usize| Axis { n_cells: n, n_px: n };
+        let palette = [Paint::Flat(colors::OPEN_GROUND), Paint::Building, Paint::Flat(colors::WHITE)];
+        let index_of = |cell: usize| match heights[cell] {
+            height if height > 0.0 => 1,
+            height if height.is_finite() => 0,
+            _ => 2,
+        };
+        let side_m = |cell: f64| cell * self.page.meters_per_unit * self.step as f64;
+        let cell_m = (side_m(self.page.cell.0), side_m(self.page.cell.1));
+        let axes = [axis(n_cols), axis(n_rows)];
+        let painted = paint::paint(&Cells { axes, cell_m, index_of, palette: &palette, surface_m: Some(&heights) });
+        let colors: Vec<Rgb> = painted.image.pixels().map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+        png::encode_grays(n_cols, n_rows, &colors)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_thinned_only_where_they_must_be() {
+        assert_eq!(step(4_000_000, 6), 1);
+        assert_eq!(step(4_000_001, 6), 2);
+        assert_eq!(step(2_000_000, 16), 2);
+        assert_eq!(step(16_384 * 16_384, 2), 9);
+    }
+
+    #[test]
+    fn words_of_the_user_stay_words() {
+        let parts = [("title", "{{js}} {{document}}".to_string()), ("js", "alert".to_string())];
+        let out = filled(&parts, "DOCUMENT");
+        assert!(out.contains("<title>{{js}} {{document}}</title>") && out.contains("DOCUMENT"));
+        assert_eq!(in_script(&json!("</script><b>")), "\"\\u003c/script>\\u003cb>\"");
+    }
+
+    #[test]
+    fn every_mark_of_the_template_is_filled() {
+        let masks = [[0_u8, 1, 2, 3], [1, 1, 2, 255]];
+        let placement = |k: usize| PagePlacement { id: ["a", "b"][k], label: "UAV", mask: &masks[k], mark: None };
+        let page = ComparePage {
+            title: "A test",
+            caption: &["line".to_string()],
+            n_cols: 2,
+            n_rows: 2,
+            corner: (0.0, 2.0),
+            cell: (1.0, 1.0),
+            meters_per_unit: 1.0,
+            placements: &[placement(0), placement(1)],
+            above_ground_m: &[0.0, 0.0, 9.0, f32::NAN],
+            others_name: "Buildings",
+            sentences: &[],
+            tables: &[],
+            document: &json!({}),
+        };
+        let text = compare_page(&page).expect("the page is valid");
+        assert!(!text.contains("{{"), "a mark is left");
+        assert_eq!(text.matches("data:image/png;base64,").count(), 3);
+    }
+}

@@ -1,0 +1,409 @@
+//! Placements side by side on one sheet: a small map each, what changes between pairs of them, and how many see a cell.
+//!
+//! All maps have one scale and one legend. Where the maps leave a place in their last row, the number of UAVs that see a
+//! cell stands there, else behind the pairs.
+
+use super::colors::{self, Rgb};
+use super::furniture::{self, Block, DETAIL, NAME, Swatch, TITLE};
+use super::map_layers::{self, Backing};
+use super::marks::{Mark, draw_marks};
+use super::paint;
+use super::sheet::{Drawing, Sheet, Type, pixels};
+
+const MARGIN: f64 = 40.0;
+/// Between neighboring maps \[px\].
+const GAPS: [f64; 2] = [34.0, 30.0];
+/// No map is narrower, or its title would need many lines \[px\].
+const NARROWEST: f64 = 380.0;
+/// Headings of rows and of parts of the legend.
+const HEADING: Type = Type { size: 30.0, ..NAME };
+
+/// Placements to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
+#[derive(Clone, Copy, Debug)]
+pub struct CompareSheet<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Lines below; long ones are wrapped.
+    pub caption: &'a [String],
+    /// Columns.
+    pub n_cols: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// Cell size along columns and along rows \[m\].
+    pub cell_m: (f64, f64),
+    /// Two placements or more.
+    pub maps: &'a [CompareMap<'a>],
+    /// Pairs of them.
+    pub pairs: &'a [ComparePair<'a>],
+    /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown.
+    pub surface_m: Option<&'a [f32]>,
+    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    pub others_name: &'a str,
+}
+
+/// A placement.
+#[derive(Clone, Copy, Debug)]
+pub struct CompareMap<'a> {
+    /// What stands over it, such as `UAV 1 · 60 m above ground`.
+    pub title: &'a str,
+    /// A line below that, such as its P_LoS with interval.
+    pub detail: &'a str,
+    /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
+    pub mask: &'a [u8],
+    /// Where the UAV is, if that is known.
+    pub mark: Option<Mark<'a>>,
+}
+
+/// What changes from one placement to another.
+#[derive(Clone, Copy, Debug)]
+pub struct ComparePair<'a> {
+    /// What stands over it, such as `1 → 2`.
+    pub title: &'a str,
+    /// A line below that, such as the difference of P_LoS with its interval.
+    pub detail: &'a str,
+    /// The first, as an index of the maps.
+    pub first: usize,
+    /// The second.
+    pub second: usize,
+}
+
+/// Draws placements as PNG.
+///
+/// # Errors
+/// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, a cell size that
+/// is not positive, or a keyword of `provenance` that PNG does not allow.
+pub fn draw_compare_sheet(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+    compose(sheet)?.to_png(provenance)
+}
+
+/// Draws placements as an SVG document: words and marks as vectors, the maps as embedded PNG.
+///
+/// # Errors
+/// As [`draw_compare_sheet`].
+pub fn draw_compare_sheet_svg(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
+    compose(sheet)?.to_svg(provenance)
+}
+
+/// Columns of maps, and the length \[px\] that the longer side of a map aims at.
+fn arrangement(n_maps: usize) -> (usize, f64) {
+    if n_maps == 2 { (2, 760.0) } else { (4, 520.0) }
+}
+
+/// One small map with its words.
+struct Panel {
+    words: Block,
+    image: image::RgbaImage,
+    marks: Drawing,
+}
+
+fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
+    check(sheet)?;
+    let (columns, target) = arrangement(sheet.maps.len());
+    let axes = paint::scale_to(sheet.n_cols, sheet.n_rows, sheet.cell_m, (target, 1.4 * target));
+    let size = axes.map(|axis| axis.n_px as f64);
+    let painter = Painter {
+        sheet,
+        backing: Backing { axes, cell_m: sheet.cell_m, surface_m: sheet.surface_m },
+        width: size[0].max(NARROWEST),
+        size,
+    };
+    let mut found = Found { classes: [0; 5], pairs: [0; 4], counts: vec![0; sheet.maps.len() + 1] };
+    let mut maps: Vec<Panel> = sheet.maps.iter().map(|map| painter.map(map, &mut found)).collect();
+    let mut pairs: Vec<Panel> = sheet.pairs.iter().map(|pair| painter.pair(pair, &mut found)).collect();
+    let count = painter.count(&mut found);
+    if maps.len() % columns > 0 { &mut maps } else { &mut pairs }.push(count);
+
+    let body_w = (painter.width + GAPS[0]) * columns as f64 - GAPS[0];
+    let title = furniture::paragraph(sheet.title, TITLE, body_w);
+    let mut page = Page { furniture: Drawing::default(), images: Vec::new(), bottom: MARGIN - 6.0 };
+    page.furniture.place(&title.drawing, MARGIN, page.bottom);
+    page.bottom += title.height + 18.0;
+    for (heading, panels) in [("Placements", maps), ("From the first to the second", pairs)] {
+        if !panels.is_empty() {
+            page.heading(heading);
+            page.panels(panels, columns, &painter);
+        }
+    }
+    page.legend(&painter, &found, body_w);
+    let caption = furniture::caption(sheet.caption, body_w);
+    page.furniture.line([MARGIN, page.bottom], [MARGIN + body_w, page.bottom], &furniture::hairline());
+    page.furniture.place(&caption.drawing, MARGIN, page.bottom + 14.0);
+    let height = page.bottom + 14.0 + caption.height + MARGIN - 8.0;
+    Ok(Sheet { width: body_w + 2.0 * MARGIN, height, images: page.images, furniture: page.furniture })
+}
+
+fn check(sheet: &CompareSheet<'_>) -> Result<(), String> {
+    if sheet.maps.len() < 2 {
+        return Err(format!("cannot draw {} placements side by side: there must be at least 2", sheet.maps.len()));
+    }
+    let (cell_x, cell_y) = sheet.cell_m;
+    if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
+        return Err(format!("cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"));
+    }
+    let shape = |name: &str, length: usize| super::check_shape(name, length, sheet.n_cols, sheet.n_rows);
+    sheet.maps.iter().try_for_each(|map| shape("mask", map.mask.len()))?;
+    sheet.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))?;
+    match sheet.pairs.iter().find(|pair| pair.first.max(pair.second) >= sheet.maps.len()) {
+        Some(pair) => Err(format!("cannot draw `{}`: one of its maps is not there", pair.title)),
+        None => Ok(()),
+    }
+}
+
+/// How many cells were painted as what, over all maps: what the legend names.
+struct Found {
+    /// NLoS, LoS, not a receiver, out of range, nodata.
+    classes: [u64; 5],
+    /// Neither, only the first, only the second, both.
+    pairs: [u64; 4],
+    /// Seen by none, one, two …
+    counts: Vec<u64>,
+}
+
+fn add(sums: &mut [u64], numbers: &[u64]) {
+    sums.iter_mut().zip(numbers).for_each(|(sum, n)| *sum += n);
+}
+
+/// Paints the maps of a sheet.
+struct Painter<'a> {
+    sheet: &'a CompareSheet<'a>,
+    backing: Backing<'a>,
+    /// Size of a map \[px\].
+    size: [f64; 2],
+    /// Width that a map and its words have \[px\].
+    width: f64,
+}
+
+impl Painter<'_> {
+    fn map(&self, map: &CompareMap<'_>, found: &mut Found) -> Panel {
+        let mask = map.mask;
+        let index_of = |cell: usize| map_layers::special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
+        let painted = map_layers::paint_flat(&self.backing, &[colors::NLOS, colors::LOS], index_of);
+        add(&mut found.classes, &painted.histogram);
+        let marks: Vec<Mark<'_>> = map.mark.into_iter().collect();
+        self.panel((map.title, map.detail), painted.image, &marks)
+    }
+
+    fn pair(&self, pair: &ComparePair<'_>, found: &mut Found) -> Panel {
+        let [first, second] = [pair.first, pair.second].map(|k| &self.sheet.maps[k]);
+        // A cell that is a receiver of one alone is drawn as what it is to the other.
+        let class = |cell: usize| first.mask[cell].max(second.mask[cell]);
+        let index_of = |cell: usize| {
+            let seen = || usize::from(first.mask[cell]) + 2 * usize::from(second.mask[cell]);
+            map_layers::special(class(cell), 4).unwrap_or_else(seen)
+        };
+        let painted = map_layers::paint_flat(&self.backing, &colors::PAIR, index_of);
+        add(&mut found.pairs, &painted.histogram);
+        let marks: Vec<Mark<'_>> = [first.mark, second.mark].into_iter().flatten().collect();
+        self.panel((pair.title, pair.detail), painted.image, &marks)
+    }
+
+    fn count(&self, found: &mut Found) -> Panel {
+        let maps = self.sheet.maps;
+        let palette = self.count_palette();
+        let index_of = |cell: usize| {
+            let least = maps.iter().map(|map| map.mask[cell]).filter(|class| *class > 1).min();
+            let is_receiver = maps.iter().any(|map| map.mask[cell] <= 1);
+            match least.filter(|_| !is_receiver) {
+                Some(class) => map_layers::special(class, palette.len()).unwrap_or(palette.len()),
+                None => maps.iter().filter(|map| map.mask[cell] == 1).count(),
+            }
+        };
+        let painted = map_layers::paint_flat(&self.backing, &palette, index_of);
+        add(&mut found.counts, &painted.histogram);
+        let marks: Vec<Mark<'_>> = maps.iter().filter_map(|map| map.mark).collect();
+        let receivers: u64 = found.counts.iter().sum();
+        let union = super::lettering::percent(receivers - found.counts[0], receivers);
+        let detail = format!("at least one sees {union}, all see {}", self.percent_of_all(found, receivers));
+        self.panel(("How many see a cell", &detail), painted.image, &marks)
+    }
+
+    fn percent_of_all(&self, found: &Found, receivers: u64) -> String {
+        super::lettering::percent(found.counts[self.sheet.maps.len()], receivers)
+    }
+
+    fn n_maps(&self) -> u32 {
+        u32::try_from(self.sheet.maps.len()).unwrap_or(u32::MAX)
+    }
+
+    fn count_palette(&self) -> Vec<Rgb> {
+        (0..=self.n_maps()).map(|k| colors::count_color(k, self.n_maps())).collect()
+    }
+
+    fn panel(&self, (title, detail): (&str, &str), image: image::RgbaImage, marks: &[Mark<'_>]) -> Panel {
+        let words = furniture::stack(
+            &[furniture::paragraph(title, NAME, self.width), furniture::paragraph(detail, DETAIL, self.width)],
+            2.0,
+        );
+        let per_cell = [self.size[0] / self.sheet.n_cols as f64, self.size[1] / self.sheet.n_rows as f64];
+        Panel { words, image, marks: draw_marks(marks, self.size, per_cell, self.sheet.cell_m) }
+    }
+}
+
+/// A page that grows downward.
+struct Page {
+    furniture: Drawing,
+    images: Vec<(u32, u32, image::RgbaImage)>,
+    /// Where the next piece goes \[px\].
+    bottom: f64,
+}
+
+impl Page {
+    fn heading(&mut self, text: &str) {
+        self.furniture.text(MARGIN, self.bottom + 28.0, HEADING, text);
+        self.bottom += 46.0;
+    }
+
+    /// Places maps row by row, those of a row at one height.
+    fn panels(&mut self, panels: Vec<Panel>, columns: usize, painter: &Painter<'_>) {
+        let [width, height] = painter.size;
+        let mut panels = panels.into_iter().peekable();
+        while panels.peek().is_some() {
+            let row: Vec<Panel> = panels.by_ref().take(columns).collect();
+            let words = row.iter().map(|panel| panel.words.height).fold(0.0, f64::max);
+            let top = (self.bottom + words + 8.0).round();
+            for (col, panel) in row.into_iter().enumerate() {
+                let left = (MARGIN + (painter.width + GAPS[0]) * col as f64).round();
+                self.furniture.place(&panel.words.drawing, left, self.bottom);
+                self.furniture.rect([left - 0.8, top - 0.8, width + 1.6, height + 1.6], &furniture::frame());
+                self.furniture.place(&panel.marks, left, top);
+                self.images.push((pixels(left), pixels(top), panel.image));
+            }
+            self.bottom = top + height + GAPS[1];
+        }
+    }
+
+    /// Places the legend of all maps, the scale bar and the north arrow.
+    fn legend(&mut self, painter: &Painter<'_>, found: &Found, body_w: f64) {
+        let entry = |swatch, name: &str| furniture::legend_entry(swatch, name, "");
+        let flat = |colors: &[Rgb], names: &[&str], numbers: &[u64]| -> Vec<Block> {
+            let all = colors.iter().zip(names).zip(numbers).filter(|(_, n)| **n > 0);
+            all.map(|((color, name), _)| entry(Swatch::Flat(*color), name)).collect()
+        };
+        let seen = [colors::LOS, colors::NLOS];
+        let numbers = [found.classes[1], found.classes[0]];
+        let mut classes = flat(&seen, &["Line of sight", "No line of sight"], &numbers);
+        let special = map_layers::special_legend(&found.classes[2..], painter.sheet.others_name, &painter.backing);
+        classes.extend(special.into_iter().map(|(swatch, name, _)| entry(swatch, &name)));
+        if painter.sheet.maps.iter().any(|map| map.mark.is_some()) {
+            classes.push(entry(Swatch::Uav, "UAV"));
+        }
+        let [neither, lost, gained, both] = colors::PAIR;
+        let names =
+            ["Gained: only the second sees it", "Lost: only the first sees it", "Both see it", "Neither sees it"];
+        let [n_neither, n_lost, n_gained, n_both] = found.pairs;
+        let pairs = flat(&[gained, lost, both, neither], &names, &[n_gained, n_lost, n_both, n_neither]);
+        let counts = map_layers::count_legend(painter.n_maps(), &painter.count_palette(), &found.counts);
+
+        let px_per_m = painter.size[0] / painter.sheet.n_cols as f64 / painter.sheet.cell_m.0;
+        let scale_bar = furniture::scale_bar(px_per_m, (0.3 * painter.size[0]).clamp(140.0, 260.0));
+        let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
+        let room = body_w - orientation.width - 44.0;
+        let parts =
+            [("Line of sight", classes), ("From the first to the second", pairs), ("How many see a cell", counts)];
+        let blocks = parts.into_iter().filter(|(_, entries)| !entries.is_empty()).map(|(heading, entries)| {
+            let heading = furniture::paragraph(heading, HEADING, room);
+            furniture::stack(&[heading, furniture::flow(&entries, room, [38.0, 10.0])], 8.0)
+        });
+        let legend = furniture::stack(&blocks.collect::<Vec<_>>(), 22.0);
+        self.furniture.place(&legend.drawing, MARGIN, self.bottom);
+        self.furniture.place(&orientation.drawing, MARGIN + body_w - orientation.width, self.bottom + 10.0);
+        self.bottom += legend.height.max(orientation.height + 10.0) + 26.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(n: usize, pairs: &[ComparePair<'_>]) -> String {
+        let masks = [[0, 1, 1, 2], [0, 0, 1, 2], [0, 1, 0, 2]];
+        let titles: Vec<String> = (0..n).map(|k| format!("UAV {k}")).collect();
+        let maps: Vec<CompareMap<'_>> = (0..n)
+            .map(|k| CompareMap { title: &titles[k], detail: "P_LoS = 0.5", mask: &masks[k % 3], mark: None })
+            .collect();
+        let sheet = CompareSheet {
+            title: "A test",
+            caption: &[],
+            n_cols: 2,
+            n_rows: 2,
+            cell_m: (1.0, 1.0),
+            maps: &maps,
+            pairs,
+            surface_m: None,
+            others_name: "Buildings",
+        };
+        let sheet = compose(&sheet).expect("the sheet is valid");
+        let inside = |(x, y, image): &(u32, u32, image::RgbaImage)| {
+            f64::from(x + image.width()) <= sheet.width && f64::from(y + image.height()) <= sheet.height
+        };
+        assert!(sheet.images.iter().all(inside));
+        assert_eq!(sheet.images.len(), n + pairs.len() + 1);
+        sheet.furniture.svg
+    }
+
+    #[test]
+    fn a_sheet_names_every_map_once_and_what_occurs_on_them() {
+        let pair = ComparePair { title: "0 → 1", detail: "falls", first: 0, second: 1 };
+        let svg = words(2, &[pair]);
+        for text in ["UAV 0<", "UAV 1<", "0 → 1<", "Lost: only", "Both see it", "Neither sees it", "By both UAVs"] {
+            assert_eq!(svg.matches(text).count(), 1, "{text}");
+        }
+        assert!(!svg.contains("Gained") && !svg.contains("Out of range"));
+        assert!(svg.contains("at least one sees 66.7\u{202F}%, all see 33.3\u{202F}%"), "{svg}");
+    }
+
+    #[test]
+    fn any_number_of_maps_has_its_place() {
+        for n in 2..=16 {
+            let svg = words(n, &[]);
+            assert!((0..n).all(|k| svg.contains(&format!("UAV {k}<"))), "{n}");
+        }
+    }
+
+    #[test]
+    fn pixels_have_the_colors_of_the_pair() {
+        let (first, second) = ([0, 1, 0, 1], [0, 0, 1, 1]);
+        let map = |mask| CompareMap { title: "", detail: "", mask, mark: None };
+        let pair = ComparePair { title: "", detail: "", first: 0, second: 1 };
+        let sheet = CompareSheet {
+            title: "",
+            caption: &[],
+            n_cols: 4,
+            n_rows: 1,
+            cell_m: (1.0, 1.0),
+            maps: &[map(&first), map(&second)],
+            pairs: &[pair],
+            surface_m: None,
+            others_name: "Buildings",
+        };
+        let sheet = compose(&sheet).expect("the sheet is valid");
+        let image = &sheet.images[2].2;
+        let step = image.width() / 4;
+        for (k, color) in colors::PAIR.into_iter().enumerate() {
+            let x = step * u32::try_from(k).expect("four cells") + step / 2;
+            assert_eq!(image.get_pixel(x, 5).0[..3], color);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_refused() {
+        let one = [CompareMap { title: "", detail: "", mask: &[1], mark: None }];
+        let sheet = CompareSheet {
+            title: "",
+            caption: &[],
+            n_cols: 1,
+            n_rows: 1,
+            cell_m: (1.0, 1.0),
+            maps: &one,
+            pairs: &[],
+            surface_m: None,
+            others_name: "",
+        };
+        assert!(draw_compare_sheet(&sheet, &[]).is_err());
+        let two = [one[0], CompareMap { mask: &[1, 1], ..one[0] }];
+        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &[]).is_err());
+        let pair = [ComparePair { title: "", detail: "", first: 0, second: 2 }];
+        let two = [one[0]; 2];
+        assert!(draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &[]).is_err());
+    }
+}
