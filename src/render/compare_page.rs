@@ -128,9 +128,9 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
         ("both", both),
         ("counts", counts(page.placements.len())),
         ("others", escape(&page.others_name.to_lowercase())),
-        ("sentences", page.sentences.iter().map(|s| format!("<li>{}</li>\n", escape(s))).collect()),
+        ("sentences", page.sentences.iter().map(|s| format!("<li>{}</li>\n", words(s))).collect()),
         ("tables", page.tables.iter().map(table).collect()),
-        ("caption", caption.iter().map(|line| format!("<p>{}</p>\n", escape(line))).collect()),
+        ("caption", caption.iter().map(|line| format!("<p>{}</p>\n", words(line))).collect()),
         ("masks", thinned.masks()?),
         ("view", in_script(&view(page, &thinned))),
     ];
@@ -151,6 +151,11 @@ fn filled(parts: &[(&str, String)], document: &str) -> String {
         rest = after;
     }
     out + rest
+}
+
+/// Words of the page, escaped, the index of each `P_LoS` below the line.
+fn words(text: &str) -> String {
+    escape(text).replace("P_LoS", "P<sub>LoS</sub>")
 }
 
 /// JSON that no parser of HTML takes for the end of its script.
@@ -200,11 +205,11 @@ fn counts(n: usize) -> String {
 }
 
 fn table(table: &PageTable) -> String {
-    let cell = |name: &str, text: &String| format!("<{name}>{}</{}>", escape(text), &name[..2]);
+    let cell = |name: &str, text: &String| format!("<{name}>{}</{}>", words(text), &name[..2]);
     let head: String = table.head.iter().map(|text| cell("th scope=\"col\"", text)).collect();
     let mut out = format!(
         "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n",
-        escape(&table.caption)
+        words(&table.caption)
     );
     for row in &table.rows {
         let cells = row.iter().enumerate().map(|(k, text)| cell(if k == 0 { "th scope=\"row\"" } else { "td" }, text));

@@ -29,6 +29,8 @@ mod cli_map; // maps as files and documents
 mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone
 mod cli_plos; // P_LoS studies as tables, documents and plots
 mod sampled; // P_LoS by zone of the placement, from maps, against the product
+mod compare; // placements side by side: counts by hand, saved masks, intervals, sheets, refusals
+mod compare_page; // their page: pictures, words of users, a browser
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod regressions; // one test per bug

@@ -74,7 +74,7 @@ impl<'a> Show<'a> {
                 let [first, second] = [pair.first, pair.second].map(|k| &report.placements[k].id);
                 let difference = &pair.groups[0].difference;
                 let detail = match difference.value {
-                    Some(value) => format!("P_LoS {}{}", signed(value), interval_words(difference, signed)),
+                    Some(value) => format!("P_LoS changes by {}{}", short(value), interval_words(difference, short)),
                     None => "no receiver of both".to_string(),
                 };
                 (pair, format!("{first} → {second}"), detail)
@@ -183,6 +183,11 @@ fn window_of_receivers(grid: &GeoRef, union: &[u8]) -> CellWindow {
     let grown = |(low, high): (usize, usize), n: usize| (low.saturating_sub(border), (high + border).min(n));
     let (rows, cols) = (grown(rows, n_rows), grown(cols, n_cols));
     CellWindow { row: rows.0, col: cols.0, n_rows: rows.1 - rows.0, n_cols: cols.1 - cols.0 }
+}
+
+/// A difference with three decimals and a true minus.
+fn short(difference: f64) -> String {
+    format!("{difference:+.3}").replace('-', "−")
 }
 
 fn plain(p_los: f64) -> String {

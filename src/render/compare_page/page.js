@@ -90,7 +90,10 @@
       output.dataset.receivers = receivers;
       output.dataset.los = los;
       output.dataset.pLos = receivers ? los / receivers : "";
-      output.textContent = `${id === "share-a" ? "A" : "B"}: ${view.labels[k]}, P_LoS ${receivers ? (los / receivers).toFixed(4) : "undefined"}`;
+      const index = document.createElement("sub");
+      index.textContent = "LoS";
+      const value = receivers ? (los / receivers).toFixed(4) : "undefined: no receiver";
+      output.replaceChildren(`${id === "share-a" ? "A" : "B"}: ${view.labels[k]}, P`, index, ` ${value}`);
     };
     share("share-a", state.a, a);
     share("share-b", state.b, b);
@@ -106,8 +109,11 @@
 
   // Brings the controls, the line and the fragment into agreement with the state.
   function show() {
-    byId("a").selectedIndex = state.a;
-    byId("b").selectedIndex = state.b;
+    for (const id of ["a", "b"]) {
+      // Attributes follow the controls, so that a saved page looks the same.
+      [...byId(id).options].forEach((option, k) => option.toggleAttribute("selected", k === state[id]));
+      byId(id).selectedIndex = state[id];
+    }
     for (const input of document.querySelectorAll('input[name="layer"]')) {
       input.checked = input.value === "buildings" ? state.buildings : input.value === state.theme;
     }
@@ -123,6 +129,7 @@
     byId("right").setAttribute("aria-label", `what ${b} sees`);
     const range = byId("at");
     const percent = Math.round(100 * state.at);
+    range.setAttribute("value", state.at);
     range.value = state.at;
     range.disabled = state.theme !== "los";
     range.setAttribute("aria-valuetext", `${a} on the left ${percent} %, ${b} on the right ${100 - percent} %`);
@@ -236,7 +243,8 @@
     window.addEventListener("hashchange", () => { read(); show(); draw(); });
   }
 
-  Promise.all(masks.map((mask) => mask.decode())).then(() => {
+  // Pictures in the file are loaded by then.
+  window.addEventListener("load", () => {
     read();
     show();
     draw();

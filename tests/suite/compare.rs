@@ -1,0 +1,405 @@
+//! `skyshed compare` from outside: counts by hand, saved masks, intervals, sheets, files, flags, and what it refuses.
+
+use serde_json::Value;
+use skyshed::los_probability::bootstrap::{Share, resampled_ratios};
+use skyshed::raster::RasterFile;
+
+use crate::program::{Folder, program, wait};
+use crate::support::{Random, slow};
+
+/// Two masks of 4 × 4 cells in which every combination of classes that matters occurs.
+const FIRST: [u8; 16] = [1, 1, 0, 0, 1, 2, 2, 0, 0, 2, 3, 1, 255, 0, 1, 1];
+const SECOND: [u8; 16] = [1, 0, 0, 1, 1, 2, 1, 0, 1, 2, 0, 1, 0, 0, 255, 1];
+/// Their difference: 0 neither, 1 only the first, 2 only the second, 3 both, 255 not a receiver of both.
+const DIFFERENCE: [u8; 16] = [3, 1, 0, 2, 3, 255, 255, 0, 2, 255, 255, 3, 255, 0, 255, 3];
+/// How many see a cell; 255 where it is a receiver of neither.
+const COUNT: [u8; 16] = [2, 1, 0, 1, 2, 255, 1, 0, 1, 255, 0, 2, 0, 0, 1, 2];
+
+/// A block and a tower, so that placements differ.
+const CITY: &str = r#"{"type": "FeatureCollection", "features": [
+  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18},
+   "geometry": {"type": "Polygon", "coordinates": [[[20,20],[60,20],[60,60],[20,60],[20,20]]]}},
+  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
+   "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
+  {"type": "Feature", "properties": {"building:levels": 5},
+   "geometry": {"type": "Polygon", "coordinates": [[[90,90],[130,90],[130,130],[90,130],[90,90]]]}}]}"#;
+
+/// An ASCII grid of some columns from (0, 0), cells of 1 m.
+fn grid<T: ToString>(values: &[T], n_cols: usize, nodata: i32) -> String {
+    let n_rows = values.len() / n_cols;
+    let rows: Vec<String> =
+        values.chunks(n_cols).map(|row| row.iter().map(T::to_string).collect::<Vec<_>>().join(" ")).collect();
+    let head = format!("ncols {n_cols}\nnrows {n_rows}\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value {nodata}\n");
+    format!("{head}{}\n", rows.join("\n"))
+}
+
+/// A flat scene of 4 × 4 cells with the masks made by hand, and a city.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("flat.asc", &grid(&[0; 16], 4, -9999));
+    folder.write("first.asc", &grid(&FIRST, 4, 255));
+    folder.write("second.asc", &grid(&SECOND, 4, 255));
+    folder.write("city.geojson", CITY);
+    folder
+}
+
+const BY_HAND: &str = "flat.asc --ground 0 --mask first.asc --mask second.asc";
+
+fn document(folder: &Folder, line: &str) -> Value {
+    folder.type_in(&format!("compare {line} --json -q")).done().json()
+}
+
+fn counts(pair: &Value) -> Vec<u64> {
+    let names = ["both", "only_first", "only_second", "neither", "receivers_of_first_only", "receivers_of_second_only"];
+    names.iter().map(|name| pair[*name].as_u64().unwrap()).collect()
+}
+
+#[test]
+fn masks_made_by_hand_have_the_counts_of_a_hand() {
+    let folder = folder();
+    let document = document(&folder, BY_HAND);
+    assert_eq!(document["schema"], "skyshed/compare/1");
+    assert_eq!(document["method"], "saved masks");
+    let [first, second] = [&document["placements"][0], &document["placements"][1]];
+    assert_eq!((&first["id"], &second["id"]), (&"first".into(), &"second".into()));
+    assert_eq!((first["receivers"].as_u64(), first["los"].as_u64()), (Some(11), Some(6)));
+    assert_eq!((second["receivers"].as_u64(), second["los"].as_u64()), (Some(13), Some(7)));
+    assert_eq!((&first["margins"], first["margins_reason"].is_string()), (&Value::Null, true));
+    let pair = &document["pairs"][0];
+    assert_eq!(counts(pair), [4, 1, 2, 3, 1, 3]);
+    assert_eq!((pair["compared"].as_u64(), pair["difference"].as_f64()), (Some(10), Some(0.1)));
+    // One block of 50 m tells nothing about its spread.
+    assert_eq!((&pair["ci_low"], &pair["exceeds"]), (&Value::Null, &Value::Null));
+    assert_eq!(pair["reason"], "1 blocks with receivers, wanted at least 10");
+    assert_eq!(document["seen_by"], serde_json::json!([5, 5, 4]));
+    let sets: Vec<u64> =
+        document["sets"].as_array().unwrap().iter().map(|s| s["receivers"].as_u64().unwrap()).collect();
+    assert_eq!(sets, [5, 2, 3, 4]);
+    assert_eq!((document["union"]["receivers"].as_u64(), document["union"]["los"].as_u64()), (Some(14), Some(9)));
+}
+
+#[test]
+fn a_difference_turned_round_changes_its_sign_alone() {
+    let folder = folder();
+    let blocks = "--block 1";
+    let there = document(&folder, &format!("{BY_HAND} {blocks}"));
+    let back = document(&folder, &format!("flat.asc --ground 0 --mask second.asc --mask first.asc {blocks}"));
+    let (there, back) = (&there["pairs"][0], &back["pairs"][0]);
+    let [both, first, second, neither, of_first, of_second] = counts(there)[..] else { panic!("six counts") };
+    assert_eq!(counts(back), [both, second, first, neither, of_second, of_first]);
+    assert_eq!(there["difference"].as_f64().map(|d| -d), back["difference"].as_f64());
+    // Blocks of one cell: 16 of them, of which 10 are compared, and the same drawings in both runs.
+    assert_eq!((there["blocks"].as_u64(), back["blocks"].as_u64()), (Some(10), Some(10)));
+    let number = |value: &Value, name: &str| value[name].as_f64().unwrap();
+    assert!((number(there, "ci_low") + number(back, "ci_high")).abs() < 1e-9);
+    assert!((number(there, "ci_high") + number(back, "ci_low")).abs() < 1e-9);
+}
+
+#[test]
+fn bands_hold_masks_differences_and_the_count() {
+    let folder = folder();
+    folder.type_in(&format!("compare {BY_HAND} -o out.tif")).done();
+    let RasterFile::GeoTiff(tiff) = RasterFile::open(&folder.join("out.tif"), &mut Vec::new()).unwrap() else {
+        panic!("a GeoTIFF")
+    };
+    let names = ["first.los", "second.los", "first-second.difference", "count"].map(Some);
+    assert_eq!(tiff.band_names(), names);
+    for (band, wanted) in [FIRST, SECOND, DIFFERENCE, COUNT].iter().enumerate() {
+        let window = tiff.georef().window();
+        let values = tiff.read_band(band, window, &mut Vec::new(), |v| if v.is_nan() { 255.0 } else { v }).unwrap();
+        let wanted: Vec<f64> = wanted.iter().map(|v| f64::from(*v)).collect();
+        assert_eq!(values.cells(), wanted, "{band}");
+    }
+    assert!(folder.read("out.tif").windows(17).any(|w| w == b"skyshed/compare/1"), "provenance");
+}
+
+#[test]
+fn saved_maps_compare_like_their_uavs() {
+    let folder = folder();
+    let (a, b) = ("--uav 10,10,40", "--uav 75,75,60");
+    for scene in ["city.geojson", "city.geojson --receivers street --radius 70"] {
+        folder.type_in(&format!("map {scene} {a} -o a.tif --overwrite")).done();
+        folder.type_in(&format!("map {scene} {b} -o b.tif --overwrite")).done();
+        folder.type_in(&format!("map {scene} {a} {b} --layers los,margin -o both.tif --overwrite")).done();
+        let direct = document(&folder, &format!("{scene} {a} {b}"));
+        for masks in ["--mask a.tif --mask b.tif", "--mask both.tif"] {
+            let saved = document(&folder, &format!("{scene} {masks}"));
+            assert_eq!(saved["digest"], direct["digest"], "{masks}");
+            for key in ["ci_low", "ci_high", "zones", "difference", "compared", "exceeds"] {
+                assert_eq!(saved["pairs"][0][key], direct["pairs"][0][key], "{masks} {key}");
+            }
+            assert_eq!(counts(&saved["pairs"][0]), counts(&direct["pairs"][0]));
+            assert_eq!(saved["placements"][1]["zones"], direct["placements"][1]["zones"]);
+        }
+        let mixed = document(&folder, &format!("{scene} {a} --mask b.tif"));
+        assert_eq!(mixed["digest"], direct["digest"]);
+        assert_eq!(mixed["placements"][1]["id"], "b");
+        assert_eq!(mixed["scene"]["sources"].as_array().map(Vec::len), Some(2));
+    }
+    let both = document(&folder, "city.geojson --mask both.tif");
+    assert_eq!((&both["placements"][0]["id"], &both["placements"][1]["id"]), (&"both.1".into(), &"both.2".into()));
+    // Each compared cell is counted once, and those of one alone apart.
+    for pair in document(&folder, "city.geojson --radius 60 --uav 10,10,40 --uav 75,75,60 --uav 140,10,30")["pairs"]
+        .as_array()
+        .unwrap()
+    {
+        assert_eq!(counts(pair)[..4].iter().sum::<u64>(), pair["compared"].as_u64().unwrap());
+        assert!(pair["receivers_of_first_only"].as_u64() > Some(0));
+    }
+}
+
+#[test]
+fn margins_are_those_of_the_layer() {
+    let folder = folder();
+    let line = "city.geojson --uav 10,10,40 --uav 75,75,60";
+    let document = document(&folder, line);
+    folder.type_in(&format!("map {line} --layers margin -o margin.tif")).done();
+    let RasterFile::GeoTiff(tiff) = RasterFile::open(&folder.join("margin.tif"), &mut Vec::new()).unwrap() else {
+        panic!("a GeoTIFF")
+    };
+    for band in 0..2 {
+        let layer = tiff.read_band(band, tiff.georef().window(), &mut Vec::new(), |v| v).unwrap();
+        let mut margins: Vec<f64> = layer.cells().iter().copied().filter(|m| !m.is_nan()).collect();
+        margins.sort_by(f64::total_cmp);
+        let told = &document["placements"][band]["margins"];
+        assert_eq!((told["every"].as_u64(), told["receivers"].as_u64()), (Some(1), Some(margins.len() as u64)));
+        for (name, percent) in [("q05_m", 5), ("median_m", 50), ("q95_m", 95)] {
+            let value = told[name].as_f64().unwrap();
+            // So many percent, and no fewer, do not exceed it.
+            let below = margins.iter().filter(|m| **m < value).count();
+            let up_to = margins.iter().filter(|m| **m <= value).count();
+            assert!(100 * below < percent * margins.len() && 100 * up_to >= percent * margins.len(), "{name} {value}");
+        }
+        let grazing = margins.iter().filter(|m| m.abs() <= 1.0).count();
+        assert_eq!(told["grazing"].as_u64(), Some(grazing as u64));
+        let los = margins.iter().filter(|m| **m >= 0.0).count();
+        assert_eq!(document["placements"][band]["los"].as_u64(), Some(los as u64));
+    }
+}
+
+#[test]
+fn equal_placements_do_not_differ_and_unlike_ones_do() {
+    let folder = folder();
+    let document = document(&folder, "itu:urban --size 700 --uav 300,300,80 --uav 300,300,80 --uav 300,300,250");
+    let [same, other] = [&document["pairs"][0], &document["pairs"][1]];
+    for of_zone in [same, &same["zones"]["street"], &same["zones"]["crossroad"]] {
+        assert_eq!((of_zone["difference"].as_f64(), &of_zone["exceeds"]), (Some(0.0), &false.into()));
+        assert_eq!((of_zone["ci_low"].as_f64(), of_zone["ci_high"].as_f64()), (Some(0.0), Some(0.0)));
+    }
+    let number = |name: &str| other[name].as_f64().unwrap();
+    assert_eq!(other["exceeds"], true);
+    assert!(
+        0.0 < number("ci_low") && number("ci_low") < number("difference") && number("difference") < number("ci_high")
+    );
+    // What a placement sees from higher up it never loses.
+    assert_eq!(other["only_first"], 0);
+    // A difference over all receivers is that of the two shares, and its interval is narrower than theirs together.
+    let share = |k: usize, name: &str| document["placements"][k][name].as_f64().unwrap();
+    assert!((number("difference") - (share(2, "p_los") - share(0, "p_los"))).abs() < 1e-12);
+    let width = |k: usize| share(k, "ci_high") - share(k, "ci_low");
+    assert!(number("ci_high") - number("ci_low") < width(0) + width(2));
+}
+
+#[test]
+fn intervals_over_independent_blocks_cover_as_often_as_they_say() {
+    // A block gains 25 on average of 100 receivers, each number drawn by itself; so the truth is 0.05.
+    let (repetitions, wanted) = if slow() { (2000, 92.5..=96.5) } else { (400, 90.5..=97.5) };
+    let mut random = Random(7);
+    let mut covered = 0;
+    for seed in 0..repetitions {
+        let share = |_| Share { part: random.within(-20, 30), whole: u64::try_from(random.within(50, 150)).unwrap() };
+        let blocks: Vec<Share> = (0..60).map(share).collect();
+        let (low, high) = resampled_ratios(&[blocks], 0.95, seed)[0].interval.unwrap();
+        covered += u32::from(low <= 0.05 && 0.05 <= high);
+    }
+    let percent = 100.0 * f64::from(covered) / repetitions as f64;
+    assert!(wanted.contains(&percent), "{percent} %");
+}
+
+#[test]
+fn table_and_document_agree() {
+    let folder = folder();
+    let line = "itu:urban --size 500 --uav 100,100,60 --uav 300,300,120 --uav 200,400,90";
+    folder.type_in(&format!("compare {line} --csv a.csv -o b.json -q")).done();
+    let document = folder.json("b.json");
+    assert_eq!(document["digest"], folder.json("a.csv.json")["digest"]);
+    let rows: Vec<std::collections::HashMap<String, String>> =
+        csv::Reader::from_reader(folder.text("a.csv").as_bytes()).deserialize().map(|row| row.unwrap()).collect();
+    assert_eq!(rows.len(), (3 + 3) * 5);
+    for row in &rows {
+        let (list, key) = if row["row"] == "placement" { ("placements", "p_los") } else { ("pairs", "difference") };
+        let is_it = |o: &&Value| {
+            let name = if list == "pairs" { "first" } else { "id" };
+            o[name] == row["first"].as_str() && (list != "pairs" || o["second"] == row["second"].as_str())
+        };
+        let object = document[list].as_array().unwrap().iter().find(is_it).unwrap();
+        let object = if row["zone"] == "all" { object } else { &object["zones"][row["zone"].as_str()] };
+        for (column, name) in [(key, key), ("ci_low", "ci_low"), ("ci_high", "ci_high"), ("blocks", "blocks")] {
+            assert_eq!(row[column].parse::<f64>().ok(), object[name].as_f64(), "{row:?} {column}");
+        }
+    }
+    // Without an output the table is the answer.
+    let answer = folder.type_in(&format!("compare {line} -q")).done();
+    assert_eq!(answer.out, folder.text("a.csv"));
+}
+
+#[test]
+fn a_sheet_names_what_it_shows() {
+    let folder = folder();
+    let line = "city.geojson --uav 10,10,40 --uav 75,75,60 --uav 140,10,30 -q";
+    folder.type_in(&format!("compare {line} -o s.svg -o s.png --title Mine --attribution Surveyors")).done();
+    let svg = folder.text("s.svg").replace('\u{a0}', " ");
+    for words in ["Mine", "1 · 40 m above ground", "2 → 3", "Gained: only the second", "By all 3 UAVs", "Surveyors"]
+    {
+        assert!(svg.contains(words), "{words}");
+    }
+    assert_eq!(svg.matches("<image ").count(), 3 + 3 + 1);
+    let image = image::load_from_memory(&folder.read("s.png")).unwrap();
+    assert!(image.width() > 1000 && image.height() > 800);
+    // Seven placements show their differences to the first alone.
+    let seven: String = (0..7).map(|k| format!(" --uav {},{},60", 10 + 15 * k, 10)).collect();
+    folder.type_in(&format!("compare city.geojson{seven} -q -o seven.svg")).done();
+    let svg = folder.text("seven.svg");
+    assert_eq!(svg.matches("<image ").count(), 7 + 6 + 1);
+    assert!(svg.contains("Differences are drawn from 1 to each other placement."));
+}
+
+#[test]
+fn files_do_not_depend_on_the_number_of_threads() {
+    let runs: Vec<Folder> = ["1", "2"]
+        .into_iter()
+        .map(|threads| {
+            let folder = folder();
+            let line = "compare itu:urban --size 400 --uav 100,100,60 --uav 300,300,120 -q -o c.html -o c.png -o c.tif \
+                        -o c.svg --csv c.csv";
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let mut command = program(folder.path(), &words);
+            wait(command.env("RAYON_NUM_THREADS", threads).spawn().unwrap()).done();
+            folder
+        })
+        .collect();
+    for name in ["c.html", "c.png", "c.tif", "c.svg", "c.csv", "c.csv.json"] {
+        assert!(runs[0].read(name) == runs[1].read(name), "{name}");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_and_leaves_nothing() {
+    let folder = folder();
+    folder.write("wide.asc", &grid(&[1; 20], 5, 255));
+    folder.write("odd.asc", &grid(&[[1; 7].as_slice(), &[7], &[0; 8]].concat(), 4, 255));
+    std::fs::create_dir(folder.join("other")).unwrap();
+    std::fs::copy(folder.join("first.asc"), folder.join("other/first.asc")).unwrap();
+    folder.type_in("map city.geojson --uav 10,10,40 --uav 75,75,60 --layers margin -o margins.tif").done();
+    folder.type_in("map city.geojson --crs EPSG:25832 --uav 10,10,40 -o utm.tif").done();
+    let before = folder.files();
+    let many: String = (0..17).map(|k| format!(" --uav {k},1,60")).collect();
+    let seventeen = format!("compare city.geojson{many}");
+    for (line, code, wanted) in [
+        ("compare city.geojson", 2, "error[E108]: cannot compare: found 0 placements, wanted at least 2"),
+        ("compare city.geojson --uav 1,1,50", 2, "error[E108]: cannot compare: found 1 placements"),
+        ("compare flat.asc --ground 0 --mask first.asc", 2, "error[E108]: cannot compare: found 1 placements"),
+        ("compare city.geojson --uav 1,1,50 --uav 2,2 -o c.png", 2, "error[E102]: cannot read `--uav 2,2`"),
+        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --block 0", 2, "error[E113]: `--block` is `0`, wanted above"),
+        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 -o c.exr", 2, "error[E105]: cannot write c.exr"),
+        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --csv c.txt", 2, "error[E105]: cannot write c.txt"),
+        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --title T", 2, "error[E116]: `--title` has no meaning"),
+        ("compare flat.asc --uav 1,1,50 --uav 2,2,9 --receivers street", 2, "error[E117]: `--receivers street`"),
+        ("compare flat.asc --ground 0 --uav 1,1,50 --mask wide.asc", 3, "error[E312]: cannot compare wide.asc (5×4"),
+        (
+            "compare flat.asc --ground 0 --uav 1,1,50 --mask odd.asc",
+            3,
+            "error[E302]: cannot use odd.asc as a mask: row 1",
+        ),
+        ("compare flat.asc --ground 0 --uav 1,1,50 --mask none.tif", 3, "error[E301]: cannot open `none.tif`"),
+        ("compare city.geojson --uav 1,1,50 --mask margins.tif", 3, "error[E302]: cannot use margins.tif as a mask"),
+        ("compare city.geojson --crs EPSG:25833 --uav 1,1,50 --mask utm.tif", 3, "error[E311]: cannot combine"),
+        ("compare city.geojson --uav 1,1,50 --uav 30,30,5", 4, "error[E201]: cannot place UAV `2`"),
+        (
+            "compare flat.asc --ground 0 --mask first.asc --mask other/first.asc",
+            4,
+            "error[E207]: two placements are named `first`",
+        ),
+        (&seventeen, 5, "error[E502]: cannot compare 17 placements, wanted at most 16"),
+        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --block 1", 5, "error[E502]: cannot resample 1000000 blocks"),
+        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --max-memory 1M", 5, "error[E501]: cannot map itu:urban"),
+    ] {
+        let answer = folder.type_in(line);
+        let lines = answer.refused(code);
+        assert!(lines[0].starts_with(wanted), "{line}: {lines:?}");
+        assert_eq!(folder.files(), before, "{line}");
+    }
+    // A mask is an input like any other.
+    let line = "compare flat.asc --ground 0 --mask first.asc --mask second.asc --overwrite -o second.json";
+    folder.write("second.json", "mine");
+    folder.type_in(&line.replace(" --overwrite", "")).refused(2);
+    assert_eq!(folder.text("second.json"), "mine");
+}
+
+/// Flags that change the document: a line without it, and the flag.
+const FLAGS: [(&str, &str); 20] = [
+    ("CITY", "--ground 5"),
+    ("CITY", "--height-field tall"),
+    ("CITY", "--top-field z_top"),
+    ("CITY", "--missing levels"),
+    ("CITY", "--extent 0,0,150,150"),
+    ("CITY", "--cell 5"),
+    ("CITY", "--crs EPSG:25832"),
+    ("CITY", "--terrain slope.asc"),
+    ("CITY", "--uav 5,70,50"),
+    ("CITY", "--uavs sites.csv"),
+    ("CITY", "--mask saved.tif"),
+    ("CITY", "--rx-height 9"),
+    ("CITY", "--receivers all"),
+    ("CITY", "--radius 50"),
+    ("CITY", "--block 10"),
+    ("CITY --block 20", "--seed 2"),
+    ("CITY", "--method ray"),
+    ("flat.asc --ground 0 --uav 1,1,50 --uav 2,2,9", "--building-threshold 3"),
+    ("holes.asc --ground 0 --uav 0.5,0.5,5 --uav 3.5,3.5,5", "--nodata-as block"),
+    ("itu:urban --uav 2,2,50 --uav 9,9,50", "--size 300"),
+];
+
+/// Flags that change what is written or said.
+const OTHER: [&str; 11] = [
+    "--output",
+    "--csv",
+    "--title",
+    "--attribution",
+    "--json",
+    "--overwrite",
+    "--threads",
+    "--quiet",
+    "--max-memory",
+    "--hash",
+    "--help",
+];
+
+#[test]
+fn every_flag_changes_the_document() {
+    let folder = folder();
+    folder.write("flat.asc", &grid(&[0, 0, 0, 0, 0, 2, 2, 0, 0, 2, 2, 0, 0, 0, 0, 0], 4, -9999));
+    folder.write("holes.asc", &grid(&[0, 0, 0, 0, 0, -9999, -9999, 0, 0, 0, 0, 0, 1, 1, 1, 1], 4, -9999));
+    folder.write("slope.asc", &grid(&(0..130 * 130).map(|k| k % 130 / 10).collect::<Vec<_>>(), 130, -9999));
+    folder.write("sites.csv", "id,x,y,h\na,40,75,30\n");
+    let city = "city.geojson --uav 70,25,40 --uav 75,75,60";
+    folder.type_in("map city.geojson --uav 70,40,60 -o saved.tif").done();
+    let plan = |line: &str| {
+        let mut document = document(&folder, &line.replace("CITY", city));
+        let object = document.as_object_mut().unwrap();
+        object.remove("command");
+        object.remove("timing_s");
+        document
+    };
+    for (line, flag) in FLAGS {
+        assert_ne!(plan(line), plan(&format!("{line} {flag}")), "{line} {flag}");
+    }
+    let help = folder.type_in("compare --help").done().out;
+    for line in help.lines().map(str::trim_start).filter(|line| line.starts_with('-')) {
+        let Some(flag) = line.split([' ', ',']).find(|word| word.starts_with("--")) else { continue };
+        let is_known = flag == "--version"
+            || OTHER.contains(&flag)
+            || FLAGS.iter().any(|(_, words)| words.split(' ').next() == Some(flag));
+        assert!(is_known, "compare {flag}: add it to the flags above");
+    }
+}

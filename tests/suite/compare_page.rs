@@ -1,0 +1,221 @@
+//! The page of `skyshed compare`: whole, self-contained, safe from the words of users, and alive in a browser.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use image::RgbaImage;
+
+use crate::program::Folder;
+
+const BLUE: [u8; 3] = [0x00, 0x72, 0xB2];
+const ORANGE: [u8; 3] = [0xE6, 0x9F, 0x00];
+
+/// Bytes from base 64 (RFC 4648).
+fn decoded(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => panic!("{} is no digit of base 64", char::from(c)),
+    };
+    let digits: Vec<u8> = text.trim_end_matches('=').bytes().map(digit).collect();
+    let (mut bits, mut n_bits, mut bytes) = (0_u32, 0, Vec::new());
+    for digit in digits {
+        bits = (bits << 6 | u32::from(digit)) & 0xFFFF;
+        n_bits += 6;
+        if n_bits >= 8 {
+            n_bits -= 8;
+            bytes.push(u8::try_from(bits >> n_bits & 0xFF).unwrap());
+        }
+    }
+    bytes
+}
+
+/// The pictures in a page, in order.
+fn pictures(page: &str) -> Vec<RgbaImage> {
+    let after = page.split("src=\"data:image/png;base64,").skip(1);
+    after.map(|rest| image::load_from_memory(&decoded(rest.split('"').next().unwrap())).unwrap().to_rgba8()).collect()
+}
+
+fn number_of(image: &RgbaImage, color: [u8; 3]) -> u64 {
+    image.pixels().filter(|p| p.0[..3] == color && p.0[3] == 255).count() as u64
+}
+
+/// The text of a script of data.
+fn data(page: &str, id: &str) -> serde_json::Value {
+    let (_, rest) = page.split_once(&format!("<script type=\"application/json\" id=\"{id}\">")).unwrap();
+    serde_json::from_str(rest.split("</script>").next().unwrap()).unwrap()
+}
+
+#[test]
+fn pictures_have_a_pixel_per_cell_in_the_color_of_its_class() {
+    let folder = Folder::new();
+    folder.type_in("compare itu:urban --size 300 --uav 50,50,60 --uav 150,150,90 -o c.html -o c.json -q").done();
+    let (page, document) = (folder.text("c.html"), folder.json("c.json"));
+    let pictures = pictures(&page);
+    assert_eq!(pictures.len(), 3, "buildings and two masks");
+    assert!(pictures.iter().all(|p| p.dimensions() == (300, 300)));
+    for (picture, placement) in pictures[1..].iter().zip(document["placements"].as_array().unwrap()) {
+        let (los, receivers) = (placement["los"].as_u64().unwrap(), placement["receivers"].as_u64().unwrap());
+        assert_eq!((number_of(picture, BLUE), number_of(picture, ORANGE)), (los, receivers - los));
+    }
+    let mut kept = data(&page, "comparison");
+    assert_eq!(kept["digest"], document["digest"]);
+    assert_eq!(kept["pairs"], document["pairs"]);
+    assert!(kept.as_object_mut().unwrap().get("timing_s").is_none(), "equal runs give equal pages");
+    // What a reader of the page needs is there without a script.
+    for words in
+        ["P<sub>LoS</sub> by zone", "1 → 2", "within ±1 m of grazing", "lang=\"en\"", "<caption>", "scope=\"row\""]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn a_page_asks_the_network_for_nothing() {
+    let folder = Folder::new();
+    folder.type_in("compare itu:urban --size 200 --uav 50,50,60 --uav 150,150,90 -o c.html -q").done();
+    let page = folder.text("c.html");
+    for word in ["http://", "https://", "//cdn", "@import", "url(", "fetch(", "XMLHttpRequest", "<link", "import("] {
+        assert!(!page.contains(word), "{word}");
+    }
+    assert!(page.contains("default-src 'none'"));
+    assert!(page.matches(" src=\"").count() == page.matches(" src=\"data:image/png;base64,").count());
+}
+
+#[test]
+fn words_of_the_user_are_words() {
+    let folder = Folder::new();
+    let id = "</script><script>alert('1')</script><b x=\\\"\\\">&";
+    let point = |id: &str, x: u32| {
+        format!(
+            "{{\"type\": \"Feature\", \"properties\": {{\"id\": \"{id}\", \"h\": 60}}, \
+             \"geometry\": {{\"type\": \"Point\", \"coordinates\": [{x}, 50]}}}}"
+        )
+    };
+    let crs = "\"crs\": {\"type\": \"name\", \"properties\": {\"name\": \"urn:ogc:def:crs:EPSG::25832\"}}";
+    let features = format!("{}, {}", point(id, 50), point("{{document}}", 150));
+    folder.write("sites.geojson", &format!("{{\"type\": \"FeatureCollection\", {crs}, \"features\": [{features}]}}"));
+    folder.write(
+        "city.geojson",
+        r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"height": 20},
+            "geometry": {"type": "Polygon", "coordinates": [[[80,20],[120,20],[120,60],[80,60],[80,20]]]}}]}"#,
+    );
+    let scene = ["city.geojson", "--crs", "EPSG:25832", "--extent", "0,0,200,100"];
+    let rest = ["--uavs", "sites.geojson", "-o", "c.html", "--title", "<i>T</i>", "--attribution", "<u>\"A\"</u>"];
+    folder.run(&[&["compare"], &scene[..], &rest[..]].concat()).done();
+    let page = folder.text("c.html");
+    assert_eq!(page.matches("<script").count(), 3, "two of data, one of the page");
+    assert_eq!(page.matches("</script>").count(), 3);
+    for markup in ["<i>T", "<u>", "<b x"] {
+        assert!(!page.contains(markup), "{markup}");
+    }
+    assert!(page.contains("&lt;i&gt;T&lt;/i&gt;") && page.contains("&lt;script&gt;alert"));
+    assert_eq!(data(&page, "view")["ids"][0], "</script><script>alert('1')</script><b x=\"\">&");
+    assert_eq!(data(&page, "comparison")["placements"][1]["id"], "{{document}}");
+}
+
+#[test]
+fn a_large_grid_is_thinned_to_the_middles_of_squares() {
+    let folder = Folder::new();
+    // 2100 × 2100 cells are more than a picture may have: each pixel is the middle of 2 × 2 of them.
+    let line = "compare itu:urban --size 2100 --uav 1000,1000,60 --uav 500,500,90 -o c.html -o c.tif -q";
+    folder.type_in(line).done();
+    let page = folder.text("c.html");
+    assert!(page.len() < 10_000_000, "{} bytes", page.len());
+    assert!(page.contains("one cell of each 2 × 2"), "the page says so");
+    let pictures = pictures(&page);
+    assert!(pictures.iter().all(|p| p.dimensions() == (1050, 1050)));
+    let mut warnings = Vec::new();
+    let skyshed::raster::RasterFile::GeoTiff(tiff) =
+        skyshed::raster::RasterFile::open(&folder.join("c.tif"), &mut warnings).unwrap()
+    else {
+        panic!("a GeoTIFF")
+    };
+    let window = tiff.georef().window();
+    let mask = tiff.read_band(0, window, &mut warnings, |v| v).unwrap();
+    for (x, y, pixel) in pictures[1].enumerate_pixels() {
+        let value = mask.row(2 * y as usize + 1)[2 * x as usize + 1];
+        let wanted = if value > 1.5 { None } else { Some(if value > 0.5 { BLUE } else { ORANGE }) };
+        let found = [BLUE, ORANGE].into_iter().find(|color| pixel.0[..3] == *color);
+        assert_eq!(found, wanted, "{x} {y}");
+    }
+}
+
+/// A browser on the path, if there is one.
+fn browser() -> Option<PathBuf> {
+    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
+}
+
+/// Runs the browser on a page with a fragment and returns what it prints.
+fn browse(browser: &Path, folder: &Folder, fragment: &str, task: &[&str]) -> String {
+    let page = format!("file://{}#{fragment}", folder.word("c.html"));
+    let profile = format!("--user-data-dir={}", folder.word("profile"));
+    let common =
+        ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=5000", "--window-size=900,1200"];
+    let mut command = Command::new(browser);
+    command.args(common).arg(profile).args(task).arg(page).stderr(Stdio::null());
+    String::from_utf8(command.output().unwrap().stdout).unwrap()
+}
+
+#[test]
+fn a_browser_shows_the_state_of_the_fragment() {
+    let Some(browser) = browser() else {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
+        return;
+    };
+    let folder = Folder::new();
+    let grid = |values: &str| {
+        let row = [values; 40].join(" ");
+        let rows = [row.as_str(); 30].join("\n");
+        format!("ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value 255\n{rows}\n")
+    };
+    folder.write("flat.asc", &grid("0"));
+    folder.write("dark.asc", &grid("0"));
+    folder.write("light.asc", &grid("1"));
+    // Three of four cells are seen.
+    folder.write("some.asc", &grid("1").replacen('1', "0", 300));
+    let masks = "--mask light.asc --mask dark.asc --mask some.asc";
+    folder.type_in(&format!("compare flat.asc --ground 0 {masks} -o c.html -q")).done();
+
+    let dom = browse(&browser, &folder, "a=some&b=dark&at=0.3&layers=buildings,los", &["--dump-dom"]);
+    assert!(dom.contains("data-ready=\"true\""), "the script ran to its end");
+    let selected = |id: &str| {
+        let (_, rest) = dom.split_once(&format!("<select id=\"{id}\">")).unwrap();
+        let options = rest.split("</select>").next().unwrap();
+        options.split("<option ").find(|o| o.contains("selected")).map(str::to_string).unwrap()
+    };
+    assert!(selected("a").contains("value=\"some\"") && selected("b").contains("value=\"dark\""));
+    assert!(dom.contains("aria-valuetext=\"some · saved map on the left 30 %, dark · saved map on the right 70 %\""));
+    let range = dom.split("<input type=\"range\"").nth(1).unwrap().split('>').next().unwrap();
+    assert!(range.contains("value=\"0.3\""), "{range}");
+    // The script counts P_LoS from the pixels: that of the document.
+    let document = data(&folder.text("c.html"), "comparison");
+    let share = |id: &str| -> f64 {
+        let output = dom.split(&format!("<output id=\"{id}\"")).nth(1).unwrap();
+        output.split("data-p-los=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    assert_eq!(document["placements"][2]["p_los"], 0.75);
+    assert!((share("share-a") - 0.75).abs() < 1e-12 && share("share-b").abs() < 1e-12);
+
+    // At 0 all of the map is B, at 1 all of it is A.
+    for (at, [more, less]) in [("0", [ORANGE, BLUE]), ("1", [BLUE, ORANGE])] {
+        let shot = format!("--screenshot={}", folder.word("shot.png"));
+        browse(&browser, &folder, &format!("a=light&b=dark&at={at}&layers=los"), &[&shot]);
+        let image = image::load_from_memory(&folder.read("shot.png")).unwrap().to_rgba8();
+        let [n_more, n_less] = [more, less].map(|color| number_of(&image, color));
+        assert!(n_more > 200_000 && n_less < 20_000, "at {at}: {n_more} and {n_less}");
+    }
+    let dom = browse(&browser, &folder, "a=light&b=some&layers=difference", &["--dump-dom"]);
+    assert!(dom.contains("data-theme=\"difference\""));
+    let cells = |k: u8| {
+        let output = dom.split(&format!("<output data-pair=\"{k}\"")).nth(1).unwrap();
+        output.split("data-cells=\"").nth(1).unwrap().split('"').next().unwrap().to_string()
+    };
+    assert_eq!([0, 1, 2, 3].map(cells), ["0", "300", "0", "900"]);
+}
