@@ -153,9 +153,9 @@ fn filled(parts: &[(&str, String)], document: &str) -> String {
     out + rest
 }
 
-/// Words of the page, escaped, the index of each `P_LoS` below the line.
+/// Words of the page, escaped, the index of each `P_LoS` below the line, and no break before a percent sign.
 fn words(text: &str) -> String {
-    escape(text).replace("P_LoS", "P<sub>LoS</sub>")
+    escape(text).replace("P_LoS", "P<sub>LoS</sub>").replace(" %", "\u{a0}%")
 }
 
 /// JSON that no parser of HTML takes for the end of its script.

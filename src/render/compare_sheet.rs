@@ -5,6 +5,7 @@
 
 use super::colors::{self, Rgb};
 use super::furniture::{self, Block, DETAIL, NAME, Swatch, TITLE};
+use super::lettering;
 use super::map_layers::{self, Backing};
 use super::marks::{Mark, draw_marks};
 use super::paint;
@@ -111,7 +112,7 @@ fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     let mut maps: Vec<Panel> = sheet.maps.iter().map(|map| painter.map(map, &mut found)).collect();
     let mut pairs: Vec<Panel> = sheet.pairs.iter().map(|pair| painter.pair(pair, &mut found)).collect();
     let count = painter.count(&mut found);
-    if maps.len() % columns > 0 { &mut maps } else { &mut pairs }.push(count);
+    if maps.len().is_multiple_of(columns) { &mut pairs } else { &mut maps }.push(count);
 
     let body_w = (painter.width + GAPS[0]) * columns as f64 - GAPS[0];
     let title = furniture::paragraph(sheet.title, TITLE, body_w);
@@ -212,13 +213,10 @@ impl Painter<'_> {
         add(&mut found.counts, &painted.histogram);
         let marks: Vec<Mark<'_>> = maps.iter().filter_map(|map| map.mark).collect();
         let receivers: u64 = found.counts.iter().sum();
-        let union = super::lettering::percent(receivers - found.counts[0], receivers);
-        let detail = format!("at least one sees {union}, all see {}", self.percent_of_all(found, receivers));
+        let union = lettering::percent(receivers - found.counts[0], receivers);
+        let by_all = lettering::percent(found.counts[maps.len()], receivers);
+        let detail = format!("at least one sees {union}, all see {by_all}");
         self.panel(("How many see a cell", &detail), painted.image, &marks)
-    }
-
-    fn percent_of_all(&self, found: &Found, receivers: u64) -> String {
-        super::lettering::percent(found.counts[self.sheet.maps.len()], receivers)
     }
 
     fn n_maps(&self) -> u32 {

@@ -170,16 +170,17 @@ fn a_browser_shows_the_state_of_the_fragment() {
         return;
     };
     let folder = Folder::new();
-    let grid = |values: &str| {
-        let row = [values; 40].join(" ");
-        let rows = [row.as_str(); 30].join("\n");
+    // Forty columns and thirty rows, the first so many cells 0 and the others 1.
+    let grid = |n_zeros: usize| {
+        let cell = |k: usize| if k < n_zeros { "0" } else { "1" };
+        let row = |row: usize| (0..40).map(|col| cell(40 * row + col)).collect::<Vec<_>>().join(" ");
+        let rows = (0..30).map(row).collect::<Vec<_>>().join("\n");
         format!("ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value 255\n{rows}\n")
     };
-    folder.write("flat.asc", &grid("0"));
-    folder.write("dark.asc", &grid("0"));
-    folder.write("light.asc", &grid("1"));
-    // Three of four cells are seen.
-    folder.write("some.asc", &grid("1").replacen('1', "0", 300));
+    folder.write("flat.asc", &grid(1200));
+    folder.write("dark.asc", &grid(1200));
+    folder.write("light.asc", &grid(0));
+    folder.write("some.asc", &grid(300));
     let masks = "--mask light.asc --mask dark.asc --mask some.asc";
     folder.type_in(&format!("compare flat.asc --ground 0 {masks} -o c.html -q")).done();
 

@@ -246,7 +246,10 @@
   // Pictures in the file are loaded by then.
   window.addEventListener("load", () => {
     read();
+    const { zoom } = state;
+    state.zoom = 1;
     show();
+    zoomTo(zoom);
     draw();
     listen();
     document.documentElement.dataset.ready = "true";
