@@ -49,8 +49,6 @@ pub struct ComparePage<'a> {
     pub placements: &'a [PagePlacement<'a>],
     /// Heights above ground \[m\], for the buildings behind the masks; not finite where unknown.
     pub above_ground_m: &'a [f32],
-    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
-    pub others_name: &'a str,
     /// What the differences come to, sentence by sentence.
     pub sentences: &'a [String],
     /// Tables.
@@ -127,7 +125,7 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
         ("gained", gained),
         ("both", both),
         ("counts", counts(page.placements.len())),
-        ("others", escape(&page.others_name.to_lowercase())),
+        ("ground", hex(colors::OPEN_GROUND)),
         ("sentences", page.sentences.iter().map(|s| format!("<li>{}</li>\n", words(s))).collect()),
         ("tables", page.tables.iter().map(table).collect()),
         ("caption", caption.iter().map(|line| format!("<p>{}</p>\n", words(line))).collect()),
@@ -342,7 +340,6 @@ mod tests {
             meters_per_unit: 1.0,
             placements: &[placement(0), placement(1)],
             above_ground_m: &[0.0, 0.0, 9.0, f32::NAN],
-            others_name: "Buildings",
             sentences: &[],
             tables: &[],
             document: &json!({}),

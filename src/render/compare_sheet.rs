@@ -119,7 +119,7 @@ fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     let mut page = Page { furniture: Drawing::default(), images: Vec::new(), bottom: MARGIN - 6.0 };
     page.furniture.place(&title.drawing, MARGIN, page.bottom);
     page.bottom += title.height + 18.0;
-    for (heading, panels) in [("Placements", maps), ("From the first to the second", pairs)] {
+    for (heading, panels) in [("Placements", maps), ("From the first to the second, with the change of P_LoS", pairs)] {
         if !panels.is_empty() {
             page.heading(heading);
             page.panels(panels, columns, &painter);

@@ -6,6 +6,7 @@ use super::{RunFacts, SiteFacts, Timing};
 use crate::coverage::{GRAZING_M, MarginStats, PairCounts, Tally};
 use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
+use crate::quantity::counted;
 use crate::zones::Zone;
 
 /// Groups of receivers: all, and those of each zone in the order of [`Zone::ALL`].
@@ -129,7 +130,9 @@ pub const MEANING: &str = "blocks of ground are drawn with replacement, the same
 /// Why a value has no interval.
 fn reason_without_interval(estimate: &RatioEstimate) -> String {
     match estimate.blocks {
-        n if n < FEWEST_CLUSTERS => format!("{n} blocks with receivers, wanted at least {FEWEST_CLUSTERS}"),
+        n if n < FEWEST_CLUSTERS => {
+            format!("{} with receivers, wanted at least {FEWEST_CLUSTERS}", counted(n, "block", "blocks"))
+        }
         _ => "too many resamplings hold no such receiver".to_string(),
     }
 }

@@ -70,7 +70,7 @@ fn masks_made_by_hand_have_the_counts_of_a_hand() {
     assert_eq!((pair["compared"].as_u64(), pair["difference"].as_f64()), (Some(10), Some(0.1)));
     // One block of 50 m tells nothing about its spread.
     assert_eq!((&pair["ci_low"], &pair["exceeds"]), (&Value::Null, &Value::Null));
-    assert_eq!(pair["reason"], "1 blocks with receivers, wanted at least 10");
+    assert_eq!(pair["reason"], "1 block with receivers, wanted at least 10");
     assert_eq!(document["seen_by"], serde_json::json!([5, 5, 4]));
     let sets: Vec<u64> =
         document["sets"].as_array().unwrap().iter().map(|s| s["receivers"].as_u64().unwrap()).collect();

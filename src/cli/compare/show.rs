@@ -74,7 +74,7 @@ impl<'a> Show<'a> {
                 let [first, second] = [pair.first, pair.second].map(|k| &report.placements[k].id);
                 let difference = &pair.groups[0].difference;
                 let detail = match difference.value {
-                    Some(value) => format!("P_LoS changes by {}{}", short(value), interval_words(difference, short)),
+                    Some(value) => format!("by {}{}", short(value), interval_words(difference, short)),
                     None => "no receiver of both".to_string(),
                 };
                 (pair, format!("{first} → {second}"), detail)
@@ -105,7 +105,7 @@ impl<'a> Show<'a> {
 
     /// Writes the page, which holds the document.
     pub(super) fn page(&self, document: &Value) -> Result<String, String> {
-        let Writer { args, scene, report, masks, .. } = self.writer;
+        let Writer { scene, report, masks, .. } = self.writer;
         let grid = scene.field.grid();
         let placements: Vec<PagePlacement<'_>> = report
             .placements
@@ -125,7 +125,6 @@ impl<'a> Show<'a> {
             meters_per_unit: meters_per_unit(grid),
             placements: &placements,
             above_ground_m: &scene.field.above_ground_m(),
-            others_name: cell_names(args.receivers, &scene.field).1,
             sentences: &sentences,
             tables: &[shares_table(report), differences_table(report), margins_table(report)],
             document,
