@@ -56,16 +56,11 @@ pub(super) struct Spread {
 
 /// The spread of a ratio over resampled numerators and denominators; `None` where more than one in a hundred resamplings
 /// has no denominator, because too few clusters bear on it.
-pub(super) fn spread(
-    value: f64,
-    resampled: impl Iterator<Item = (f64, f64)>,
-    n_resamplings: u64,
-    confidence: f64,
-) -> Option<Spread> {
+pub(super) fn spread(value: f64, resampled: impl Iterator<Item = (f64, f64)>, confidence: f64) -> Option<Spread> {
     let mut ratios: Vec<f64> = resampled.filter(|r| r.1 > 0.0).map(|r| r.0 / r.1).collect();
     ratios.sort_by(f64::total_cmp);
     let n = ratios.len() as f64;
-    if ratios.is_empty() || n < 0.99 * n_resamplings as f64 {
+    if ratios.is_empty() || n < 0.99 * RESAMPLINGS as f64 {
         return None;
     }
     let quantile = |p: f64| {
@@ -136,9 +131,8 @@ pub fn resampled_ratios(ratios: &[Vec<Share>], confidence: f64, seed: u64) -> Ve
         let bearing = shares.iter().filter(|s| s.whole > 0).count() as u64;
         let value = (whole > 0).then(|| part as f64 / whole as f64);
         let resampled = resamplings.iter().map(|sums| (sums[2 * k], sums[2 * k + 1]));
-        let spread = value
-            .filter(|_| bearing >= FEWEST_CLUSTERS)
-            .and_then(|value| spread(value, resampled, RESAMPLINGS, confidence));
+        let spread =
+            value.filter(|_| bearing >= FEWEST_CLUSTERS).and_then(|value| spread(value, resampled, confidence));
         RatioEstimate { value, interval: spread.map(|s| s.interval), blocks: bearing }
     };
     ratios.par_iter().enumerate().map(estimate).collect()

@@ -179,7 +179,7 @@ pub fn resampled(counts: &[Vec<Count>], n_bands: usize, confidence: f64, seed: u
             let p_los = los / receivers;
             let resampled = resamplings.iter().map(|r| r[band]);
             // A band that many resamplings miss has too few blocks and positions for an interval.
-            let spread = spread(p_los, resampled, RESAMPLINGS, confidence).filter(|_| is_enough);
+            let spread = spread(p_los, resampled, confidence).filter(|_| is_enough);
             let with_users = |b: &&usize| counts.iter().any(|c| c[**b * n_bands + band].receivers > 0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sum of counts")]
             let samples = receivers as u64;

@@ -34,8 +34,13 @@ pub struct GroupShare {
 pub enum Origin {
     /// A UAV, mapped in this run.
     Uav(Box<SiteFacts>),
-    /// A file with the mask of an earlier run.
-    File(String),
+    /// The mask of an earlier run.
+    File {
+        /// Its file.
+        path: String,
+        /// Where its UAV was, if the file says so \[CRS units\].
+        place: Option<(f64, f64)>,
+    },
 }
 
 /// Margins of a placement, from every so manyth receiver.
@@ -247,8 +252,10 @@ impl CompareReport {
                 object.insert("height_agl_m".into(), site.height_agl_m.into());
                 object.insert("placement".into(), site.placement.into());
             }
-            Origin::File(path) => {
+            Origin::File { path, place } => {
                 object.insert("mask".into(), path.clone().into());
+                object.insert("x".into(), place.map(|p| p.0).into());
+                object.insert("y".into(), place.map(|p| p.1).into());
             }
         }
         object.extend(placement.groups[0].json());

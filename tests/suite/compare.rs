@@ -131,6 +131,10 @@ fn saved_maps_compare_like_their_uavs() {
             assert_eq!(counts(&saved["pairs"][0]), counts(&direct["pairs"][0]));
             assert_eq!(saved["placements"][1]["zones"], direct["placements"][1]["zones"]);
         }
+        let place = |document: &Value| {
+            [0, 1].map(|k| (document["placements"][k]["x"].clone(), document["placements"][k]["y"].clone()))
+        };
+        assert_eq!(place(&document(&folder, &format!("{scene} --mask both.tif"))), place(&direct));
         let mixed = document(&folder, &format!("{scene} {a} --mask b.tif"));
         assert_eq!(mixed["digest"], direct["digest"]);
         assert_eq!(mixed["placements"][1]["id"], "b");
@@ -138,6 +142,9 @@ fn saved_maps_compare_like_their_uavs() {
     }
     let both = document(&folder, "city.geojson --mask both.tif");
     assert_eq!((&both["placements"][0]["id"], &both["placements"][1]["id"]), (&"both.1".into(), &"both.2".into()));
+    // A map for other receivers is compared, but not in silence.
+    let answer = folder.type_in("compare city.geojson --rx-height 3 --mask a.tif --mask b.tif --json").done();
+    assert_eq!(answer.warnings().iter().filter(|code| **code == "W215").count(), 2 * 3, "{}", answer.err);
     // Each compared cell is counted once, and those of one alone apart.
     for pair in document(
         &folder,

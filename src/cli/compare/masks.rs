@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use crate::coverage::class;
 use crate::error::{Error, Result, Warning};
 use crate::raster::{GeoRef, RasterFile};
@@ -16,6 +18,23 @@ pub(super) struct SavedMask {
     pub(super) path: String,
     /// Classes of [`crate::coverage::class`].
     pub(super) mask: Vec<u8>,
+    /// Where its UAV was, if the file says so \[CRS units\].
+    pub(super) place: Option<(f64, f64)>,
+}
+
+/// For whom this run makes maps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Setting<'a> {
+    /// The scene's file.
+    pub(super) scene: &'a Path,
+    /// Its grid.
+    pub(super) grid: &'a GeoRef,
+    /// Height of the receivers \[m\].
+    pub(super) rx_height_m: f64,
+    /// Which cells hold them.
+    pub(super) receivers: &'a str,
+    /// Range \[m\], if it is limited.
+    pub(super) radius_m: Option<f64>,
 }
 
 /// Reads the masks of a file: its only band, or of several those called `SITE.los`.
@@ -23,11 +42,8 @@ pub(super) struct SavedMask {
 /// # Errors
 /// If the file cannot be read, lies on another grid than the scene (E312) or in another CRS (E311), or holds no mask
 /// (E302).
-pub(super) fn read_masks(
-    path: &Path,
-    (scene, grid): (&Path, &GeoRef),
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<SavedMask>> {
+pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
+    let Setting { scene, grid, .. } = *setting;
     let file = RasterFile::open(path, warnings)?;
     refuse_two_crs((scene, grid.crs()), (path, file.georef().crs()), |wanted, _| {
         format!("make the map again from a scene in {}", wanted.label())
@@ -48,7 +64,7 @@ pub(super) fn read_masks(
         let mut classes = Classes::default();
         let mask = file.read(grid.window(), warnings, |value| classes.of(value))?.into_cells();
         classes.check(path, grid, "")?;
-        return Ok(vec![SavedMask { id: stem, path: shown, mask }]);
+        return Ok(vec![SavedMask { id: stem, path: shown, mask, place: None }]);
     };
     let sites: Vec<(usize, String)> = match tiff.band_names().as_slice() {
         [_] => vec![(0, stem)],
@@ -68,13 +84,35 @@ pub(super) fn read_masks(
         );
         return Err(Error::file(302, text));
     }
+    let document: Value = tiff.provenance().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+    warn_of_other_receivers(path, &document, setting, warnings);
+    let places = document["sites"].as_array().cloned().unwrap_or_default();
+    let place = |nth: usize| Some((places.get(nth)?["x"].as_f64()?, places.get(nth)?["y"].as_f64()?));
+    let mut nth = 0;
     let mut read = |(band, id): (usize, String)| {
         let mut classes = Classes::default();
         let mask = tiff.read_band(band, grid.window(), warnings, |value| classes.of(value))?.into_cells();
         classes.check(path, grid, &format!("band {}, ", band + 1))?;
-        Ok(SavedMask { id, path: shown.clone(), mask })
+        nth += 1;
+        // Bands of one layer follow each other in the order of the sites.
+        Ok(SavedMask { id, path: shown.clone(), mask, place: place(nth - 1) })
     };
     sites.into_iter().map(&mut read).collect()
+}
+
+/// Warns where a map was made for other receivers than those of this run, as far as its file tells.
+fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>, warnings: &mut Vec<Warning>) {
+    let own: [(&str, Value); 3] = [
+        ("rx_height_m", setting.rx_height_m.into()),
+        ("receivers", setting.receivers.into()),
+        ("radius_m", setting.radius_m.into()),
+    ];
+    for (key, own) in own {
+        if let Some(found) = document.get(key).filter(|found| **found != own) {
+            let text = format!("{} was made with {key} {found}, this run has {own}: compared as it is", path.display());
+            warnings.push(Warning::new(215, text));
+        }
+    }
 }
 
 /// Values on their way to classes, and the first that is none.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub(super) use args::CompareArgs;
-use masks::read_masks;
+use masks::{Setting, read_masks};
 use tables::{Tables, margin_facts, pairs_of, tables};
 use write::Writer;
 
@@ -209,11 +209,18 @@ fn mapped(
 
 /// Placements from a file of masks, which becomes a source of the run.
 fn saved(path: &Path, args: &CompareArgs, scene: &mut Ready) -> Result<Vec<Placed>> {
-    let masks = read_masks(path, (Path::new(&args.scene.scene), scene.field.grid()), &mut scene.warnings)?;
+    let setting = Setting {
+        scene: Path::new(&args.scene.scene),
+        grid: scene.field.grid(),
+        rx_height_m: args.rx_height,
+        receivers: args.receivers.name(),
+        radius_m: args.engine.radius,
+    };
+    let masks = read_masks(path, &setting, &mut scene.warnings)?;
     scene.sources.push(Source::of(path, args.scene.hash)?);
     let placed = masks.into_iter().map(|saved| Placed {
         id: saved.id,
-        origin: Origin::File(saved.path),
+        origin: Origin::File { path: saved.path, place: saved.place },
         tally: Tally::of_mask(&saved.mask),
         mask: saved.mask,
         margins: None,

@@ -35,7 +35,7 @@ impl<'a> Show<'a> {
         let title = args.title.clone().unwrap_or(title);
         let label = |p: &PlacementFacts| match &p.origin {
             Origin::Uav(site) => unbreakable(&format!("{} · {}", p.id, height_words(site))),
-            Origin::File(_) => format!("{} · saved map", p.id),
+            Origin::File { .. } => format!("{} · saved map", p.id),
         };
         let labels = report.placements.iter().map(label).collect();
         Show { writer, title: unbreakable(&title), labels, caption: caption(writer) }
@@ -154,12 +154,15 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
 
 /// The mark of a UAV on a grid.
 fn mark<'a>(placement: &'a PlacementFacts, grid: &GeoRef) -> Option<Mark<'a>> {
-    let Origin::Uav(site) = &placement.origin else { return None };
+    let (x, y) = match &placement.origin {
+        Origin::Uav(site) => (site.x, site.y),
+        Origin::File { place, .. } => (*place)?,
+    };
     Some(Mark {
         label: &placement.id,
         height: "",
-        col: (site.x - grid.x_min()) / grid.cell_width(),
-        row: (grid.y_max() - site.y) / grid.cell_height(),
+        col: (x - grid.x_min()) / grid.cell_width(),
+        row: (grid.y_max() - y) / grid.cell_height(),
     })
 }
 

@@ -129,6 +129,11 @@ impl GeoTiff {
         (0..self.n_bands()).map(name).collect()
     }
 
+    /// What this program wrote into the file about its origin, as one JSON text; `None` in files of others.
+    pub fn provenance(&self) -> Option<&str> {
+        self.metadata.provenance.as_deref()
+    }
+
     /// Meters per unit of height, where the file says so; [`GeoTiff::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         self.metadata.unit.as_deref().and_then(meters_per_named_unit).or(self.placement.meters_per_height_unit)
@@ -358,6 +363,8 @@ struct Metadata {
     unit: Option<String>,
     /// Names of bands.
     names: Vec<(usize, String)>,
+    /// The item of this program.
+    provenance: Option<String>,
 }
 
 impl Metadata {
@@ -376,7 +383,10 @@ impl Metadata {
                 (Some("scale"), Some(number)) if number != 0.0 => metadata.scales.push((band, number)),
                 (Some("offset"), Some(number)) => metadata.offsets.push((band, number)),
                 (Some("unittype"), _) if band == 0 => metadata.unit = Some(value.to_owned()),
-                // The writer, as GDAL does, escapes values twice.
+                // Values are escaped twice, as GDAL does.
+                (None, _) if attribute("name") == Some("SKYSHED") => {
+                    metadata.provenance = Some(unescaped(&unescaped(value)));
+                }
                 (Some("description"), _) => metadata.names.push((band, unescaped(&unescaped(value)))),
                 _ => {}
             }
