@@ -23,15 +23,6 @@ pub mod difference {
     /// The cell is not a receiver of both.
     pub const NOT_COMPARED: u8 = 255;
 
-    /// Every value with its name, in order.
-    pub const NAMES: [(u8, &str); 5] = [
-        (NEITHER, "neither"),
-        (ONLY_FIRST, "only the first (lost)"),
-        (ONLY_SECOND, "only the second (gained)"),
-        (BOTH, "both"),
-        (NOT_COMPARED, "not compared"),
-    ];
-
     /// The value of a cell from its classes in two masks.
     #[inline]
     pub fn of(first: u8, second: u8) -> u8 {

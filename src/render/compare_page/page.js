@@ -197,11 +197,11 @@
     if (x < 0 || y < 0 || x >= 1 || y >= 1) return;
     const [col, row] = [Math.floor(x * view.cols), Math.floor(y * view.rows)];
     const words = ["no line of sight", "line of sight", "no receiver"];
-    const seen = [state.a, state.b].map((k) => `${view.labels[k]}: ${words[classes(k)[row * view.cols + col]]}`);
+    const seen = [state.a, state.b].map((k) => `${view.ids[k]}: ${words[classes(k)[row * view.cols + col]]}`);
     const cell = (k, n) => Math.min(k * view.step + Math.floor(view.step / 2), n - 1);
     const east = view.x_min + (cell(col, view.grid_cols) + 0.5) * view.cell_width;
     const north = view.y_max - (cell(row, view.grid_rows) + 0.5) * view.cell_height;
-    byId("cursor").textContent = `x ${+east.toFixed(2)}, y ${+north.toFixed(2)} · ${seen.join(" · ")}`;
+    byId("cursor").textContent = `x ${+east.toFixed(2)}, y ${+north.toFixed(2)}; ${seen.join("; ")}`;
   }
 
   // Dragging the line swipes; dragging the map with a mouse pans it. Fingers pan by scrolling.
