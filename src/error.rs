@@ -13,6 +13,7 @@
 //! | E110–E119 | generated cities, numbers out of range, flags without meaning for the scene |
 //! | E120–E124 | P_LoS: a parameter out of range, methods, models, curves, plots |
 //! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
+//! | E208–E209 | an area outside the scene, no candidate left |
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
 //! | E313 | a curve of P_LoS given as a table |

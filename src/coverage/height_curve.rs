@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::map::lowest_uav_surface;
+use super::map::surface_under;
 use super::{Control, SiteCoverage, Uav, class};
 use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{CellKind, HeightField, Station};
@@ -150,7 +150,7 @@ impl HeightCurve {
 
 /// The lowest height that a UAV may have at its place \[1/1024 m\]: what [`Uav::place`] lets pass.
 fn lowest_uav_height(field: &HeightField, uav: &Uav) -> i32 {
-    let surface = lowest_uav_surface(field, &uav.station.place);
+    let surface = surface_under(field, &uav.station.place);
     if surface == VOID { -MAX_STEP } else { surface }
 }
 

@@ -297,6 +297,40 @@ impl<'a> Mapper<'a> {
         })
     }
 
+    /// A receiver in range with the least margin; `None` without any. Asks those of the cells
+    /// `first` before all others, and stops as soon as a margin is below `enough` \[m\].
+    ///
+    /// Cost: a walk along each link that is asked about; on the calling thread.
+    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)], enough: f32) -> Option<WorstReceiver> {
+        let range = Range::of(self.field.grid(), uav, self.options.radius);
+        let n_cols = self.field.grid().n_cols();
+        let margin_at = |receivers: &GridReceivers<'_>, (row, col): (usize, usize)| {
+            let cell = row * n_cols + col;
+            let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+            ceiling_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
+        };
+        let is_in_range = |(row, col): (usize, usize)| (range.cols(row).0..range.cols(row).1).contains(&col);
+        let hard = first.iter().copied().filter(|cell| is_in_range(*cell)).flat_map(|cell| {
+            let of_kinds = self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1));
+            of_kinds.map(move |receivers| (receivers, cell))
+        });
+        let all = self.receivers.iter().flat_map(|receivers| {
+            let rows = 0..receivers.cells.n_rows();
+            rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
+        });
+        let mut worst: Option<WorstReceiver> = None;
+        for (receivers, cell) in hard.chain(all.filter(|(_, cell)| is_in_range(*cell))) {
+            let margin_m = margin_at(receivers, cell);
+            if worst.is_none_or(|w| margin_m < w.margin_m) {
+                worst = Some(WorstReceiver { margin_m, cell, exact: false });
+                if margin_m < enough {
+                    return worst;
+                }
+            }
+        }
+        worst.map(|w| WorstReceiver { exact: true, ..w })
+    }
+
     fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {
         let grid = self.field.grid();
         RowElevations {
@@ -345,7 +379,7 @@ impl<'a> CellHeights<'a> {
             field,
             uav,
             layers: options.layers,
-            surface_under_uav: lowest_uav_surface(field, &uav.station.place),
+            surface_under_uav: surface_under(field, &uav.station.place),
         }
     }
 
@@ -363,8 +397,9 @@ impl<'a> CellHeights<'a> {
             let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };
             let is_los = los[col / 64] >> (col % 64) & 1 == 1;
             if self.layers.margin || self.layers.ceiling {
-                let (margin, ceiling) =
-                    link_margin(self.field, self.uav, (receivers, first + col, receiver.place), is_los);
+                let base = receivers.base(first + col);
+                let (ceiling, margin) = ceiling_and_margin(self.field, self.uav, &receiver, base);
+                debug_assert_eq!(is_los, margin >= 0.0);
                 if let Some(v) = out.ceiling.get_mut(col) {
                     *v = narrow(ceiling);
                 }
@@ -382,28 +417,32 @@ impl<'a> CellHeights<'a> {
     }
 }
 
-/// Margin and ceiling \[m\] of the receiver of a cell at its place, of which it is known whether it is in line of sight.
-pub(super) fn link_margin(
-    field: &HeightField,
-    uav: &Uav,
-    (receivers, cell, place): (&GridReceivers<'_>, usize, Place),
-    is_los: bool,
-) -> (f32, f64) {
-    let receiver = Station { place, z: receivers.height(cell) };
-    let (b, t) = link_ceilings(field, &uav.station, &receiver);
-    debug_assert_eq!(is_los, b.is_met_by(receiver.z) && t.is_met_by(receiver.z));
-    let lowest = f64::from(receivers.base(cell));
-    let ceiling = b.height_steps().max(t.height_steps()).max(lowest) / f64::from(STEPS_PER_UNIT);
+/// The ceiling of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
+pub(super) fn ceiling_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f64, f32) {
+    let (b, t) = link_ceilings(field, &uav.station, receiver);
+    let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
+    let ceiling = b.height_steps().max(t.height_steps()).max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
     // The sign is decided exactly; rounding to f32 must not turn it.
     let margin = narrow(height - ceiling);
-    (if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) }, ceiling)
+    (ceiling, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
+}
+
+/// The receiver of a UAV with the least margin, as far as was asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstReceiver {
+    /// Its margin \[m\], as the layer `margin` holds it; −∞ where no receiver height is enough.
+    pub margin_m: f32,
+    /// Its row and column.
+    pub cell: (usize, usize),
+    /// Whether all receivers in range were asked: else there may be a worse one.
+    pub exact: bool,
 }
 
 /// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if
 /// none is known.
-pub(super) fn lowest_uav_surface(field: &HeightField, place: &Place) -> i32 {
+pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
     field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place))
 }
 

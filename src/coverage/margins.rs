@@ -5,8 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::map::{Mapper, link_margin};
+use super::map::{Mapper, ceiling_and_margin};
 use super::{SiteCoverage, class};
+use crate::height_field::Station;
 use crate::raster::BitGrid;
 
 /// Margins of some receivers of a map.
@@ -67,9 +68,10 @@ impl Mapper<'_> {
         let (row, col) = (cell / n_cols, cell % n_cols);
         let holds = |cells: &BitGrid| cells.contains(row, col);
         let Some(receivers) = self.receivers().iter().find(|r| holds(&r.cells)) else { return f32::NAN };
-        let place = self.positions().center(row, col);
-        let is_los = map.mask[cell] == class::LOS;
-        link_margin(self.field(), &map.uav, (receivers, cell, place), is_los).0
+        let receiver = Station { place: self.positions().center(row, col), z: receivers.height(cell) };
+        let margin = ceiling_and_margin(self.field(), &map.uav, &receiver, receivers.base(cell)).1;
+        debug_assert_eq!(map.mask[cell] == class::LOS, margin >= 0.0);
+        margin
     }
 }
 

@@ -19,7 +19,9 @@ mod uav;
 pub use height_curve::HeightCurve;
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
-pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, map_site};
+pub use map::{
+    Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, WorstReceiver, map_site, surface_under,
+};
 pub use margins::{GRAZING_M, MarginSample, MarginStats};
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference, difference_layer};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};

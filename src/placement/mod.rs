@@ -1,5 +1,38 @@
 //! Where to hover: candidates for UAVs, ranked, searched and bounded; and what each kind of place sees on average.
+//!
+//! A *candidate* is a place with a height. Candidates are tried lowest height first, and over each height row by row from
+//! the north-west; that order breaks every tie. Each is decided by the exact engines of [`crate::coverage`], so what is
+//! said of the candidates is exact: the best of them is the best of them. What lies between the candidates is searched by
+//! [`refined`], which tells what it found and never replaces the winner.
+//!
+//! * [`Candidates`]: which places and heights can be flown, and why the others cannot.
+//! * [`Scorer`] and [`scores`]: the share of the wanted receivers that each candidate sees, by number or by weight.
+//! * [`least_heights`]: for each place the least height of a list that reaches a share.
+//! * [`worst_margins`]: the least margin over all wanted receivers, largest where nobody is far out of sight.
+//! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled placements.
+//! * [`SeenSets`] and [`cover`]: several UAVs that together see most, with an upper bound on what any choice could see.
+//!
+//! Sums are integers (weights are rounded to integers first), so nothing depends on the number of threads.
 
+mod candidates;
+mod cover;
+mod least_height;
+mod margin;
+mod refine;
 mod sampled;
+mod score;
 
+pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, Spot};
+pub use cover::{Chosen, Cover, SeenSets, cover};
+pub use least_height::{LeastHeight, least_heights};
+pub use margin::{WorstMargin, worst_margins};
+pub use refine::{Refined, refined};
 pub use sampled::{ReceiverParts, SampledCounts, count_by_part, middles_of, over_cities, places_in};
+pub use score::{Score, Scorer, Weights, ranked, scores};
+
+use crate::error::{Error, ErrorClass};
+
+/// The error of work that was told to stop.
+fn interrupted() -> Error {
+    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
+}

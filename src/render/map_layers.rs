@@ -55,7 +55,7 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         Layer::Classes { index, palette, mask } => {
             let colors: Vec<Rgb> = palette.iter().map(|class| class.color).collect();
             let index_of = |cell: usize| special(mask[cell], colors.len()).unwrap_or(usize::from(index[cell]));
-            let painted = paint_with(picture, axes, &colors, index_of);
+            let painted = paint_flat(&backing, &colors, index_of);
             for (class, n) in palette.iter().zip(&painted.histogram).filter(|(_, n)| **n > 0) {
                 let counted = format!("{} {}", grouped(*n), if *n == 1 { "cell" } else { "cells" });
                 let detail = if class.detail.is_empty() { &counted } else { class.detail };

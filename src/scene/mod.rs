@@ -3,6 +3,7 @@
 //! A [`Scene`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
 //! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
 
+mod area;
 mod built_up;
 mod footprints;
 mod geojson_file;
@@ -12,6 +13,7 @@ mod surface;
 mod table;
 mod track;
 
+pub use area::{Area, read_area};
 pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
 pub use outline::even_odd;

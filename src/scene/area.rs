@@ -1,0 +1,148 @@
+//! Areas: polygons that say where, from GeoJSON: where UAVs may hover, where not, and whom they are to see.
+
+use std::path::Path;
+
+use super::geojson_file::read_raw_footprints;
+use super::sites::in_scene;
+use crate::error::{Error, Result};
+use crate::raster::{BitGrid, Crs, GeoRef};
+
+/// A region of the plane: the union of polygons, each the region that its rings enclose by the even-odd rule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Area {
+    polygons: Vec<Vec<Vec<[f64; 2]>>>,
+}
+
+impl Area {
+    /// An area of polygons of rings of positions \[CRS units\], each ring without its first point repeated.
+    pub fn new(polygons: Vec<Vec<Vec<[f64; 2]>>>) -> Self {
+        Area { polygons }
+    }
+
+    /// Whether a position \[CRS units\] is inside. A point on an edge belongs to the side north-east of it.
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        self.polygons.iter().any(|polygon| crossings(polygon, y).iter().filter(|at| **at <= x).count() % 2 == 1)
+    }
+
+    /// The cells of a grid whose centers are inside.
+    pub fn cells(&self, grid: &GeoRef) -> BitGrid {
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        let mut cells = BitGrid::new(n_rows, n_cols);
+        for row in 0..n_rows {
+            let y = grid.world_from_cell(row, 0).1;
+            for polygon in &self.polygons {
+                let mut at = crossings(polygon, y);
+                at.sort_unstable_by(f64::total_cmp);
+                for ends in at.chunks_exact(2) {
+                    let first = |x: f64| first_center(grid, x);
+                    (first(ends[0])..first(ends[1])).for_each(|col| cells.insert(row, col));
+                }
+            }
+        }
+        cells
+    }
+
+    /// Whether its bounding box and that of a grid have a point in common.
+    pub fn meets(&self, grid: &GeoRef) -> bool {
+        let points = || self.polygons.iter().flatten().flatten();
+        let range = |k: usize| points().fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| (r.0.min(p[k]), r.1.max(p[k])));
+        let ((west, east), (south, north)) = (range(0), range(1));
+        west <= grid.x_max() && east >= grid.x_min() && south <= grid.y_max() && north >= grid.y_min()
+    }
+}
+
+/// Where the edges of a polygon cross the horizontal line at `y`.
+fn crossings(polygon: &[Vec<[f64; 2]>], y: f64) -> Vec<f64> {
+    let mut found = Vec::new();
+    for ring in polygon {
+        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+            if (a[1] <= y) != (b[1] <= y) {
+                found.push(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+            }
+        }
+    }
+    found
+}
+
+/// The first column whose center is at or east of `x`, the number of columns if there is none.
+fn first_center(grid: &GeoRef, x: f64) -> usize {
+    let near = ((x - grid.x_min()) / grid.cell_width() - 0.5).ceil().clamp(0.0, grid.n_cols() as f64);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+    let mut col = near as usize;
+    // The quotient is rounded; the comparison with the center is that of `contains`.
+    while col > 0 && grid.world_from_cell(0, col - 1).0 >= x {
+        col -= 1;
+    }
+    while col < grid.n_cols() && grid.world_from_cell(0, col).0 < x {
+        col += 1;
+    }
+    col
+}
+
+/// Reads an area from the polygons of a GeoJSON file.
+///
+/// Positions are longitude and latitude (RFC 7946) unless a `crs` member says otherwise; those that no degrees can be
+/// are taken for the scene's own coordinates, as those of sites are.
+///
+/// # Errors
+/// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
+/// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
+pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
+    let raw = read_raw_footprints(path, "height", None)?;
+    if raw.footprints.is_empty() {
+        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
+        return Err(Error::file(308, text));
+    }
+    let is_degrees = raw.bounds().is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
+    let from = match raw.crs {
+        Some(crs) => Some(crs),
+        // Without a CRS of its own a scene is in local coordinates, and so is what is drawn over it.
+        None if is_degrees && grid.crs().is_some() => Some(Crs::from_epsg(4326)?),
+        None => None,
+    };
+    let mut polygons = Vec::new();
+    for footprint in raw.footprints {
+        let place = format!("polygon `{}`: ", footprint.id);
+        let moved = |p: [f64; 2]| in_scene(path, &place, (p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
+        for polygon in footprint.polygons {
+            let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
+            polygons.push(polygon.into_iter().map(ring).collect::<Result<Vec<_>>>()?);
+        }
+    }
+    let area = Area::new(polygons);
+    if !area.meets(grid) {
+        let text = format!(
+            "cannot use {}: its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}",
+            path.display(),
+            grid.x_min(),
+            grid.x_max(),
+            grid.y_min(),
+            grid.y_max()
+        );
+        return Err(Error::site(208, text).with_hint("a file in projected coordinates names its CRS in a `crs` member"));
+    }
+    Ok(area)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_area_with_a_hole_holds_the_cells_whose_centers_it_contains() {
+        let grid = GeoRef::new((0.0, 10.0), (1.0, 1.0), (10, 12), None).expect("a valid grid");
+        let square = |a: f64, b: f64| vec![[a, a], [b, a], [b, b], [a, b]];
+        let area = Area::new(vec![vec![square(1.0, 8.2), square(3.0, 5.0)], vec![square(7.0, 9.0)]]);
+        let cells = area.cells(&grid);
+        for row in 0..10 {
+            for col in 0..12 {
+                let (x, y) = grid.world_from_cell(row, col);
+                assert_eq!(cells.contains(row, col), area.contains(x, y), "({x}, {y})");
+            }
+        }
+        // 7 × 7 less the hole's 2 × 2, and 2 × 2 of which one is in both.
+        assert_eq!(cells.count(), 49 - 4 + 3);
+        assert!(!area.contains(4.0, 4.0) && area.contains(1.0, 1.0) && !area.contains(9.0, 8.0));
+        assert!(!Area::new(vec![vec![square(20.0, 21.0)]]).meets(&grid) && area.meets(&grid));
+    }
+}
