@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use super::compare::CompareArgs;
+use super::place::PlaceArgs;
 use super::plos::PlosArgs;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
@@ -23,6 +24,7 @@ Examples:
   skyshed info buildings.geojson
   skyshed plos itu:urban --theta 5:90:5 --method product,itu,alhourani2014 -o plos.png
   skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html
+  skyshed place itu:urban --height 60,100 --step 50 -o hover.png
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
 6 a check failed, 130 interrupted.")]
@@ -62,6 +64,8 @@ pub(super) enum Command {
     Plos(Box<PlosArgs>),
     /// Placements side by side: maps, differences and a table with intervals, as a picture or a page to swipe over
     Compare(Box<CompareArgs>),
+    /// Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed
+    Place(Box<PlaceArgs>),
 }
 
 impl Command {
@@ -73,6 +77,7 @@ impl Command {
             Command::Info(args) => &mut args.scene,
             Command::Plos(args) => &mut args.scene,
             Command::Compare(args) => &mut args.scene,
+            Command::Place(args) => &mut args.scene,
         }
     }
 }

@@ -13,6 +13,7 @@ mod interrupt;
 mod link;
 mod map;
 mod messages;
+mod place;
 mod plan;
 mod plos;
 mod receivers;
@@ -52,6 +53,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Map(args) => in_pool(args.out.threads, || map::run(&args, command)),
         args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
         args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
+        args::Command::Place(args) => in_pool(args.out.threads, || place::run(&args, command)),
         args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
         args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(&args, command)),
         args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
@@ -78,7 +80,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             Err(error) => fail(&error),
         },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
-            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info`, `plos` and `compare`")
+            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare` and `place`")
                 .with_hint("skyshed --help"),
         ),
         _ => {

@@ -375,12 +375,7 @@ struct CellHeights<'a> {
 
 impl<'a> CellHeights<'a> {
     fn new(field: &'a HeightField, uav: &'a Uav, options: &MapOptions) -> Self {
-        CellHeights {
-            field,
-            uav,
-            layers: options.layers,
-            surface_under_uav: surface_under(field, &uav.station.place),
-        }
+        CellHeights { field, uav, layers: options.layers, surface_under_uav: surface_under(field, &uav.station.place) }
     }
 
     /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight.

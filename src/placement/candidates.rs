@@ -26,8 +26,7 @@ impl PlaceGrid {
         if step.is_nan() || step <= 0.0 || n_cols * n_rows > f64::from(u32::MAX) {
             return None;
         }
-        let corner =
-            (scene.x_min() + (width - n_cols * step) / 2.0, scene.y_max() - (height - n_rows * step) / 2.0);
+        let corner = (scene.x_min() + (width - n_cols * step) / 2.0, scene.y_max() - (height - n_rows * step) / 2.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1 and below 2^32")]
         let shape = (n_rows as usize, n_cols as usize);
         let grid = GeoRef::new(corner, (step, step), shape, scene.crs().cloned())?;
@@ -202,7 +201,10 @@ mod tests {
         assert_eq!((places.grid.n_rows(), places.grid.n_cols()), (5, 4));
         let spots = places.spots(&[Height::AboveGround(30.0), Height::AboveGround(60.0)]);
         let at = |k: usize| (spots[k].x, spots[k].y, spots[k].level, spots[k].place);
-        assert_eq!((at(0), at(1), at(4), at(20)), ((108.5, 295.0, 0, 0), (118.5, 295.0, 0, 1), (108.5, 285.0, 0, 4), (108.5, 295.0, 1, 0)));
+        assert_eq!(
+            (at(0), at(1), at(4), at(20)),
+            ((108.5, 295.0, 0, 0), (118.5, 295.0, 0, 1), (108.5, 285.0, 0, 4), (108.5, 295.0, 1, 0))
+        );
         assert_eq!(PlaceGrid::over(&scene, 1e9).map(|p| p.spots(&[Height::AboveGround(1.0)]).len()), Some(1));
         assert!(PlaceGrid::over(&scene, 0.0).is_none() && PlaceGrid::over(&scene, f64::NAN).is_none());
     }

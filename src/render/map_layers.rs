@@ -83,11 +83,29 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             }
             painted
         }
+        Layer::Heat { values, outlines, name, unit, .. } => {
+            let scale = heat_scale(values);
+            let along: Vec<Rgb> = (0..128).map(|k| Ramp::Sequential.at(f64::from(k) / 127.0)).collect();
+            let pale = along.iter().map(|color| colors::mix(*color, colors::WHITE, PALE));
+            let palette: Vec<Rgb> = along.iter().copied().chain(pale).collect();
+            let index_of = |cell: usize| {
+                if values[cell].is_nan() {
+                    return palette.len() + 2;
+                }
+                let t = (f64::from(values[cell]) - scale.low) / (scale.high - scale.low);
+                colors::index(t * 127.0 + 0.5, 127) + if outlines[cell] { 128 } else { 0 }
+            };
+            let painted = paint_flat(&backing, &palette, index_of);
+            let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
+            legend.push(furniture::color_bar(&title, scale, &along, 460.0));
+            painted
+        }
     };
     let n_colors = painted.histogram.len() - SPECIAL.len();
     for (swatch, name, n) in special_legend(&painted.histogram[n_colors..], picture.others_name, &backing) {
         let detail = format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" });
-        legend.push(furniture::legend_entry(swatch, &name, &detail));
+        let name = if let (Layer::Heat { none, .. }, Swatch::Hatched) = (picture.layer, swatch) { none } else { &name };
+        legend.push(furniture::legend_entry(swatch, name, &detail));
     }
     match picture.uavs {
         [] => {}
@@ -98,6 +116,16 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         uavs => legend.push(furniture::legend_entry(Swatch::Uav, &format!("{} UAVs", uavs.len()), "id and height")),
     }
     (painted, legend)
+}
+
+/// How much white the outlines of buildings have under a field of heat.
+const PALE: f64 = 0.5;
+
+/// The whole range of the values.
+fn heat_scale(values: &[f32]) -> Scale {
+    let (low, high) = paint::quantiles(values.to_vec(), 0.0, 1.0).unwrap_or((0.0, 1.0));
+    let (low, high) = if high - low < 1e-6 * (1.0 + high.abs()) { (low - 0.5, high + 0.5) } else { (low, high) };
+    Scale { low, high, open_low: false, open_high: false }
 }
 
 fn uav_name(label: &str) -> String {

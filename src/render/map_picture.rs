@@ -74,6 +74,19 @@ pub enum Layer<'a> {
         /// Classes 2, 3 and 255 apply.
         mask: &'a [u8],
     },
+    /// A quantity of places in the air, over the outlines of the city below.
+    Heat {
+        /// The values, of any sign; NaN where there is none.
+        values: &'a [f32],
+        /// Which cells are outlines of buildings, drawn paler.
+        outlines: &'a [bool],
+        /// Its name, such as `P_LoS`.
+        name: &'a str,
+        /// Its unit, such as `m`; may be empty.
+        unit: &'a str,
+        /// What cells without a value are, capitalized.
+        none: &'a str,
+    },
 }
 
 /// A class of a map.
@@ -177,6 +190,10 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
         Layer::Field { values, mask, .. } => {
             shape("values", values.len())?;
             shape("mask", mask.len())?;
+        }
+        Layer::Heat { values, outlines, .. } => {
+            shape("values", values.len())?;
+            shape("outlines", outlines.len())?;
         }
     }
     picture.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))

@@ -3,6 +3,7 @@
 mod compare;
 mod documents;
 mod height_curve;
+mod place;
 mod plos;
 mod sampled;
 mod track;
@@ -15,6 +16,7 @@ pub use documents::{
     LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, zone_tallies,
 };
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
+pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
 pub use track::TrackReport;

@@ -93,7 +93,8 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
         let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
         return Err(Error::file(308, text));
     }
-    let is_degrees = raw.bounds().is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
+    let is_degrees =
+        raw.bounds().is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
     let from = match raw.crs {
         Some(crs) => Some(crs),
         // Without a CRS of its own a scene is in local coordinates, and so is what is drawn over it.

@@ -1,0 +1,145 @@
+//! The files of a search, and what is said of it.
+
+use std::path::Path;
+
+use super::super::interrupt;
+use super::super::plan::Ready;
+use super::super::words::pretty;
+use super::args::PlaceArgs;
+use super::goal::{Goal, Measure};
+use super::picture;
+use crate::error::{Error, Result};
+use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::placement::PlaceGrid;
+use crate::quantity::tidy;
+use crate::raster::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::report::{PlaceFacts, PlaceReport, PlaceValue, Timing};
+
+/// Nodata of the raster.
+const NODATA: f32 = -9999.0;
+
+/// Everything that outputs are made from.
+#[derive(Debug)]
+pub(super) struct Writer<'a> {
+    pub(super) args: &'a PlaceArgs,
+    pub(super) goal: Goal,
+    pub(super) scene: &'a Ready,
+    pub(super) report: &'a PlaceReport,
+    pub(super) places: Option<&'a PlaceGrid>,
+    pub(super) heat: &'a [(usize, f32)],
+    pub(super) timing: Timing,
+}
+
+impl Writer<'_> {
+    /// Adds the files of one output to a batch.
+    pub(super) fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+        interrupt::check()?;
+        match format {
+            Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),
+            Format::GeoJson => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
+            Format::Csv => {
+                batch.add(path, &encode_table(&self.report.table())?)?;
+                batch.add(&with_suffix(path, ".json"), pretty(&self.report.provenance()).as_bytes())
+            }
+            Format::Png | Format::Svg | Format::GeoTiff => {
+                let Some(places) = self.places else {
+                    return Err(Error::usage(109, "only candidates on a grid make a picture or a raster"));
+                };
+                let bytes = match format {
+                    Format::GeoTiff => self.raster(places)?,
+                    _ => picture::draw(self, places, format)?,
+                };
+                batch.add(path, &bytes)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The value of each place, `none` where there is no candidate.
+    pub(super) fn values(&self, places: &PlaceGrid, none: f32) -> Vec<f32> {
+        let mut values = vec![none; places.grid.n_cells()];
+        self.heat.iter().for_each(|(place, value)| values[*place] = *value);
+        values
+    }
+
+    fn raster(&self, places: &PlaceGrid) -> Result<Vec<u8>> {
+        let values = self.values(places, NODATA);
+        encode_geotiff(&GeoTiffImage {
+            georef: &places.grid,
+            bands: Bands::Float(vec![(self.quantity().0.to_string(), &values)]),
+            nodata: Some(f64::from(NODATA)),
+            palette: None,
+            metadata: &[("SKYSHED".into(), self.report.provenance().to_string())],
+            layout: TiffLayout::Cog,
+        })
+    }
+
+    /// What is shown over each place, and its unit.
+    pub(super) fn quantity(&self) -> (&'static str, &'static str) {
+        match (self.goal.measure, self.goal.at_least) {
+            (Measure::Margin, _) => ("Margin of the worst receiver, at most", "m"),
+            (Measure::Share, Some(_)) => ("Least UAV height that reaches the share", "m"),
+            (Measure::Share, None) => ("P_LoS at the best height", ""),
+        }
+    }
+}
+
+/// The height of a place in words.
+pub(super) fn height_words(place: &PlaceFacts) -> String {
+    match place.height_agl_m {
+        Some(agl) => format!("{} m above ground", tidy(agl)),
+        None => format!("{} m above the datum", tidy(place.height_amsl_m)),
+    }
+}
+
+fn value_words(place: &PlaceFacts) -> String {
+    match place.value {
+        PlaceValue::Counts(score) => match score.share() {
+            Some(p) => format!("P_LoS {p:.4}, {} of {} receivers", score.seen, score.wanted),
+            None => "P_LoS undefined".into(),
+        },
+        PlaceValue::Weighted(score) => {
+            score.share().map_or("P_LoS undefined".into(), |p| format!("weighted P_LoS {p:.4}"))
+        }
+        PlaceValue::Margin(Some(m)) if m.margin_m.is_finite() => {
+            format!("worst margin {} m", tidy(f64::from(m.margin_m)))
+        }
+        PlaceValue::Margin(_) => "no receiver height is enough for the worst".into(),
+    }
+}
+
+/// A place in words.
+pub(super) fn place_words(place: &PlaceFacts) -> String {
+    let at = format!("({}, {})", tidy(place.x), tidy(place.y));
+    format!("{} at {at} over {}: {}", height_words(place), place.placement, value_words(place))
+}
+
+/// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.
+pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
+    let mut lines = vec![match &report.winner {
+        Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner)),
+        Err(reason) => format!("no winner among {} candidates: {reason}", report.n_candidates),
+    }];
+    lines.extend(
+        report.refined.iter().map(|(place, tried)| format!("refined ({tried} more places): {}", place_words(place))),
+    );
+    if let Some(several) = &report.several {
+        let share = |v: u64| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
+        let chosen: Vec<String> = several.places.iter().map(|p| format!("({}, {})", tidy(p.x), tidy(p.y))).collect();
+        let gap = several.cover.gap().map_or("undefined".to_string(), |gap| format!("{:.2} %", 100.0 * gap));
+        lines.push(format!(
+            "{} UAVs see together {} of all receivers; no {} of these candidates see more than {} (gap {gap}): {}",
+            several.places.len(),
+            share(several.cover.covered()),
+            several.count,
+            share(several.cover.bound),
+            chosen.join(", ")
+        ));
+    }
+    let skipped: Vec<String> =
+        report.skipped.reasons().iter().filter(|r| r.1 > 0).map(|(why, n)| format!("{n} {why}")).collect();
+    if !skipped.is_empty() {
+        lines.push(format!("left out: {}", skipped.join(", ")));
+    }
+    lines
+}

@@ -1,0 +1,113 @@
+//! The picture of a search: where to hover, as colors over the city.
+
+use super::super::plan::meters_per_unit;
+use super::super::words::unbreakable;
+use super::goal::Whom;
+use super::outputs::{Writer, height_words, in_words};
+use crate::error::{Error, Result};
+use crate::export::Format;
+use crate::placement::PlaceGrid;
+use crate::quantity::tidy;
+use crate::raster::Crs;
+use crate::render::{self, Layer, MapPicture, Mark};
+use crate::report::PlaceFacts;
+
+pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Result<Vec<u8>> {
+    let grid = job.scene.field.grid();
+    let unit = meters_per_unit(grid);
+    let values = job.values(places, f32::NAN);
+    let place_of = |cell: usize| {
+        let (x, y) = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
+        let (east, north) = places.grid.cells_from_world(x, y);
+        let is_inside =
+            east >= 0.0 && north >= 0.0 && east < places.grid.n_cols() as f64 && north < places.grid.n_rows() as f64;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
+        let place = || (places.grid.n_rows() - 1 - north as usize) * places.grid.n_cols() + east as usize;
+        is_inside.then(place)
+    };
+    let of_cells: Vec<f32> = (0..grid.n_cells()).map(|cell| place_of(cell).map_or(f32::NAN, |p| values[p])).collect();
+    let outlines = outlines(job);
+    let (name, of_unit) = job.quantity();
+    let named: Vec<(String, &PlaceFacts)> = match (&job.report.several, &job.report.winner) {
+        (Some(several), _) => several.places.iter().map(|p| (format!("UAV {}", p.rank), p)).collect(),
+        (None, Ok(winner)) => vec![("Best".to_string(), winner)],
+        (None, Err(_)) => Vec::new(),
+    };
+    let heights: Vec<String> = named.iter().map(|(_, place)| height_words(place)).collect();
+    let marks: Vec<Mark<'_>> = named
+        .iter()
+        .zip(&heights)
+        .map(|((label, place), height)| Mark {
+            label,
+            height,
+            col: (place.x - grid.x_min()) / grid.cell_width(),
+            row: (grid.y_max() - place.y) / grid.cell_height(),
+        })
+        .collect();
+    let title =
+        job.args.title.clone().unwrap_or_else(|| unbreakable(&format!("Where to hover over {}", job.scene.name)));
+    let caption = caption(job);
+    let none = if job.goal.at_least.is_some() { "Share not reached, or no candidate" } else { "No candidate" };
+    let picture = MapPicture {
+        title: &title,
+        caption: &caption,
+        n_cols: grid.n_cols(),
+        n_rows: grid.n_rows(),
+        cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
+        layer: Layer::Heat { values: &of_cells, outlines: &outlines, name, unit: of_unit, none },
+        surface_m: None,
+        uavs: &marks,
+        receivers_name: "receivers",
+        others_name: "Buildings",
+    };
+    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+    let provenance = [("Software".into(), software), ("skyshed".into(), job.report.provenance().to_string())];
+    let drawn = match format {
+        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
+        _ => render::draw_map(&picture, &provenance),
+    };
+    drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
+}
+
+/// Building cells with open ground beside them.
+fn outlines(job: &Writer<'_>) -> Vec<bool> {
+    let grid = job.scene.field.grid();
+    let cells = job.scene.field.cells();
+    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+    let is_outline = |row: usize, col: usize| {
+        let beside = [(row.wrapping_sub(1), col), (row + 1, col), (row, col.wrapping_sub(1)), (row, col + 1)];
+        let is_open = |(row, col): (usize, usize)| row < n_rows && col < n_cols && cells.open.contains(row, col);
+        cells.building.contains(row, col) && beside.into_iter().any(is_open)
+    };
+    (0..n_rows).flat_map(|row| (0..n_cols).map(move |col| (row, col))).map(|(row, col)| is_outline(row, col)).collect()
+}
+
+fn caption(job: &Writer<'_>) -> Vec<String> {
+    let report = job.report;
+    let grid = job.scene.field.grid();
+    let mut lines: Vec<String> = in_words(report)
+        .iter()
+        .map(|line| {
+            let mut letters = line.chars();
+            letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+        })
+        .collect();
+    let whom = match job.goal.whom {
+        Whom::Area => format!("{} cells of the area", report.receivers),
+        Whom::Weights => format!("{} cells by weight", report.receivers),
+        Whom::Receivers | Whom::Zone(_) => format!("{} cells", report.receivers),
+    };
+    let range = report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+    lines.push(format!(
+        "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {} (exact); {}; skyshed {}",
+        report.goal,
+        report.step_m.map_or(String::new(), tidy),
+        report.heights.join(", "),
+        tidy(report.rx_height_m),
+        report.facts.method,
+        grid.crs().map_or("local coordinates".to_string(), Crs::label),
+        env!("CARGO_PKG_VERSION")
+    ));
+    lines.extend(job.args.attribution.clone().or_else(|| job.scene.attribution.clone()));
+    lines
+}

@@ -1,0 +1,179 @@
+//! The search itself: what each candidate is worth, the best, a search around it, and several together.
+
+use super::super::messages;
+use super::args::PlaceArgs;
+use super::goal::{Goal, Measure, Whom};
+use crate::coverage::{Control, Mapper, Uav, maps_at_once};
+use crate::error::Result;
+use crate::height_field::HeightField;
+use crate::placement::{
+    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, cover, least_heights, ranked, refined,
+    scores, worst_margins,
+};
+use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
+
+/// Everything that a search needs.
+#[derive(Debug)]
+pub(super) struct Search<'a> {
+    pub(super) args: &'a PlaceArgs,
+    pub(super) goal: Goal,
+    pub(super) field: &'a HeightField,
+    pub(super) rules: &'a CandidateRules<'a>,
+    pub(super) candidates: &'a Candidates,
+    pub(super) mapper: &'a Mapper<'a>,
+    pub(super) weights: Option<&'a Weights>,
+    /// Distance of the candidate places \[CRS units\], if they are on a grid.
+    pub(super) step: Option<f64>,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) ranked: Vec<PlaceFacts>,
+    pub(super) winner: std::result::Result<PlaceFacts, String>,
+    pub(super) refined: Option<(PlaceFacts, u64)>,
+    pub(super) several: Option<SeveralFacts>,
+    /// Places of the candidates with what the picture shows there: the best value over all heights.
+    pub(super) heat: Vec<(usize, f32)>,
+}
+
+impl Search<'_> {
+    pub(super) fn run(&self) -> Result<Found> {
+        let control = Control::default();
+        let total = self.candidates.kept.len() as u64;
+        messages::with_progress(&control, total, self.args.out.quiet, || {
+            match (self.goal.measure, self.goal.at_least) {
+                (Measure::Margin, _) => self.by_margin(&control),
+                (Measure::Share, Some(share)) => self.by_height(share, &control),
+                (Measure::Share, None) => self.by_share(&control),
+            }
+        })
+    }
+
+    fn scorer(&self) -> Scorer<'_> {
+        Scorer { mapper: self.mapper, weights: self.weights }
+    }
+
+    fn value(&self, score: Score) -> PlaceValue {
+        if self.goal.whom == Whom::Weights { PlaceValue::Weighted(score) } else { PlaceValue::Counts(score) }
+    }
+
+    fn kept(&self) -> &[Candidate] {
+        &self.candidates.kept
+    }
+
+    fn by_share(&self, control: &Control) -> Result<Found> {
+        let uavs: Vec<&Uav> = self.kept().iter().map(|c| &c.uav).collect();
+        let scores = scores(&self.scorer(), &uavs, control)?;
+        let order = ranked(&scores);
+        let fact = |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], self.value(scores[*k]));
+        let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
+        let best = order.first().map(|k| (&self.kept()[*k], scores[*k])).filter(|(_, score)| score.wanted > 0);
+        let refined = match best {
+            Some((candidate, score)) => self.refined(candidate, score)?,
+            None => None,
+        };
+        let heat = self.heat(scores.iter().map(|s| s.share().map(narrow)).collect());
+        Ok(Found {
+            winner: facts.first().filter(|_| best.is_some()).cloned().ok_or_else(|| NO_RECEIVER.to_string()),
+            ranked: facts,
+            refined,
+            several: if self.args.count > 1 { Some(self.several(&scores, control)?) } else { None },
+            heat,
+        })
+    }
+
+    fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {
+        let Some(step) = self.step else { return Ok(None) };
+        let grid = self.field.grid();
+        let least = grid.cell_width().min(grid.cell_height());
+        let found = refined(&self.scorer(), self.field, self.rules, (from, score), (step, least))?;
+        Ok(Some((PlaceFacts::of(0, &found.candidate, self.value(found.score)), found.tried)))
+    }
+
+    fn several(&self, scores: &[Score], control: &Control) -> Result<SeveralFacts> {
+        use rayon::prelude::*;
+        let mut sets = SeenSets::over(&self.mapper.receiver_cells(), self.weights);
+        for chunk in self.kept().chunks(8 * maps_at_once()) {
+            let seen: Vec<_> = chunk.par_iter().map(|c| self.mapper.seen(&c.uav).los).collect();
+            sets.extend(&seen);
+        }
+        let count = usize::from(self.args.count);
+        let cover = cover(&sets, count, control)?;
+        let place = |(k, chosen): (usize, &crate::placement::Chosen)| {
+            PlaceFacts::of(k + 1, &self.kept()[chosen.set], self.value(scores[chosen.set]))
+        };
+        let places = cover.chosen.iter().enumerate().map(place).collect();
+        Ok(SeveralFacts { count, cover, places })
+    }
+
+    fn by_height(&self, share: f64, control: &Control) -> Result<Found> {
+        let mut found = least_heights(&self.scorer(), self.kept(), share, control)?;
+        let level = |candidate: usize| self.kept()[candidate].spot.level;
+        let heat = found.iter().filter(|f| f.reaches).map(|f| {
+            let spot = self.kept()[f.candidate].spot;
+            (spot.place, narrow(spot.height.value()))
+        });
+        let heat = heat.collect();
+        found.sort_by(|a, b| {
+            let by_height = if a.reaches && b.reaches {
+                level(a.candidate).cmp(&level(b.candidate))
+            } else {
+                std::cmp::Ordering::Equal
+            };
+            let by_share = b.score.compare(&a.score);
+            b.reaches.cmp(&a.reaches).then(by_height).then(by_share).then(a.candidate.cmp(&b.candidate))
+        });
+        let fact = |(rank, f): (usize, &crate::placement::LeastHeight)| {
+            PlaceFacts::of(rank + 1, &self.kept()[f.candidate], self.value(f.score))
+        };
+        let facts: Vec<PlaceFacts> = found.iter().enumerate().map(fact).collect();
+        let winner = match (found.first(), facts.first()) {
+            (Some(first), Some(facts)) if first.reaches => Ok(facts.clone()),
+            (Some(first), _) => Err(match first.score.share() {
+                Some(p) => format!("no candidate reaches {share}; the best, at its highest, sees {p:.4}"),
+                None => NO_RECEIVER.to_string(),
+            }),
+            (None, _) => Err(NO_RECEIVER.to_string()),
+        };
+        Ok(Found { ranked: facts, winner, refined: None, several: None, heat })
+    }
+
+    fn by_margin(&self, control: &Control) -> Result<Found> {
+        let margins = worst_margins(self.mapper, self.kept(), usize::from(self.args.top), control)?;
+        let mut order: Vec<usize> = (0..margins.len()).collect();
+        let key = |k: &usize| margins[*k].map(|m| (m.exact, m.margin_m));
+        // Exact values first: every bound is below the least of as many as were asked for.
+        order.sort_by(|a, b| match (key(b), key(a)) {
+            (Some(b), Some(a)) => b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)),
+            (b, a) => b.is_some().cmp(&a.is_some()),
+        });
+        let fact =
+            |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], PlaceValue::Margin(margins[*k]));
+        let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
+        let has_any = order.first().is_some_and(|k| margins[*k].is_some());
+        Ok(Found {
+            winner: facts.first().filter(|_| has_any).cloned().ok_or_else(|| NO_RECEIVER.to_string()),
+            ranked: facts,
+            refined: None,
+            several: None,
+            heat: self.heat(margins.iter().map(|m| m.map(|m| m.margin_m).filter(|m| m.is_finite())).collect()),
+        })
+    }
+
+    /// The largest value over each place.
+    fn heat(&self, values: Vec<Option<f32>>) -> Vec<(usize, f32)> {
+        let mut best: std::collections::BTreeMap<usize, f32> = std::collections::BTreeMap::new();
+        for (candidate, value) in self.kept().iter().zip(values) {
+            let Some(value) = value else { continue };
+            let at = best.entry(candidate.spot.place).or_insert(value);
+            *at = at.max(value);
+        }
+        best.into_iter().collect()
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "for a picture and a raster of floats")]
+fn narrow(v: f64) -> f32 {
+    v as f32
+}
