@@ -121,6 +121,8 @@ pub struct Mapper<'a> {
     field: &'a HeightField,
     options: &'a MapOptions,
     engine: GridLos<'a>,
+    /// The same, for many UAVs of which each has a thread of its own.
+    alone: GridLos<'a>,
     why: &'static str,
     /// Receivers on the ground, on roofs, or both.
     receivers: Vec<GridReceivers<'a>>,
@@ -153,7 +155,9 @@ impl<'a> Mapper<'a> {
         let n_cols = field.grid().n_cols();
         let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
         xs.resize(n_cols.div_ceil(64) * 64, 0.0);
-        Ok(Mapper { field, options, engine: GridLos::new(field, method), why, receivers, xs })
+        let engine = GridLos::new(field, method);
+        let alone = engine.clone().in_one_band();
+        Ok(Mapper { field, options, engine, alone, why, receivers, xs })
     }
 
     /// The engine that decides, and why it was chosen.
@@ -194,11 +198,11 @@ impl<'a> Mapper<'a> {
     }
 
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
-    /// without a mask.
+    /// without a mask. For many UAVs at once: each is the work of one thread.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
         let range = Range::of(self.field.grid(), uav, self.options.radius);
         self.receivers.iter().fold((0, 0), |sum, receivers| {
-            let (wanted, los) = self.decide(uav, receivers, &range);
+            let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
             (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
         })
     }
@@ -209,18 +213,23 @@ impl<'a> Mapper<'a> {
         let range = Range::of(grid, uav, self.options.radius);
         let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
         self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
-            let (wanted, los) = self.decide(uav, receivers, &range);
+            let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
             Seen { receivers: sum.receivers.or(wanted), los: sum.los.or(&los) }
         })
     }
 
     /// The receivers in range, where not all are, and those in line of sight.
-    fn decide(&self, uav: &Uav, receivers: &GridReceivers<'_>, range: &Range) -> (Option<BitGrid>, BitGrid) {
+    fn decide(
+        &self,
+        engine: &GridLos<'_>,
+        uav: &Uav,
+        (receivers, range): (&GridReceivers<'_>, &Range),
+    ) -> (Option<BitGrid>, BitGrid) {
         let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
         let los = {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
-            self.engine.los(&uav.station, receivers, wanted, range.window())
+            engine.los(&uav.station, receivers, wanted, range.window())
         };
         (wanted, los)
     }
@@ -243,7 +252,7 @@ impl<'a> Mapper<'a> {
                 if control.stop.load(Ordering::Relaxed) {
                     return (None, BitGrid::new(n_rows, n_cols));
                 }
-                self.decide(uav, receivers, &range)
+                self.decide(&self.engine, uav, (receivers, &range))
             })
             .collect();
 
@@ -297,38 +306,43 @@ impl<'a> Mapper<'a> {
         })
     }
 
-    /// A receiver in range with the least margin; `None` without any. Asks those of the cells
-    /// `first` before all others, and stops as soon as a margin is below `enough` \[m\].
+    /// The receiver in range with the least margin, the first of equal ones among those of `first` and then row by row;
+    /// `None` without any.
     ///
-    /// Cost: a walk along each link that is asked about; on the calling thread.
-    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)], enough: f32) -> Option<WorstReceiver> {
+    /// Cost: a walk along each link; on the calling thread.
+    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
         let range = Range::of(self.field.grid(), uav, self.options.radius);
-        let n_cols = self.field.grid().n_cols();
-        let margin_at = |receivers: &GridReceivers<'_>, (row, col): (usize, usize)| {
-            let cell = row * n_cols + col;
-            let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
-            ceiling_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
-        };
-        let is_in_range = |(row, col): (usize, usize)| (range.cols(row).0..range.cols(row).1).contains(&col);
-        let hard = first.iter().copied().filter(|cell| is_in_range(*cell)).flat_map(|cell| {
-            let of_kinds = self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1));
-            of_kinds.map(move |receivers| (receivers, cell))
-        });
         let all = self.receivers.iter().flat_map(|receivers| {
             let rows = 0..receivers.cells.n_rows();
             rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
         });
+        let hard = first.iter().flat_map(|cell| self.receivers_at(*cell));
         let mut worst: Option<WorstReceiver> = None;
-        for (receivers, cell) in hard.chain(all.filter(|(_, cell)| is_in_range(*cell))) {
-            let margin_m = margin_at(receivers, cell);
+        for (receivers, cell) in hard.chain(all).filter(|(_, cell)| range.contains(*cell)) {
+            let margin_m = self.margin_at(uav, receivers, cell);
             if worst.is_none_or(|w| margin_m < w.margin_m) {
-                worst = Some(WorstReceiver { margin_m, cell, exact: false });
-                if margin_m < enough {
-                    return worst;
-                }
+                worst = Some(WorstReceiver { margin_m, cell });
             }
         }
-        worst.map(|w| WorstReceiver { exact: true, ..w })
+        worst
+    }
+
+    /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
+    pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
+        let range = Range::of(self.field.grid(), uav, self.options.radius);
+        let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
+        in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
+    }
+
+    /// The receivers of a cell, on the ground or on the roof.
+    fn receivers_at(&self, cell: (usize, usize)) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
+        self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1)).map(move |r| (r, cell))
+    }
+
+    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
+        let cell = row * self.field.grid().n_cols() + col;
+        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+        ceiling_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
     }
 
     fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {
@@ -424,15 +438,13 @@ pub(super) fn ceiling_and_margin(field: &HeightField, uav: &Uav, receiver: &Stat
     (ceiling, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
 }
 
-/// The receiver of a UAV with the least margin, as far as was asked.
+/// The receiver of a UAV with the least margin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstReceiver {
     /// Its margin \[m\], as the layer `margin` holds it; −∞ where no receiver height is enough.
     pub margin_m: f32,
     /// Its row and column.
     pub cell: (usize, usize),
-    /// Whether all receivers in range were asked: else there may be a worse one.
-    pub exact: bool,
 }
 
 /// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if

@@ -63,6 +63,12 @@ impl Range {
         }
     }
 
+    /// Whether a cell, row and column, is in range.
+    pub(super) fn contains(&self, (row, col): (usize, usize)) -> bool {
+        let (first, end) = self.cols(row);
+        (first..end).contains(&col)
+    }
+
     /// The smallest window that holds all cells in range, and so all cells between them and the UAV.
     pub(super) fn window(&self) -> CellWindow {
         match &self.disc {

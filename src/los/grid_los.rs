@@ -167,13 +167,15 @@ fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
 }
 
 /// An engine made ready for a scene: what does not depend on the UAV is done once.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct GridLos<'a> {
     field: &'a HeightField,
     method: Method,
     positions: GridPositions,
     shadows: Option<ShadowGrid>,
     level: SimdLevel,
+    /// Whether shadows are cast in one band of rows, by one thread.
+    is_one_band: bool,
 }
 
 impl<'a> GridLos<'a> {
@@ -182,13 +184,21 @@ impl<'a> GridLos<'a> {
         let positions = field.positions();
         let shadows =
             field.prisms().map(|_| ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect()));
-        GridLos { field, method, positions, shadows, level: SimdLevel::new() }
+        GridLos { field, method, positions, shadows, level: SimdLevel::new(), is_one_band: false }
     }
 
     /// The same with other vector instructions: no result depends on them.
     #[must_use]
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.level = level;
+        self
+    }
+
+    /// The same with the shadows of each UAV cast by one thread, which costs less in all where many UAVs are decided at
+    /// once: no result depends on it.
+    #[must_use]
+    pub fn in_one_band(mut self) -> Self {
+        self.is_one_band = true;
         self
     }
 
@@ -251,7 +261,7 @@ impl<'a> GridLos<'a> {
 
     fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
         let (Some(prisms), Some(grid)) = (self.field.prisms(), &self.shadows) else { return wanted.clone() };
-        let n_bands = rayon::current_num_threads();
+        let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
         let scene = ShadowScene { prisms, grid, wanted, level: self.level, n_bands };
         let n_cols = wanted.n_cols();
         match receivers.level() {

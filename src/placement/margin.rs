@@ -1,6 +1,5 @@
 //! The worst case: how far the worst receiver is below line of sight.
 
-use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
@@ -20,15 +19,15 @@ pub struct WorstMargin {
 }
 
 /// Candidates between two looks at what is known so far: the same on every machine, so that results are too.
-const BATCH: usize = 64;
-/// Receivers that were the worst for others, and are asked first.
-const MOST_HARD: usize = 64;
+const BATCH: usize = 8;
 
 /// The least margin of each candidate, `None` without a receiver in range. The `n_exact` largest are exact, equal ones
-/// in the order of the candidates; of the others some are upper bounds, below all of those.
+/// in the order of the candidates; of the others some are upper bounds, none above those.
 ///
-/// A candidate is given up once its running minimum is below the `n_exact`th best that is known. The receivers that were
-/// worst for earlier candidates are asked first, so most candidates are given up after a few.
+/// Receivers that were the worst for one candidate are asked of all others, which bounds each from above. The candidates
+/// with the highest bounds are asked about all receivers, until enough exact values are as high as every bound that is
+/// left. So few candidates are decided in full: cost is some walks per candidate, and a walk to each receiver for those
+/// few.
 ///
 /// # Errors
 /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
@@ -38,30 +37,46 @@ pub fn worst_margins(
     n_exact: usize,
     control: &Control,
 ) -> Result<Vec<Option<WorstMargin>>> {
-    let mut found: Vec<Option<WorstMargin>> = Vec::with_capacity(candidates.len());
-    let mut best: Vec<f32> = Vec::new();
-    let mut hard: VecDeque<(usize, usize)> = VecDeque::new();
-    for batch in candidates.chunks(BATCH) {
+    let unknown = WorstMargin { margin_m: f32::INFINITY, exact: false };
+    let mut found: Vec<Option<WorstMargin>> = vec![Some(unknown); candidates.len()];
+    let mut known_hard: Vec<(usize, usize)> = Vec::new();
+    loop {
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        let enough = best.get(n_exact.saturating_sub(1)).copied().unwrap_or(f32::NEG_INFINITY);
-        let hard_now: Vec<(usize, usize)> = hard.iter().copied().collect();
-        let worst: Vec<_> = batch.par_iter().map(|c| mapper.worst_margin(&c.uav, &hard_now, enough)).collect();
-        for worst in worst {
-            found.push(worst.map(|w| WorstMargin { margin_m: w.margin_m, exact: w.exact }));
-            let Some(worst) = worst else { continue };
-            if worst.exact {
-                let at = best.partition_point(|m| *m >= worst.margin_m);
-                best.insert(at, worst.margin_m);
-                best.truncate(n_exact);
-            }
-            if !hard.contains(&worst.cell) {
-                hard.push_front(worst.cell);
-                hard.truncate(MOST_HARD);
-            }
+        let order = ranked_margins(&found);
+        let open: Vec<usize> =
+            order.into_iter().take(n_exact).filter(|k| found[*k].is_some_and(|w| !w.exact)).take(BATCH).collect();
+        if open.is_empty() {
+            break;
         }
-        control.done.fetch_add(batch.len() as u64, Ordering::Relaxed);
+        let worst: Vec<_> = open.par_iter().map(|k| mapper.worst_margin(&candidates[*k].uav, &known_hard)).collect();
+        let mut new_hard = Vec::new();
+        for (k, worst) in open.iter().zip(worst) {
+            found[*k] = worst.map(|w| WorstMargin { margin_m: w.margin_m, exact: true });
+            new_hard.extend(worst.map(|w| w.cell).filter(|cell| !known_hard.contains(cell)));
+            control.done.fetch_add(1, Ordering::Relaxed);
+        }
+        new_hard.sort_unstable();
+        new_hard.dedup();
+        found.par_iter_mut().zip(candidates).for_each(|(found, candidate)| {
+            if let Some(bound) = found.as_mut().filter(|w| !w.exact) {
+                let least = mapper.least_margin_among(&candidate.uav, &new_hard);
+                bound.margin_m = least.map_or(bound.margin_m, |m| m.min(bound.margin_m));
+            }
+        });
+        known_hard.extend(new_hard);
     }
     Ok(found)
+}
+
+/// The indices of margins and bounds, the highest first, equal ones in the order of the candidates; those without a
+/// receiver last.
+pub fn ranked_margins(found: &[Option<WorstMargin>]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    order.sort_by(|a, b| match (found[*a], found[*b]) {
+        (Some(a), Some(b)) => b.margin_m.total_cmp(&a.margin_m),
+        (a, b) => b.is_some().cmp(&a.is_some()),
+    });
+    order
 }

@@ -25,7 +25,7 @@ mod score;
 pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, Spot};
 pub use cover::{Chosen, Cover, SeenSets, cover};
 pub use least_height::{LeastHeight, least_heights};
-pub use margin::{WorstMargin, worst_margins};
+pub use margin::{WorstMargin, ranked_margins, worst_margins};
 pub use refine::{Refined, refined};
 pub use sampled::{ReceiverParts, SampledCounts, count_by_part, middles_of, over_cities, places_in};
 pub use score::{Score, Scorer, Weights, ranked, scores};

@@ -103,8 +103,12 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
     };
     let n_colors = painted.histogram.len() - SPECIAL.len();
     for (swatch, name, n) in special_legend(&painted.histogram[n_colors..], picture.others_name, &backing) {
-        let detail = format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" });
-        let name = if let (Layer::Heat { none, .. }, Swatch::Hatched) = (picture.layer, swatch) { none } else { &name };
+        let (name, detail) = match (picture.layer, swatch) {
+            (Layer::Heat { none, .. }, Swatch::Hatched) => (none, String::new()),
+            // Cells of the city are no measure of places in the air.
+            (Layer::Heat { .. }, _) => (name.as_str(), String::new()),
+            _ => (name.as_str(), format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" })),
+        };
         legend.push(furniture::legend_entry(swatch, name, &detail));
     }
     match picture.uavs {

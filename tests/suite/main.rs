@@ -33,6 +33,7 @@ mod compare; // placements side by side: counts by hand, saved masks, intervals,
 mod compare_page; // their page: pictures, words of users, a browser
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
+mod placement; // where to hover: against brute force, optima and linear searches; its command
 mod regressions; // one test per bug
 mod layering; // data flows one way
 

@@ -30,7 +30,7 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
     let (name, of_unit) = job.quantity();
     let named: Vec<(String, &PlaceFacts)> = match (&job.report.several, &job.report.winner) {
         (Some(several), _) => several.places.iter().map(|p| (format!("UAV {}", p.rank), p)).collect(),
-        (None, Ok(winner)) => vec![("Best".to_string(), winner)],
+        (None, Ok(winner)) => vec![("Best UAV".to_string(), winner)],
         (None, Err(_)) => Vec::new(),
     };
     let heights: Vec<String> = named.iter().map(|(_, place)| height_words(place)).collect();

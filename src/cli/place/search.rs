@@ -7,8 +7,8 @@ use crate::coverage::{Control, Mapper, Uav, maps_at_once};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::placement::{
-    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, cover, least_heights, ranked, refined,
-    scores, worst_margins,
+    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, cover, least_heights, ranked,
+    ranked_margins, refined, scores, worst_margins,
 };
 use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
 
@@ -141,13 +141,7 @@ impl Search<'_> {
 
     fn by_margin(&self, control: &Control) -> Result<Found> {
         let margins = worst_margins(self.mapper, self.kept(), usize::from(self.args.top), control)?;
-        let mut order: Vec<usize> = (0..margins.len()).collect();
-        let key = |k: &usize| margins[*k].map(|m| (m.exact, m.margin_m));
-        // Exact values first: every bound is below the least of as many as were asked for.
-        order.sort_by(|a, b| match (key(b), key(a)) {
-            (Some(b), Some(a)) => b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)),
-            (b, a) => b.is_some().cmp(&a.is_some()),
-        });
+        let order = ranked_margins(&margins);
         let fact =
             |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], PlaceValue::Margin(margins[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();

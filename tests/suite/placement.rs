@@ -1,0 +1,373 @@
+//! Where to hover: the best candidate is that of a brute force by rays, the bound is never below an optimum found by
+//! trying every choice, the least height is that of a linear search; and the command says so.
+
+#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use serde_json::Value;
+use skyshed::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, class};
+use skyshed::height_field::HeightField;
+use skyshed::los::MethodChoice;
+use skyshed::placement::{
+    Candidate, CandidateRules, Candidates, PlaceGrid, Scorer, SeenSets, Weights, cover, least_heights, ranked,
+    ranked_margins, scores, worst_margins,
+};
+use skyshed::quantity::Height;
+use skyshed::raster::BitGrid;
+use skyshed::scene::{BuiltUp, BuiltUpCity};
+
+use crate::invariants::{raster_town, vector_town};
+use crate::program::Folder;
+use crate::support::Random;
+
+const HEIGHTS: [Height; 3] = [Height::AboveGround(3.0), Height::AboveGround(8.0), Height::AboveGround(20.0)];
+
+fn candidates(field: &HeightField, step: f64) -> Vec<Candidate> {
+    let places = PlaceGrid::over(field.grid(), step).unwrap();
+    Candidates::of(&places.spots(&HEIGHTS), field, &CandidateRules::default()).unwrap().kept
+}
+
+/// Seen and wanted of a mask by rays, cell by cell, each cell counting what `weight` says.
+fn by_rays(field: &HeightField, candidate: &Candidate, options: &MapOptions, weight: &[f64]) -> (f64, f64) {
+    let options = MapOptions { method: MethodChoice::Ray, ..options.clone() };
+    let map = Mapper::new(field, &options).unwrap().map(&candidate.uav, &Control::default()).unwrap();
+    let sum = |wanted: &[u8]| map.mask.iter().zip(weight).filter(|(c, _)| wanted.contains(c)).map(|(_, w)| w).sum();
+    (sum(&[class::LOS]), sum(&[class::LOS, class::NLOS]))
+}
+
+#[test]
+fn the_best_candidate_is_that_of_a_brute_force_by_rays() {
+    let mut random = Random(51);
+    let city =
+        BuiltUpCity { built_up: BuiltUp::named("urban").unwrap(), size_m: 120.0, cell_m: 4.0, seed: 3, ground_m: 0.0 };
+    let city = city.scene().unwrap();
+    let city = HeightField::build(&city.grid, city.solids, &mut Vec::new());
+    for field in [raster_town(&mut random, 24), vector_town(&mut random, 28), city] {
+        let candidates = candidates(&field, (field.grid().x_max() - field.grid().x_min()) / 5.0);
+        assert!(candidates.len() > 20);
+        let n = field.grid().n_cells();
+        let mut within = BitGrid::new(field.grid().n_rows(), field.grid().n_cols());
+        (0..n).filter(|_| random.chance(30)).for_each(|k| within.insert(k / within.n_cols(), k % within.n_cols()));
+        // Whole numbers up to a power of two are weights without rounding.
+        let mut some: Vec<f64> = (0..n).map(|_| f64::from(u32::try_from(random.below(9)).unwrap())).collect();
+        some[0] = 8.0;
+        for (receivers, within, radius, weight) in [
+            (Receivers::Ground, None, None, None),
+            (Receivers::Roof, None, None, None),
+            (Receivers::All, Some(within), None, None),
+            (Receivers::Ground, None, Some(40.0), None),
+            (Receivers::All, None, None, Some(some)),
+        ] {
+            let options = MapOptions { receivers, within, radius, ..MapOptions::default() };
+            let mapper = Mapper::new(&field, &options).unwrap();
+            let weights = weight.as_ref().map(|w| Weights::new(w, field.grid().n_cols()).unwrap());
+            let uavs: Vec<_> = candidates.iter().map(|c| &c.uav).collect();
+            let scorer = Scorer { mapper: &mapper, weights: weights.as_ref() };
+            let found = scores(&scorer, &uavs, &Control::default()).unwrap();
+            let weight = weight.unwrap_or(vec![1.0; n]);
+            let wanted: Vec<(f64, f64)> = candidates.iter().map(|c| by_rays(&field, c, &options, &weight)).collect();
+            let mut best = 0;
+            for (k, (seen, all)) in wanted.iter().enumerate() {
+                assert_eq!(found[k].share(), (*all > 0.0).then(|| seen / all), "candidate {k}");
+                // Strictly better only, by products: the first of equal ones is kept.
+                if *all > 0.0 && (wanted[best].1 <= 0.0 || seen * wanted[best].1 > wanted[best].0 * all) {
+                    best = k;
+                }
+            }
+            assert_eq!(ranked(&found)[0], best);
+        }
+    }
+}
+
+#[test]
+fn the_least_height_is_that_of_a_linear_search() {
+    let mut random = Random(52);
+    let mut n_reached = 0;
+    for field in [raster_town(&mut random, 24), vector_town(&mut random, 28)] {
+        let places = PlaceGrid::over(field.grid(), 6.0).unwrap();
+        let heights: Vec<Height> = (1..=14).map(|h| Height::AboveGround(3.0 * f64::from(h))).collect();
+        let kept = Candidates::of(&places.spots(&heights), &field, &CandidateRules::default()).unwrap().kept;
+        let options = MapOptions::default();
+        let mapper = Mapper::new(&field, &options).unwrap();
+        let scorer = Scorer { mapper: &mapper, weights: None };
+        for share in [0.3, 0.6, 0.9, 1.0] {
+            let found = least_heights(&scorer, &kept, share, &Control::default()).unwrap();
+            for found in &found {
+                let place = kept[found.candidate].spot.place;
+                let mut linear = (0..kept.len()).filter(|k| kept[*k].spot.place == place);
+                let reaches = |k: &usize| scorer.score(&kept[*k].uav).share().unwrap() >= share;
+                assert_eq!(linear.find(reaches), found.reaches.then_some(found.candidate));
+                n_reached += usize::from(found.reaches);
+            }
+        }
+    }
+    assert!(n_reached > 20, "{n_reached}");
+}
+
+#[test]
+fn the_worst_margin_is_the_least_of_the_layer() {
+    let mut random = Random(53);
+    for field in [raster_town(&mut random, 20), vector_town(&mut random, 21)] {
+        let kept = candidates(&field, 4.0);
+        for radius in [None, Some(9.0)] {
+            let layers = HeightLayers { margin: true, ..HeightLayers::default() };
+            let options = MapOptions { layers, radius, receivers: Receivers::All, ..MapOptions::default() };
+            let mapper = Mapper::new(&field, &options).unwrap();
+            let least = |c: &Candidate| {
+                let map = mapper.map(&c.uav, &Control::default()).unwrap();
+                map.margin.unwrap().into_iter().filter(|m| !m.is_nan()).min_by(f32::total_cmp)
+            };
+            let wanted: Vec<Option<f32>> = kept.iter().map(least).collect();
+            let found = worst_margins(&mapper, &kept, 5, &Control::default()).unwrap();
+            for (found, wanted) in found.iter().zip(&wanted) {
+                match (found, wanted) {
+                    (Some(f), Some(w)) if f.exact => assert!(f.margin_m.total_cmp(w).is_eq(), "{f:?} {w}"),
+                    (Some(f), Some(w)) => assert!(f.margin_m >= *w, "{f:?} {w}"),
+                    (found, wanted) => assert!(found.is_none() && wanted.is_none()),
+                }
+            }
+            let mut order: Vec<usize> = (0..kept.len()).filter(|k| wanted[*k].is_some()).collect();
+            order.sort_by(|a, b| wanted[*b].unwrap().total_cmp(&wanted[*a].unwrap()));
+            let ranks = ranked_margins(&found);
+            assert_eq!(ranks[..5], order[..5]);
+            assert!(ranks[..5].iter().all(|k| found[*k].unwrap().exact));
+        }
+    }
+}
+
+/// The largest value of any union of `k` of the sets.
+fn optimum(sets: &[u64], weights: &[u64], k: usize, covered: u64) -> u64 {
+    let value = |set: u64| (0..weights.len()).filter(|i| set >> i & 1 == 1).map(|i| weights[i]).sum();
+    match (k, sets) {
+        (0, _) | (_, []) => value(covered),
+        (_, [first, rest @ ..]) => {
+            optimum(rest, weights, k, covered).max(optimum(rest, weights, k - 1, covered | first))
+        }
+    }
+}
+
+#[test]
+fn greedy_is_within_its_guarantee_and_the_bound_is_never_below_the_optimum() {
+    let mut random = Random(54);
+    let (mut n_tight, mut n_short) = (0, 0);
+    for round in 0..400 {
+        let (n_items, n_sets) = (random.index(1, 40), random.index(1, 11));
+        let k = random.index(1, 4);
+        let density = 5 + 10 * (round % 7);
+        let draw = |random: &mut Random| (0..n_items).filter(|_| random.chance(density)).fold(0_u64, |s, i| s | 1 << i);
+        let sets: Vec<u64> = (0..n_sets).map(|_| draw(&mut random)).collect();
+        let is_weighted = random.chance(50);
+        // The largest is what weights are scaled to, so that integers stay as they are.
+        let scale = 1 << 24;
+        let mut weights: Vec<u64> = (0..n_items)
+            .map(|_| if is_weighted { u64::try_from(random.within(0, scale)).unwrap() } else { 1 })
+            .collect();
+        if is_weighted {
+            weights[0] = u64::try_from(scale).unwrap();
+        }
+        let grid = |bits: u64| {
+            let mut grid = BitGrid::new(1, n_items);
+            grid.words_mut()[0] = bits;
+            grid
+        };
+        let as_floats: Vec<f64> = weights.iter().map(|w| *w as f64).collect();
+        let weights_of_cells = is_weighted.then(|| Weights::new(&as_floats, n_items).unwrap());
+        let mut seen = SeenSets::over(&BitGrid::full(1, n_items), weights_of_cells.as_ref());
+        seen.extend(&sets.iter().map(|set| grid(*set)).collect::<Vec<_>>());
+        let found = cover(&seen, k, &Control::default()).unwrap();
+        let best = optimum(&sets, &weights, k, 0);
+        let union = found.chosen.iter().fold(0, |union, chosen| union | sets[chosen.set]);
+        assert_eq!(found.covered(), optimum(&[union], &weights, 1, 0), "what is said to be covered is");
+        assert!(found.covered() <= best && best <= found.bound, "{found:?} optimum {best}");
+        assert!(found.covered() as f64 >= (1.0 - (-1.0_f64).exp()) * best as f64, "{found:?} optimum {best}");
+        n_tight += usize::from(found.bound == best);
+        n_short += usize::from(found.covered() < best);
+    }
+    // Neither is trivial: greedy falls short at times, and the bound often is the optimum.
+    assert!(n_tight > 100 && n_short > 5, "{n_tight} {n_short}");
+}
+
+#[test]
+fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
+    let mut random = Random(55);
+    for field in [raster_town(&mut random, 20), vector_town(&mut random, 21)] {
+        let kept = candidates(&field, 7.0);
+        let options = MapOptions { radius: Some(8.0), ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &options).unwrap();
+        let seen: Vec<BitGrid> = kept.iter().map(|c| mapper.seen(&c.uav).los).collect();
+        let mut sets = SeenSets::over(&mapper.receivers(), None);
+        sets.extend(&seen);
+        let found = cover(&sets, 2, &Control::default()).unwrap();
+        let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));
+        let best = pairs.max().unwrap();
+        assert!(found.covered() <= best && best <= found.bound && found.bound <= found.wanted);
+        assert!(found.covered() as f64 >= 0.75 * best as f64, "1 − (1 − 1/2)² of {best}: {found:?}");
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// On the command line.
+
+/// A block of 20 m over x 20…30, y 20…30 among 50 × 50 cells, and a lower one.
+const CITY: &str = r#"{"type": "FeatureCollection", "features": [
+  {"type": "Feature", "properties": {"height": 20},
+   "geometry": {"type": "Polygon", "coordinates": [[[20,20],[30,20],[30,30],[20,30],[20,20]]]}},
+  {"type": "Feature", "properties": {"height": 5},
+   "geometry": {"type": "Polygon", "coordinates": [[[5,5],[15,5],[15,12],[5,12],[5,5]]]}}]}"#;
+const PLACE: &str = "place city.geojson --extent 0,0,50,50 --step 10";
+
+fn polygon(ring: &str) -> String {
+    format!(r#"{{"type": "Polygon", "coordinates": [[{ring}]]}}"#)
+}
+
+fn city() -> Folder {
+    let folder = Folder::new();
+    folder.write("city.geojson", CITY);
+    folder.write("west.geojson", &polygon("[0,0],[20,0],[20,50],[0,50],[0,0]"));
+    folder.write("far.geojson", &polygon("[900,900],[920,900],[920,950],[900,900]"));
+    folder.write("own.csv", "x,y,h\n2,2,30\n25,25,5\n40,40,10\n");
+    folder.write("people.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 25\nNODATA_value -9999\n0 3\n");
+    folder.write("debt.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 25\n-1 3\n");
+    folder
+}
+
+fn document(folder: &Folder, line: &str) -> Value {
+    let mut document = folder.type_in(&format!("{PLACE} {line} --json -q")).done().json();
+    let object = document.as_object_mut().unwrap();
+    object.remove("timing_s");
+    object.remove("command");
+    document
+}
+
+#[test]
+fn candidates_left_out_are_counted_by_hand() {
+    let folder = city();
+    // Places are at 5, 15, … 45 along both axes. (25, 25) is in the middle of the block of 20 m, (5, 5) is on the corner of
+    // the low one and (15, 5) on its edge; half-open towards the north-east (5, 5) is over it and (15, 5) is not.
+    for (line, key, skipped, tried) in [
+        ("--height 10", "inside", 1, 24),
+        ("--height 3,30", "inside", 2, 48),
+        ("--height 22 --clearance 5", "clearance", 1, 24),
+        ("--height 30 --clearance 10", "clearance", 0, 25),
+        ("--height 30 --keep-out west.geojson", "keep_out", 10, 15),
+        ("--height 30 --within west.geojson", "outside", 15, 10),
+        ("--height 30 --over rooftop", "other_zone", 23, 2),
+        ("--height 5roof", "no_base", 23, 2),
+    ] {
+        let found = document(&folder, line);
+        let candidates = &found["candidates"];
+        assert_eq!(
+            (&candidates["skipped"][key], &candidates["tried"]),
+            (&skipped.into(), &tried.into()),
+            "{line}: {candidates}"
+        );
+    }
+}
+
+#[test]
+fn the_winner_is_what_a_map_from_there_counts() {
+    let folder = city();
+    for (line, map) in [
+        ("--height 10,15", ""),
+        ("--height 10,15 --radius 20", "--radius 20"),
+        ("--height 15 --goal p_los(street)", "--receivers street"),
+        ("--height 15 --goal p_los(rooftop)", "--receivers roof"),
+    ] {
+        let found = document(&folder, line);
+        for place in [&found["winner"], &found["refined"]] {
+            let at = ["x", "y", "height_agl_m"].map(|key| place[key].to_string()).join(",");
+            let line = format!("map city.geojson --extent 0,0,50,50 --uav {at} {map} --json -q");
+            let site = folder.type_in(&line).done().json()["sites"][0].clone();
+            assert_eq!((&site["receivers"], &site["los"]), (&place["receivers"], &place["los"]), "{line}");
+        }
+        let ranked: Vec<f64> =
+            found["ranked"].as_array().unwrap().iter().map(|p| p["p_los"].as_f64().unwrap()).collect();
+        assert!(ranked.len() == 10 && ranked.windows(2).all(|w| w[0] >= w[1]), "{ranked:?}");
+    }
+}
+
+#[test]
+fn every_output_of_a_search_holds_the_same_winner_and_threads_change_nothing() {
+    let folder = city();
+    let files = "-o p.csv -o p.json -o p.geojson -o p.png -o p.svg -o p.tif";
+    let line = "--height 10,15 -k 3";
+    let said = folder.type_in(&format!("{PLACE} {line} {files}")).done().err;
+    assert!(said.contains("best of 48 candidates") && said.contains("3 UAVs see together"), "{said}");
+    let found = document(&folder, line);
+    let text = folder.text("p.csv");
+    let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+    let winner = &found["winner"];
+    assert_eq!(first[..2], ["candidate", "1"]);
+    assert_eq!(first[9].parse::<f64>().unwrap(), winner["p_los"].as_f64().unwrap());
+    assert_eq!(text.lines().count(), 1 + 48 + 1 + found["several"]["chosen"].as_array().unwrap().len());
+    assert_eq!(folder.json("p.json")["winner"], *winner);
+    assert_eq!(folder.json("p.geojson")["features"][0]["properties"]["p_los"], winner["p_los"]);
+    let svg = folder.text("p.svg");
+    assert!(svg.contains("at the best height") && svg.contains("UAV 1") && svg.contains("No candidate"), "{svg}");
+    let (covered, bound) = (&found["several"]["p_los"], &found["several"]["bound"]);
+    assert!(covered.as_f64().unwrap() <= bound.as_f64().unwrap() && bound.as_f64().unwrap() <= 1.0);
+    for line in [line, "--height 10 --goal margin", "--height 5:30:5 --goal p_los>=0.9 --minimize height"] {
+        let one = document(&folder, &format!("{line} -j 1"));
+        for threads in [2, 5] {
+            assert_eq!(document(&folder, &format!("{line} -j {threads}")), one, "{line}");
+        }
+    }
+}
+
+#[test]
+fn goals_without_an_answer_say_why() {
+    let folder = city();
+    let none = document(&folder, "--height 15 --goal p_los(courtyard)");
+    assert_eq!((&none["winner"], &none["reason"]), (&Value::Null, &"no wanted receiver in range".into()));
+    let never = document(&folder, "--height 1,2 --goal p_los>=1 --minimize height");
+    assert!(never["winner"].is_null() && never["reason"].as_str().unwrap().starts_with("no candidate reaches 1"));
+    let least = document(&folder, "--height 5:60:5 --goal p_los>=0.9 --minimize height");
+    assert!(least["winner"]["p_los"].as_f64().unwrap() >= 0.9);
+    // All the weight is in the south-east.
+    let people = document(&folder, "--height 10 --goal p_los(weights) --weights people.asc");
+    assert!(people["winner"]["x"].as_f64().unwrap() >= 25.0 && people["winner"]["y"].as_f64().unwrap() <= 25.0);
+    let own = document(&folder, "--candidates own.csv").clone();
+    assert_eq!((&own["candidates"]["skipped"]["inside"], &own["candidates"]["tried"]), (&1.into(), &2.into()));
+}
+
+#[test]
+fn what_makes_no_sense_of_a_search_is_refused() {
+    let folder = city();
+    let before = folder.files();
+    for (line, code, first) in [
+        ("", 2, "error[E101]: the following required arguments were not provided: --height"),
+        ("--height x", 2, "error[E113]: `--height` is `x`"),
+        ("--height 9:1:1", 2, "error[E113]: `--height` is `9:1:1`"),
+        ("--height nan", 2, "error[E113]: `--height` is `nan`"),
+        ("--height 9 --step 0", 2, "error[E113]: `--step` is `0`, wanted above 0 m"),
+        ("--height 9 --clearance -1", 2, "error[E113]: `--clearance` is `-1`, wanted 0 m to 32768 m"),
+        ("--height 9 --goal sight", 2, "error[E101]: cannot read the goal `sight`: found `sight`"),
+        ("--height 9 --goal p_los(park)", 2, "error[E101]: cannot read the goal `p_los(park)`: found `(park)`"),
+        ("--height 9 --goal p_los(area)", 2, "error[E108]: the goal `p_los(area)` needs `--area FILE`"),
+        ("--height 9 --goal p_los(weights)", 2, "error[E108]: the goal `p_los(weights)` needs `--weights FILE`"),
+        ("--height 9 --area west.geojson", 2, "error[E116]: `--area` has no meaning"),
+        ("--height 9 --goal p_los(street) --receivers all", 2, "error[E116]: `--receivers` has no meaning"),
+        ("--height 9 --goal p_los>=0.5", 2, "error[E101]: the goal `p_los>=0.5` names a share"),
+        ("--height 9 --minimize height", 2, "error[E101]: the goal is `p_los`, wanted a share to reach"),
+        ("--height 9 --goal margin -k 2", 2, "error[E116]: `--count` has no meaning"),
+        ("--height 9 -k 0", 2, "error[E101]: invalid value '0' for '--count <N>'"),
+        ("--height 9 --title T", 2, "error[E116]: `--title` has no meaning"),
+        ("--height 9 -o a.exr", 2, "error[E105]: cannot write a.exr"),
+        ("--height 9 -o city.geojson --overwrite", 2, "error[E105]: cannot write city.geojson: it is an input"),
+        ("--height 9 --goal p_los(weights) --weights debt.asc", 3, "error[E302]: cannot use debt.asc as weights"),
+        ("--height 9 --within own.csv", 3, "error[E302]: cannot read own.csv"),
+        ("--height 9 --within far.geojson", 4, "error[E208]: cannot use far.geojson: its polygons lie outside"),
+        ("--height 9 --keep-out far.geojson", 4, "error[E208]: cannot use far.geojson"),
+        ("--height 9 --goal p_los(area) --area far.geojson", 4, "error[E208]: cannot use far.geojson"),
+        ("--height 9 --clearance 99", 4, "error[E209]: no candidate is left of 25: 1 inside a building"),
+        ("--height 9 --step 0.001", 5, "error[E502]: cannot search 2500000000 candidates"),
+        ("--height 9 -k 2 --max-memory 20K", 5, "error[E501]: "),
+    ] {
+        let answer =
+            folder.type_in(&format!("{PLACE} {line}").replace("--step 10 --height 9 --step", "--height 9 --step"));
+        let lines = answer.refused(code);
+        assert!(lines[0].starts_with(first), "{line}: {lines:?}");
+        assert_eq!(folder.files(), before, "{line}");
+    }
+    let answer = folder.type_in("place city.geojson --candidates own.csv -o a.png");
+    assert!(answer.refused(2)[0].starts_with("error[E109]"));
+}
