@@ -80,8 +80,11 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
             Err(error) => fail(&error),
         },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
-            &Error::usage(101, "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare` and `place`")
-                .with_hint("skyshed --help"),
+            &Error::usage(
+                101,
+                "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare` and `place`",
+            )
+            .with_hint("skyshed --help"),
         ),
         _ => {
             let text = text.strip_prefix("error: ").unwrap_or(&text);
