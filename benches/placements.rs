@@ -1,4 +1,5 @@
-//! How long do 1000 placements of a UAV over 1 km² take, P_LoS of each, on all cores?
+//! How long do 1000 placements of a UAV over 1 km² take, P_LoS of each, on all cores? And the search over a grid of 100 ×
+//! 100 candidates, 60 m above ground, on cells of 2 m, as `skyshed place --step 10` makes it?
 //!
 //! `cargo bench --bench placements`. Cells of 1 m, receivers 1.5 m above all open ground, buildings as footprints; the
 //! scene is made ready before. Placements are at random over the open cells, off the cell centers. Before timing, the
@@ -16,8 +17,9 @@ use rayon::prelude::*;
 use skyshed::coverage::{Control, MapOptions, Mapper, Uav};
 use skyshed::height_field::HeightField;
 use skyshed::los::MethodChoice;
+use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores};
 use skyshed::quantity::Height;
-use skyshed::scene::{FootprintOptions, Site, read_footprints};
+use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, Site, read_footprints};
 
 fn main() {
     divan::main();
@@ -38,11 +40,16 @@ enum City {
 
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let city = match self.0 {
+        write!(f, "{}, {} m", self.0, self.1)
+    }
+}
+
+impl fmt::Display for City {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             City::Urban => "itu:urban",
             City::Munich => "Munich",
-        };
-        write!(f, "{city}, {} m", self.1)
+        })
     }
 }
 
@@ -53,7 +60,7 @@ const CASES: [Case; 4] =
 fn p_los_of_1000_placements(bencher: Bencher<'_, '_>, Case(city, height_m): Case) {
     let field = match city {
         City::Urban => cities::footprints("urban", 1000),
-        City::Munich => munich(),
+        City::Munich => munich(1.0),
     };
     let uavs = placements(&field, height_m);
     let options = MapOptions::default();
@@ -66,15 +73,39 @@ fn p_los_of_1000_placements(bencher: Bencher<'_, '_>, Case(city, height_m): Case
     bencher.counter(ItemsCount::new(PLACEMENTS)).bench(|| uavs.par_iter().map(p_los).collect::<Vec<f64>>());
 }
 
-/// 1 km² of the old town of Munich.
-fn munich() -> HeightField {
+#[divan::bench(args = [City::Urban, City::Munich], sample_count = 5, sample_size = 1)]
+fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
+    let field = match city {
+        City::Urban => {
+            let built_up = BuiltUp::named("urban").expect("a named environment");
+            let city = BuiltUpCity { built_up, size_m: 1000.0, cell_m: 2.0, seed: cities::SEED, ground_m: 0.0 };
+            let scene = city.scene().expect("a city within the limits");
+            HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+        }
+        City::Munich => munich(2.0),
+    };
+    let places = PlaceGrid::over(field.grid(), 10.0).expect("a step above 0");
+    let spots = places.spots(&[Height::AboveGround(60.0)]);
+    let options = MapOptions::default();
+    let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
+    bencher.counter(ItemsCount::new(spots.len())).bench(|| {
+        let candidates = Candidates::of(&spots, &field, &CandidateRules::default()).expect("on the lattice");
+        let uavs: Vec<&Uav> = candidates.kept.iter().map(|c| &c.uav).collect();
+        let scorer = Scorer { mapper: &mapper, weights: None };
+        ranked(&scores(&scorer, &uavs, &Control::default()).expect("nobody interrupts"))
+    });
+}
+
+/// 1 km² of the old town of Munich on cells of `cell_m` \[m\].
+fn munich(cell_m: f64) -> HeightField {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let (west, south) = (691_050.0, 5_334_260.0);
     let extent = Some([west, south, west + 1000.0, south + 1000.0]);
-    let options = FootprintOptions { extent, ..FootprintOptions::default() };
+    let options = FootprintOptions { extent, cell_m: Some(cell_m), ..FootprintOptions::default() };
     let scene = read_footprints(&file, &options, &mut Vec::new()).expect("the map of Munich");
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
-    assert_eq!((field.grid().n_rows(), field.grid().n_cols()), (1000, 1000));
+    let side = field.grid().n_cols() as f64 * cell_m;
+    assert!((side - 1000.0).abs() < 1e-6 && field.grid().n_rows() == field.grid().n_cols(), "{side} m");
     field
 }
 

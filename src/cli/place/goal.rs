@@ -193,7 +193,7 @@ mod tests {
     fn heights_are_a_list_or_a_range_with_both_ends() {
         let values = |text: &str| heights(text).map(|h| h.iter().map(ToString::to_string).collect::<Vec<_>>());
         assert_eq!(values("100,60,60"), Ok(vec!["60agl".into(), "100agl".into()]));
-        assert_eq!(values("10:35:10amsl").is_err(), true);
+        assert!(values("10:35:10amsl").is_err());
         assert_eq!(values("10:35amsl:10"), Ok(["10amsl", "20amsl", "30amsl", "35amsl"].map(String::from).to_vec()));
         assert_eq!(values("10:30:10"), Ok(["10agl", "20agl", "30agl"].map(String::from).to_vec()));
         assert_eq!(values("30roof,100"), Ok(vec!["30roof".into(), "100agl".into()]));
