@@ -89,7 +89,7 @@ fn the_examples_of_the_help_text_run() {
             n_run += 1;
         }
     }
-    assert_eq!(n_run, 5, "{help}");
+    assert_eq!(n_run, 6, "{help}");
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         let options = MapOptions { radius: Some(8.0), ..MapOptions::default() };
         let mapper = Mapper::new(&field, &options).unwrap();
         let seen: Vec<BitGrid> = kept.iter().map(|c| mapper.seen(&c.uav).los).collect();
-        let mut sets = SeenSets::over(&mapper.receivers(), None);
+        let mut sets = SeenSets::over(&mapper.receiver_cells(), None);
         sets.extend(&seen);
         let found = cover(&sets, 2, &Control::default()).unwrap();
         let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::super::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+use super::super::sample::SampleArgs;
 use crate::zones::Zone;
 
 #[derive(Debug, Args)]
@@ -60,12 +61,20 @@ pub(in crate::cli) struct PlaceArgs {
     /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
+    /// Write the table to this file, whatever its name
+    #[arg(long, value_name = "FILE")]
+    pub(super) csv: Option<PathBuf>,
+    /// What the winner sees, or those chosen together: a coverage map (.png .svg .tif)
+    #[arg(long, value_name = "FILE")]
+    pub(super) map: Option<PathBuf>,
     /// Title of the picture
     #[arg(long, value_name = "TEXT")]
     pub(super) title: Option<String>,
     /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) sample: SampleArgs,
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten)]

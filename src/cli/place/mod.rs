@@ -1,7 +1,7 @@
 //! `skyshed place`: where to hover.
 //!
 //! `args` holds what can be typed, `goal` what a goal asks, `inputs` the areas, weights and candidates, `search` what is
-//! worth what, `outputs` the files, `picture` the heat map.
+//! worth what, `outputs` the files, `picture` the heat map, `winner_map` what the winner sees.
 
 mod args;
 mod goal;
@@ -9,24 +9,26 @@ mod inputs;
 mod outputs;
 mod picture;
 mod search;
+mod winner_map;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use super::expected::Expected;
+use super::messages;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, meters_per_unit, ready, receiver_height,
+    FIELD_BYTES_PER_CELL, Ready, check_csv, check_memory, checked_radius, input_paths, ready, receiver_height,
     refuse_words_without_picture, warn_of_flat_earth,
 };
+use super::receivers::{Asked, check_receivers};
+use super::sample::SampleJob;
 use super::words::pretty;
-use super::{args as common, interrupt, messages};
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav};
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, OutputRules, check_outputs};
-use crate::los::MethodChoice;
-use crate::quantity::{height_steps, tidy};
+use crate::export::{Format, OutputRules, check_outputs};
+use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
-use crate::zones::Zone;
+use crate::zones::{Zone, ZoneMap};
 
 pub(super) use args::PlaceArgs;
 use goal::{Goal, Whom};
@@ -38,41 +40,27 @@ const FORMATS: [Format; 7] =
     [Format::Png, Format::Svg, Format::GeoTiff, Format::Csv, Format::Json, Format::GeoJson, Format::Stdout];
 
 pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
+    if !args.sample.sample.is_empty() {
+        return sampled(args, command);
+    }
     let start = Instant::now();
     let goal = Goal::of(args)?;
     let heights = args.height.as_deref().map(goal::heights).transpose()?;
+    check(args, heights.as_deref())?;
     let rx_height = receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.engine.radius)?;
     let clearance = height_steps(args.clearance)
         .filter(|c| *c >= 0)
         .ok_or_else(|| Error::usage(113, format!("`--clearance` is `{}`, wanted 0 m to 32768 m", args.clearance)))?;
-    if args.step <= 0.0 {
-        return Err(Error::usage(113, format!("`--step` is `{}`, wanted above 0 m", args.step)));
-    }
-    if args.minimize.is_some() && !heights.as_deref().is_some_and(goal::have_one_reference) {
-        let text = "`--minimize height` compares the heights of `--height`: wanted all above the same";
-        return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
-    }
-    let files = [&args.candidates, &args.within, &args.keep_out, &args.area, &args.weights];
-    let inputs: Vec<PathBuf> =
-        input_paths(&args.scene).into_iter().chain(files.into_iter().flatten().cloned()).collect();
-    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
-    let outputs = check_outputs(&args.output, rules)?;
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
-    let is_spatial = |format: &Format| matches!(format, Format::Png | Format::Svg | Format::GeoTiff);
-    if let Some((path, _)) = outputs.iter().find(|(_, f)| args.candidates.is_some() && is_spatial(f)) {
-        let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
-        return Err(Error::usage(109, text).with_hint("-o places.geojson"));
-    }
+    let (outputs, map) = outputs_of(args)?;
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let needs_zones = !args.over.is_empty() || matches!(goal.whom, Whom::Zone(zone) if zone != Zone::Rooftop);
-    let asks_zones = needs_zones || args.receivers.zone().is_some();
-    if scene.field.is_surface_only() && (asks_zones || goal.whom == Whom::Zone(Zone::Rooftop)) {
+    let needs_zones = !args.over.is_empty() || matches!(goal.whom, Whom::Zone(_)) || args.receivers.zone().is_some();
+    if scene.field.is_surface_only() && needs_zones {
         let text = "zones of a surface model alone: no building is known, so no zone is";
         return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
     }
-    super::receivers::check_receivers(args.receivers, &scene.field)?;
+    check_receivers(args.receivers, &scene.field)?;
     let zones = scene.zones();
     let mut warnings = Vec::new();
     let mut inputs = Inputs::read(args, goal, heights, &scene, &mut warnings)?;
@@ -87,49 +75,18 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
     warn_of_flat_earth(&farthest, scene.field.grid(), radius, &mut scene.warnings);
 
-    let (kind, within) = match goal.whom {
-        Whom::Zone(Zone::Rooftop) => (Receivers::Roof, None),
-        Whom::Zone(zone) => (Receivers::Ground, zones.as_ref().map(|z| z.cells(zone))),
-        Whom::Receivers | Whom::Area | Whom::Weights => {
-            let kind = match args.receivers {
-                common::ReceiversArg::Roof => Receivers::Roof,
-                common::ReceiversArg::All => Receivers::All,
-                _ => Receivers::Ground,
-            };
-            let of_zone = args.receivers.zone().and_then(|zone| zones.as_ref().map(|z| z.cells(zone)));
-            let of_area = inputs.area.as_ref().map(|area| area.cells(scene.field.grid()));
-            (
-                kind,
-                match (of_zone, of_area) {
-                    (Some(a), Some(b)) => Some(a.and(&b)),
-                    (a, b) => a.or(b),
-                },
-            )
-        }
-    };
-    let options = MapOptions {
-        rx_height,
-        receivers: kind,
-        within,
-        radius,
-        meters_per_unit: meters_per_unit(scene.field.grid()),
-        method: match args.engine.method {
-            common::Method::Auto => MethodChoice::Auto,
-            common::Method::Ray => MethodChoice::Ray,
-            common::Method::Sweep => MethodChoice::Sweep,
-            common::Method::Shadow => MethodChoice::Shadow,
-        },
-        ..MapOptions::default()
-    };
+    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let options = options(asked, goal, &scene, zones.as_ref(), &inputs);
     let n_uavs = candidates.kept.len();
-    let grid = scene.field.grid();
-    let n_cells = grid.n_cells();
+    let n_cells = scene.field.grid().n_cells();
     let sets = if args.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
     let held = if inputs.weights.is_some() { 4 } else { 0 };
     let per_cell = held + (sets + n_uavs.saturating_mul(CANDIDATE_BYTES)).div_ceil(n_cells);
-    check_memory(&args.scene.scene, grid, (FIELD_BYTES_PER_CELL, per_cell), args.engine.max_memory)?;
+    let needs = (FIELD_BYTES_PER_CELL, per_cell);
+    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
     let mapper = Mapper::new(&scene.field, &options)?;
     if !args.out.quiet {
+        let grid = scene.field.grid();
         let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
         let n_in_range = (disc / (grid.cell_width() * grid.cell_height())).min(n_cells as f64);
         let method = (mapper.method().0, rayon::current_num_threads());
@@ -149,9 +106,8 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     };
     let found = search.run()?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
-    let (method, _) = mapper.method();
     let report = PlaceReport {
-        facts: scene.facts(command, method.name()),
+        facts: scene.facts(command, mapper.method().0.name()),
         rx_height_m: args.rx_height,
         receivers: match goal.whom {
             Whom::Zone(zone) => zone.name(),
@@ -171,42 +127,148 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         refined: found.refined,
         several: found.several,
     };
-
-    let before_write = Instant::now();
-    scene.timing.total = start.elapsed().as_secs_f64();
-    interrupt::begin_writing();
-    let mut batch = Batch::new(args.out.overwrite);
+    let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
     let job = outputs::Writer {
         args,
         goal,
         scene: &scene,
+        mapper: &mapper,
         report: &report,
         places: inputs.places.as_ref(),
         heat: &found.heat,
-        timing: scene.timing,
+        winners: &found.winners,
+        timing,
     };
-    for (path, format) in &outputs {
-        job.add(&mut batch, path, *format)?;
+    job.write(&outputs, map.as_ref())?;
+    say(args, &report, start, &scene.timing, &outputs)
+}
+
+/// Refuses what makes no sense together, before any work.
+fn check(args: &PlaceArgs, heights: Option<&[Height]>) -> Result<()> {
+    if args.step <= 0.0 {
+        return Err(Error::usage(113, format!("`--step` is `{}`, wanted above 0 m", args.step)));
     }
-    batch.commit()?;
-    let timing =
-        Timing { write: before_write.elapsed().as_secs_f64(), total: start.elapsed().as_secs_f64(), ..scene.timing };
+    if args.minimize.is_some() && !heights.is_some_and(goal::have_one_reference) {
+        let text = "`--minimize height` compares the heights of `--height`: wanted all above the same";
+        return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
+    }
+    Ok(())
+}
+
+/// A file to write, checked.
+type Output = (PathBuf, Format);
+
+/// The files to write, checked: those of `-o` and `--csv`, and the map of the winner.
+fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
+    let files = [&args.candidates, &args.within, &args.keep_out, &args.area, &args.weights];
+    let inputs: Vec<PathBuf> =
+        input_paths(&args.scene).into_iter().chain(files.into_iter().flatten().cloned()).collect();
+    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let mut outputs = check_outputs(&args.output, rules)?;
+    let is_spatial = |format: &Format| matches!(format, Format::Png | Format::Svg | Format::GeoTiff);
+    if let Some((path, _)) = outputs.iter().find(|(_, f)| args.candidates.is_some() && is_spatial(f)) {
+        let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
+        return Err(Error::usage(109, text).with_hint("-o places.geojson"));
+    }
+    if let Some(path) = &args.csv {
+        outputs.extend(check_csv(path, &args.output, rules)?);
+    }
+    let mut map = None;
+    if let Some(path) = &args.map {
+        let others: Vec<PathBuf> = outputs.iter().map(|(path, _)| path.clone()).collect();
+        let all: Vec<PathBuf> = others.iter().cloned().chain([path.clone()]).collect();
+        let checked = check_outputs(&all, OutputRules { allowed: &FORMATS, ..rules })?.pop();
+        map = checked.filter(|(_, format)| is_spatial(format));
+        if map.is_none() {
+            let text = format!("cannot write {}: `--map` writes a map", path.display());
+            return Err(Error::usage(105, text).with_hint("wanted .png, .svg or .tif"));
+        }
+    }
+    let all: Vec<Output> = outputs.iter().cloned().chain(map.clone()).collect();
+    refuse_words_without_picture(&args.title, &args.attribution, &all)?;
+    Ok((outputs, map))
+}
+
+/// The options of the maps: the receivers of the goal.
+fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
+    let options = asked.options(scene, zones);
+    match goal.whom {
+        Whom::Zone(Zone::Rooftop) => MapOptions { receivers: Receivers::Roof, within: None, ..options },
+        Whom::Zone(zone) => {
+            MapOptions { receivers: Receivers::Ground, within: zones.map(|z| z.cells(zone)), ..options }
+        }
+        Whom::Receivers | Whom::Area | Whom::Weights => {
+            let of_area = inputs.area.as_ref().map(|area| area.cells(scene.field.grid()));
+            let within = match (options.within.clone(), of_area) {
+                (Some(a), Some(b)) => Some(a.and(&b)),
+                (a, b) => a.or(b),
+            };
+            MapOptions { within, ..options }
+        }
+    }
+}
+
+/// Says what was found.
+fn say(args: &PlaceArgs, report: &PlaceReport, start: Instant, spent: &Timing, outputs: &[Output]) -> Result<()> {
+    let timing = Timing { total: start.elapsed().as_secs_f64(), ..*spent };
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
-        for line in outputs::in_words(&report) {
-            messages::note(&line);
-        }
+        outputs::in_words(report).iter().for_each(|line| messages::note(line));
         messages::note(&format!(
-            "method {} (exact): search {} s of {} s",
-            report.facts.method,
-            tidy(timing.los),
-            tidy(timing.total)
+            "method {} (exact): search {:.3} s of {:.2} s",
+            report.facts.method, timing.los, timing.total
         ));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&report.document(Some(timing))))?;
     }
     Ok(())
+}
+
+/// `--sample`: statistics by zone instead of a search.
+fn sampled(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
+    let of_a_search = [
+        "step",
+        "over",
+        "within",
+        "keep_out",
+        "candidates",
+        "clearance",
+        "goal",
+        "area",
+        "weights",
+        "minimize",
+        "count",
+        "top",
+        "map",
+    ];
+    if let Some(name) = of_a_search.iter().find(|name| args.scene.typed.iter().any(|typed| typed == *name)) {
+        let text = format!("`--{}` has no meaning with `--sample`, which searches nothing", name.replace('_', "-"));
+        return Err(Error::usage(116, text));
+    }
+    let heights = args.height.as_deref().map(goal::heights).transpose()?.unwrap_or_default();
+    let above_ground = |height: &Height| match height {
+        Height::AboveGround(h) => Ok(*h),
+        other => {
+            let text = format!("`--height` is `{other}`, wanted heights above ground: places of a sample differ");
+            Err(Error::usage(113, text))
+        }
+    };
+    let heights_m: Vec<f64> = heights.iter().map(above_ground).collect::<Result<_>>()?;
+    let (outputs, _) = outputs_of(args)?;
+    let job = SampleJob {
+        sample: &args.sample,
+        scene: &args.scene,
+        engine: &args.engine,
+        out: &args.out,
+        outputs: &outputs,
+        heights_m: &heights_m,
+        rx_height_m: args.rx_height,
+        receivers: args.receivers,
+        title: args.title.as_deref(),
+        attribution: args.attribution.as_deref(),
+    };
+    job.run(command)
 }
 
 /// What a candidate takes with all that is said of it.

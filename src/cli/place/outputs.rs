@@ -1,13 +1,14 @@
 //! The files of a search, and what is said of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::super::interrupt;
 use super::super::plan::Ready;
 use super::super::words::pretty;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Measure};
-use super::picture;
+use super::{picture, winner_map};
+use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, encode_table, with_suffix};
 use crate::placement::PlaceGrid;
@@ -24,15 +25,31 @@ pub(super) struct Writer<'a> {
     pub(super) args: &'a PlaceArgs,
     pub(super) goal: Goal,
     pub(super) scene: &'a Ready,
+    pub(super) mapper: &'a Mapper<'a>,
     pub(super) report: &'a PlaceReport,
     pub(super) places: Option<&'a PlaceGrid>,
     pub(super) heat: &'a [(usize, f32)],
+    /// The winner, or those chosen together.
+    pub(super) winners: &'a [Uav],
     pub(super) timing: Timing,
 }
 
 impl Writer<'_> {
+    /// Writes all files of a run, or none.
+    pub(super) fn write(&self, outputs: &[(PathBuf, Format)], map: Option<&(PathBuf, Format)>) -> Result<()> {
+        interrupt::begin_writing();
+        let mut batch = Batch::new(self.args.out.overwrite);
+        for (path, format) in outputs {
+            self.add(&mut batch, path, *format)?;
+        }
+        if let Some((path, format)) = map {
+            winner_map::add(self, &mut batch, path, *format)?;
+        }
+        batch.commit()
+    }
+
     /// Adds the files of one output to a batch.
-    pub(super) fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
         interrupt::check()?;
         match format {
             Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),

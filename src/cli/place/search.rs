@@ -35,6 +35,8 @@ pub(super) struct Found {
     pub(super) several: Option<SeveralFacts>,
     /// Places of the candidates with what the picture shows there: the best value over all heights.
     pub(super) heat: Vec<(usize, f32)>,
+    /// The winner, or those chosen together.
+    pub(super) winners: Vec<Uav>,
 }
 
 impl Search<'_> {
@@ -74,12 +76,19 @@ impl Search<'_> {
             None => None,
         };
         let heat = self.heat(scores.iter().map(|s| s.share().map(narrow)).collect());
+        let mut winners: Vec<Uav> = best.iter().map(|(candidate, _)| candidate.uav.clone()).collect();
+        let mut several = None;
+        if self.args.count > 1 {
+            let (facts, uavs) = self.several(&scores, control)?;
+            (several, winners) = (Some(facts), uavs);
+        }
         Ok(Found {
             winner: facts.first().filter(|_| best.is_some()).cloned().ok_or_else(|| NO_RECEIVER.to_string()),
             ranked: facts,
             refined,
-            several: if self.args.count > 1 { Some(self.several(&scores, control)?) } else { None },
+            several,
             heat,
+            winners,
         })
     }
 
@@ -91,7 +100,7 @@ impl Search<'_> {
         Ok(Some((PlaceFacts::of(0, &found.candidate, self.value(found.score)), found.tried)))
     }
 
-    fn several(&self, scores: &[Score], control: &Control) -> Result<SeveralFacts> {
+    fn several(&self, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
         use rayon::prelude::*;
         let mut sets = SeenSets::over(&self.mapper.receiver_cells(), self.weights);
         for chunk in self.kept().chunks(8 * maps_at_once()) {
@@ -104,7 +113,8 @@ impl Search<'_> {
             PlaceFacts::of(k + 1, &self.kept()[chosen.set], self.value(scores[chosen.set]))
         };
         let places = cover.chosen.iter().enumerate().map(place).collect();
-        Ok(SeveralFacts { count, cover, places })
+        let uavs = cover.chosen.iter().map(|chosen| self.kept()[chosen.set].uav.clone()).collect();
+        Ok((SeveralFacts { count, cover, places }, uavs))
     }
 
     fn by_height(&self, share: f64, control: &Control) -> Result<Found> {
@@ -136,7 +146,9 @@ impl Search<'_> {
             }),
             (None, _) => Err(NO_RECEIVER.to_string()),
         };
-        Ok(Found { ranked: facts, winner, refined: None, several: None, heat })
+        let reaching = found.first().filter(|first| first.reaches);
+        let winners = reaching.map(|first| self.kept()[first.candidate].uav.clone()).into_iter().collect();
+        Ok(Found { ranked: facts, winner, refined: None, several: None, heat, winners })
     }
 
     fn by_margin(&self, control: &Control) -> Result<Found> {
@@ -152,6 +164,7 @@ impl Search<'_> {
             refined: None,
             several: None,
             heat: self.heat(margins.iter().map(|m| m.map(|m| m.margin_m).filter(|m| m.is_finite())).collect()),
+            winners: order.first().filter(|_| has_any).map(|k| self.kept()[*k].uav.clone()).into_iter().collect(),
         })
     }
 

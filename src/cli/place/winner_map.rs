@@ -1,0 +1,145 @@
+//! The map of the winner, or of those chosen together.
+
+use std::path::Path;
+
+use super::super::map::{height_words, undrawable};
+use super::super::plan::meters_per_unit;
+use super::super::receivers::{cell_names, setting_line};
+use super::super::words::unbreakable;
+use super::goal::Whom;
+use super::outputs::Writer;
+use crate::cli::args::ReceiversArg;
+use crate::coverage::{Control, ManyMaps, Overlay, Tally};
+use crate::error::{Error, Result};
+use crate::export::{Batch, Format, Layer, MapResult, add_map};
+use crate::quantity::tidy;
+use crate::raster::TiffLayout;
+use crate::render::{self, MapPicture, Mark, grouped};
+use crate::report::SiteFacts;
+use crate::zones::Zone;
+
+/// Maps the winners and adds the map to a batch.
+pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+    if job.winners.is_empty() {
+        let text = format!("cannot write {}: there is no winner to map", path.display());
+        return Err(Error::site(209, text).with_hint("without `--map` the other results are written"));
+    }
+    let named: Vec<_> = job
+        .winners
+        .iter()
+        .enumerate()
+        .map(|(k, uav)| crate::coverage::Uav { id: (k + 1).to_string(), ..uav.clone() })
+        .collect();
+    let maps = job.mapper.map_many(&named, true, &Control::default(), |_| {})?;
+    if format != Format::GeoTiff {
+        return batch.add(path, &picture(job, &maps, format)?);
+    }
+    let provenance = job.report.provenance().to_string();
+    let result = MapResult {
+        georef: job.scene.field.grid(),
+        sites: &maps.sites,
+        layers: &[Layer::Los],
+        provenance: &provenance,
+        tif_layout: TiffLayout::Cog,
+    };
+    add_map(batch, &result, path, format)
+}
+
+fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>> {
+    let grid = job.scene.field.grid();
+    let unit = meters_per_unit(grid);
+    let facts: Vec<SiteFacts> = maps.sites.iter().map(|site| SiteFacts::of(site, None)).collect();
+    let labels: Vec<String> = facts.iter().map(|site| format!("UAV {}", site.id)).collect();
+    let heights: Vec<String> = facts.iter().map(height_words).collect();
+    let marks: Vec<Mark<'_>> = facts
+        .iter()
+        .zip(labels.iter().zip(&heights))
+        .map(|(site, (label, height))| Mark {
+            label,
+            height,
+            col: (site.x - grid.x_min()) / grid.cell_width(),
+            row: (grid.y_max() - site.y) / grid.cell_height(),
+        })
+        .collect();
+    let receivers = receivers_of(job);
+    let (receivers_name, others_name) = match job.goal.whom {
+        Whom::Area => ("cells of the area", "Other cells"),
+        _ => cell_names(receivers, &job.scene.field),
+    };
+    let n_sites = u32::try_from(facts.len()).unwrap_or(u32::MAX);
+    let layer = match (&maps.overlay, maps.sites.as_slice()) {
+        (None, [only]) => render::Layer::Los(&only.mask),
+        (overlay, _) => render::Layer::Count {
+            count: overlay.as_ref().map_or(&[], Overlay::count),
+            mask: overlay.as_ref().map_or(&[], Overlay::union),
+            n_sites,
+        },
+    };
+    let share = |tally: &Tally| match tally.p_los() {
+        Some(p) => {
+            format!("P_LoS = {p:.4} ({} of {} {receivers_name})", grouped(tally.los), grouped(tally.receivers))
+        }
+        None => format!("P_LoS undefined: {}", tally.reason()),
+    };
+    let mut caption: Vec<String> = facts
+        .iter()
+        .take(MOST_LINES)
+        .map(|site| {
+            format!(
+                "UAV {}: {} at ({}, {}), {}",
+                site.id,
+                height_words(site),
+                tidy(site.x),
+                tidy(site.y),
+                share(&site.tally)
+            )
+        })
+        .collect();
+    if let Some(overlay) = &maps.overlay {
+        caption.push(format!("Seen by at least one: {}", share(&Tally::of_mask(overlay.union()))));
+    }
+    caption.push(format!("Goal {}: the best of {} candidates", job.report.goal, grouped(job.report.n_candidates)));
+    caption.push(setting_line(
+        job.scene,
+        receivers,
+        (job.report.rx_height_m, job.report.radius_m),
+        job.report.facts.method,
+    ));
+    caption.extend(job.args.attribution.clone().or_else(|| job.scene.attribution.clone()));
+    let subject = if facts.len() > 1 { "What the chosen UAVs see of" } else { "What the best UAV sees of" };
+    let title = unbreakable(&format!("{subject} {}", job.scene.name));
+    let surface = job.scene.field.above_ground_m();
+    let picture = MapPicture {
+        title: &title,
+        caption: &caption,
+        n_cols: grid.n_cols(),
+        n_rows: grid.n_rows(),
+        cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
+        layer,
+        surface_m: Some(&surface),
+        uavs: &marks,
+        receivers_name,
+        others_name,
+    };
+    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+    let provenance = [("Software".into(), software), ("skyshed".into(), job.report.provenance().to_string())];
+    match format {
+        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
+        _ => render::draw_map(&picture, &provenance),
+    }
+    .map_err(undrawable)
+}
+
+/// More UAVs than this are not listed in the caption.
+const MOST_LINES: usize = 6;
+
+/// The receivers that the goal counts, as they are typed for a map.
+fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
+    match job.goal.whom {
+        Whom::Zone(Zone::Street) => ReceiversArg::Street,
+        Whom::Zone(Zone::Crossroad) => ReceiversArg::Crossroad,
+        Whom::Zone(Zone::Courtyard) => ReceiversArg::Courtyard,
+        Whom::Zone(Zone::Rooftop) => ReceiversArg::Roof,
+        _ => job.args.receivers,
+    }
+}
