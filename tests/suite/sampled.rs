@@ -1,4 +1,5 @@
-//! P_LoS by zone of the placement, from maps of generated cities, against the product over the same disc.
+//! P_LoS by zone of the placement: from maps of generated cities against the product over the same disc, and
+//! `skyshed place --sample` from outside.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
@@ -13,6 +14,7 @@ use skyshed::raster::CellBlocks;
 use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 use skyshed::zones::{Zone, ZoneMap};
 
+use crate::program::Folder;
 use crate::support::slow;
 
 const HEIGHT_M: f64 = 100.0;
@@ -96,4 +98,89 @@ fn maps_around_uavs_over_middles_agree_with_the_product_over_the_disc() {
             _ => {}
         }
     }
+}
+
+#[test]
+fn a_sample_of_one_place_says_what_the_map_of_it_says() {
+    let folder = Folder::new();
+    // The middle of the first crossroad: streets are 1000/√500 − 1000·√(0.3/500) m wide.
+    let middle = 0.5 * (1000.0 / 500.0_f64.sqrt() - 1000.0 * (0.3_f64 / 500.0).sqrt());
+    let scene = "itu:urban --size 250 --radius 120";
+    let map = folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --json")).done().json();
+    let line = format!("place {scene} --sample crossroad:1 --centers --height 60 --receivers all");
+    let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg")).done().json();
+    assert_eq!(sample["schema"], "skyshed/place-sample/1");
+    let site = &map["sites"][0];
+    let rows = sample["rows"].as_array().unwrap();
+    let zones: Vec<&str> = rows.iter().map(|row| row["receivers_zone"].as_str().unwrap()).collect();
+    assert_eq!(zones, ["all", "street", "crossroad", "rooftop"]);
+    for (row, zone) in rows.iter().zip(zones) {
+        let wanted = if zone == "all" { site } else { &site["zones"][zone] };
+        assert_eq!((&row["p_los"], &row["samples"]), (&wanted["p_los"], &wanted["receivers"]), "{zone}");
+        assert_eq!((&row["placements"], &row["clusters"].is_u64()), (&serde_json::json!(1), &true));
+        assert!(row["ci_low"].is_null() && row["reason"].as_str().unwrap().starts_with("no interval"), "{row}");
+    }
+    let table = folder.text("s.csv");
+    assert!(table.starts_with("placement,height_m,receivers_zone,") && table.lines().count() == 5, "{table}");
+    assert!(folder.text("s.svg").contains("UAV over crossroads"));
+}
+
+#[test]
+fn samples_have_intervals_and_do_not_depend_on_threads() {
+    let folder = Folder::new();
+    let line = "place itu:dense-urban --size 300 --cell 2 --sample street:12,rooftop:12,courtyard:3 --height 30,80 --cities 12";
+    let one = folder.type_in(&format!("{line} --csv one.csv -j 1")).done();
+    assert!(one.warnings().contains(&"W202"), "a generated city has no courtyard: {one:?}");
+    folder.type_in(&format!("{line} --csv three.csv -j 3")).done();
+    assert_eq!(folder.text("one.csv"), folder.text("three.csv"));
+    let mut table = csv::Reader::from_reader(folder.text("one.csv").leak().as_bytes());
+    let headers = table.headers().unwrap().clone();
+    for row in table.records().map(|row| row.unwrap()) {
+        let cell = |name: &str| row.get(headers.iter().position(|h| h == name).unwrap()).unwrap();
+        if cell("placement") == "courtyard" {
+            assert_eq!((cell("p_los"), cell("reason")), ("", "the scene has no courtyard place"));
+            continue;
+        }
+        let number = |name: &str| cell(name).parse::<f64>().unwrap();
+        let (low, p, high) = (number("ci_low"), number("p_los"), number("ci_high"));
+        assert!(0.0 < low && low < p && p < high && high < 1.0, "{row:?}");
+        assert_eq!((number("clusters"), number("placements") + number("inside_building")), (12.0, 144.0));
+    }
+    // From 30 m a dense city has roofs in the way; from 80 m more is seen.
+    let text = folder.text("one.csv");
+    let p_los = |start: &str| {
+        let row = text.lines().find(|line| line.starts_with(start)).unwrap();
+        row.split(',').nth(8).unwrap().parse::<f64>().unwrap()
+    };
+    assert!(p_los("street,30,all") < p_los("street,80,all"));
+    assert!(p_los("street,30,street") > p_los("rooftop,30,street"), "roofs hide the street below them");
+}
+
+#[test]
+fn samples_that_make_no_sense_are_refused() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 100 -o city.geojson").done();
+    folder.type_in("city itu:urban --size 100 -o dsm.asc").done();
+    for (line, wanted) in [
+        ("itu:urban --sample street --height 50", "wanted ZONE:N"),
+        ("itu:urban --sample park:5 --height 50", "wanted street, crossroad, courtyard or rooftop"),
+        ("itu:urban --sample street:0 --height 50", "wanted 1 to 100000"),
+        ("itu:urban --sample street:5,street:6 --height 50", "names street twice"),
+        ("itu:urban --sample street:5 --height 30roof", "wanted heights above ground"),
+        ("itu:urban --sample street:5 --height 50 --ci 1", "wanted above 0 and below 1"),
+        ("itu:urban --sample street:5 --height 50 --block 0", "wanted above 0 m"),
+        ("itu:urban --sample street:5 --height 50 --goal p_los", "`--goal` has no meaning with `--sample`"),
+        ("itu:urban --sample street:5 --height 50 --step 5", "`--step` has no meaning with `--sample`"),
+        ("itu:urban --sample street:5 --height 50 -o a.tif", "a sample is a plot, a table or a document"),
+        ("itu:urban --height 50 --cities 5", "--sample"),
+        ("itu:urban --height 50 --centers", "--sample"),
+        ("city.geojson --sample street:5 --height 50 --cities 5", "`--cities` has no meaning for a city in a file"),
+        ("city.geojson --sample street:5 --height 50 --centers", "`--centers` has no meaning for a city in a file"),
+        ("dsm.asc --sample street:5 --height 50", "no zone is known"),
+    ] {
+        let answer = folder.type_in(&format!("place {line}"));
+        let said = answer.refused(2).join(" ");
+        assert!(said.contains(wanted), "{line}: {said}");
+    }
+    assert_eq!(folder.files().len(), 3, "nothing is written: {:?}", folder.files());
 }

@@ -98,7 +98,8 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
     if let Some(overlay) = &maps.overlay {
         caption.push(format!("Seen by at least one: {}", share(&Tally::of_mask(overlay.union()))));
     }
-    caption.push(format!("Goal {}: the best of {} candidates", job.report.goal, grouped(job.report.n_candidates)));
+    let how = if facts.len() > 1 { "chosen one by one among" } else { "the best of" };
+    caption.push(format!("Goal {}: {how} {} candidates", job.report.goal, grouped(job.report.n_candidates)));
     caption.push(setting_line(
         job.scene,
         receivers,
