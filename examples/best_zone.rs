@@ -1,0 +1,61 @@
+//! Is a crossroad the best place? P_LoS within 100 m of a UAV 100 m above crossroads, streets and rooftops of the four
+//! ITU environments, with 95 % intervals over cities.
+//!
+//! `cargo run --release --example best_zone`
+
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
+use skyshed::coverage::{MapOptions, Mapper, Uav};
+use skyshed::height_field::HeightField;
+use skyshed::los_probability::estimate::Count;
+use skyshed::placement::{ReceiverParts, SampledCounts, over_cities, places_in};
+use skyshed::quantity::Height;
+use skyshed::raster::CellBlocks;
+use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+use skyshed::zones::{Zone, ZoneMap};
+
+const ZONES: [Zone; 3] = [Zone::Crossroad, Zone::Street, Zone::Rooftop];
+const CITIES: u64 = 20;
+const PLACES: usize = 25;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("{:<12} {:>24} {:>24} {:>24}", "environment", "over crossroads", "over streets", "over rooftops");
+    for name in ["suburban", "urban", "dense-urban", "high-rise"] {
+        let built_up = BuiltUp::named(name).ok_or("a named environment")?;
+        let mut totals: Vec<Vec<Vec<Count>>> = vec![Vec::new(); ZONES.len()];
+        for seed in 1..=CITIES {
+            let city = BuiltUpCity { built_up, size_m: 600.0, cell_m: 1.0, seed, ground_m: 0.0 };
+            for (of_zone, counts) in totals.iter_mut().zip(of_city(&city)?) {
+                of_zone.push(counts);
+            }
+        }
+        print!("{name:<12}");
+        for of_zone in &totals {
+            let estimate = over_cities(of_zone, 1, 0.95)[0];
+            let (p, (low, high)) = estimate.p_los.zip(estimate.interval).ok_or("too few cities")?;
+            print!("  {p:.3} [{low:.3}, {high:.3}]  ");
+        }
+        println!();
+    }
+    Ok(())
+}
+
+/// What all receivers within 100 m of the placements over each zone see, in one city.
+fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
+    let scene = city.scene()?;
+    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let zones = ZoneMap::of(&field, scene.built_up.as_ref());
+    let options = MapOptions { radius: Some(100.0), ..MapOptions::default() };
+    let mapper = Mapper::new(&field, &options)?;
+    let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
+    let blocks = CellBlocks::new(field.grid(), 1.0, city.size_m);
+    let of_zone = |zone: &Zone| {
+        let site = |[x, y]: [f64; 2]| Site { id: String::new(), x, y, height: Height::AboveGround(100.0) };
+        // A UAV that would be inside a tower is left out.
+        let places = places_in(&field, &zones, *zone, PLACES, city.seed).into_iter();
+        let uavs: Vec<Uav> = places.filter_map(|place| Uav::place(&site(place), &field, None).ok()).collect();
+        // The first part is all receivers.
+        SampledCounts::of(&mapper, &uavs, &parts, &blocks).totals()[..1].to_vec()
+    };
+    Ok(ZONES.iter().map(of_zone).collect())
+}
