@@ -155,6 +155,13 @@ impl SampleJob<'_> {
         if let Some(block) = asked.block.filter(|block| *block <= 0.0) {
             return Err(Error::usage(113, format!("`--block` is `{block}`, wanted above 0 m")));
         }
+        let is_known = |format: &Format| {
+            matches!(format, Format::Csv | Format::Json | Format::Png | Format::Svg | Format::Stdout)
+        };
+        if let Some((path, _)) = self.outputs.iter().find(|(_, format)| !is_known(format)) {
+            let text = format!("cannot write {}: a sample is a plot, a table or a document", path.display());
+            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .csv or .json"));
+        }
         let zones: Vec<Zone> = asked.sample.iter().map(|(zone, _)| *zone).collect();
         match zones.iter().enumerate().find(|(k, zone)| zones[..*k].contains(zone)) {
             Some((_, zone)) => Err(Error::usage(113, format!("`--sample` names {} twice", zone.name()))),
@@ -242,11 +249,7 @@ impl SampleJob<'_> {
                     let credit = self.attribution.or(scene.attribution.as_deref());
                     batch.add(path, &plot(report, (self.title, credit), *format == Format::Svg)?)?;
                 }
-                Format::Stdout => {}
-                _ => {
-                    let text = format!("cannot write {}: a sample is a plot, a table or a document", path.display());
-                    return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .csv or .json"));
-                }
+                _ => {}
             }
         }
         batch.commit()?;

@@ -96,6 +96,7 @@ impl Writer<'_> {
         match (self.goal.measure, self.goal.at_least) {
             (Measure::Margin, _) => ("Margin of the worst receiver, at most", "m"),
             (Measure::Share, Some(_)) => ("Least UAV height that reaches the share", "m"),
+            (Measure::Share, None) if self.report.heights.len() == 1 => ("P_LoS", ""),
             (Measure::Share, None) => ("P_LoS at the best height", ""),
         }
     }

@@ -7,7 +7,7 @@ use super::outputs::{Writer, height_words, in_words};
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::placement::PlaceGrid;
-use crate::quantity::tidy;
+use crate::quantity::{Height, tidy};
 use crate::raster::Crs;
 use crate::render::{self, Layer, MapPicture, Mark};
 use crate::report::PlaceFacts;
@@ -69,6 +69,24 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
 }
 
+/// Heights as typed, in words; of many the first, the last and how many.
+fn heights_in_words(heights: &[String]) -> String {
+    const MOST: usize = 4;
+    let words = |typed: &String| match typed.parse::<Height>() {
+        Ok(Height::AboveGround(h)) => format!("{} m above ground", tidy(h)),
+        Ok(Height::AboveRoof(h)) => format!("{} m above roofs", tidy(h)),
+        Ok(Height::AboveDatum(h)) => format!("{} m above the datum", tidy(h)),
+        Err(_) => typed.clone(),
+    };
+    match heights {
+        [] => "heights of their own".into(),
+        [first, .., last] if heights.len() > MOST => {
+            format!("{} heights from {} to {}", heights.len(), words(first), words(last))
+        }
+        few => few.iter().map(words).collect::<Vec<_>>().join(", "),
+    }
+}
+
 /// Building cells with open ground beside them.
 fn outlines(job: &Writer<'_>) -> Vec<bool> {
     let grid = job.scene.field.grid();
@@ -102,7 +120,7 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
         "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {} (exact); {}; skyshed {}",
         report.goal,
         report.step_m.map_or(String::new(), tidy),
-        report.heights.join(", "),
+        heights_in_words(&report.heights),
         tidy(report.rx_height_m),
         report.facts.method,
         grid.crs().map_or("local coordinates".to_string(), Crs::label),
