@@ -155,9 +155,8 @@ impl SampleJob<'_> {
         if let Some(block) = asked.block.filter(|block| *block <= 0.0) {
             return Err(Error::usage(113, format!("`--block` is `{block}`, wanted above 0 m")));
         }
-        let is_known = |format: &Format| {
-            matches!(format, Format::Csv | Format::Json | Format::Png | Format::Svg | Format::Stdout)
-        };
+        let is_known =
+            |format: &Format| matches!(format, Format::Csv | Format::Json | Format::Png | Format::Svg | Format::Stdout);
         if let Some((path, _)) = self.outputs.iter().find(|(_, format)| !is_known(format)) {
             let text = format!("cannot write {}: a sample is a plot, a table or a document", path.display());
             return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .csv or .json"));
