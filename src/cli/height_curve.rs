@@ -95,7 +95,7 @@ impl CurvePlan {
         let rx_height = plan::receiver_height(args.rx_height)?;
         let control = Control::default();
         let total = scene.field.grid().n_cells() as u64 * maps.len() as u64;
-        let curves: Vec<HeightCurve> = messages::with_progress(&control, total, args.out.quiet, || {
+        let curves: Vec<HeightCurve> = messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
             maps.iter().map(|map| HeightCurve::of(&scene.field, map, rx_height, &control)).collect::<Result<_>>()
         })?;
         let range = self.heights.unwrap_or_else(|| default_range(&curves, scene.field.max_top()));

@@ -125,12 +125,13 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let mut digest = MaskDigest::new(scene.field.grid());
     let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
-    let ManyMaps { sites: coverages, overlay } = messages::with_progress(&control, total, args.out.quiet, || {
-        mapper.map_many(&uavs, keeps_masks, &control, |site| {
-            digest.add(&site.mask);
-            facts.push(SiteFacts::of(site, zones.as_ref()));
-        })
-    })?;
+    let ManyMaps { sites: coverages, overlay } =
+        messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
+            mapper.map_many(&uavs, keeps_masks, &control, |site| {
+                digest.add(&site.mask);
+                facts.push(SiteFacts::of(site, zones.as_ref()));
+            })
+        })?;
     let (method, why) = mapper.method();
     drop(mapper);
     scene.timing.los = before_los.elapsed().as_secs_f64();

@@ -51,13 +51,18 @@ pub(super) fn answer(text: &str) -> Result<()> {
 /// How long work may take before a bar is worth showing.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
 
-/// Runs `work` under a progress bar on standard error: shown when it takes longer than a second, on a terminal only.
-pub(super) fn with_progress<T>(control: &Control, total: u64, quiet: bool, work: impl FnOnce() -> T) -> T {
+/// Runs `work`, which counts up to `total` of something, under a progress bar on standard error: shown when it takes longer than a second, on a terminal only.
+pub(super) fn with_progress<T>(
+    control: &Control,
+    (total, what): (u64, &str),
+    quiet: bool,
+    work: impl FnOnce() -> T,
+) -> T {
     if quiet || !std::io::stderr().is_terminal() {
         return work();
     }
     let finished = AtomicBool::new(false);
-    let style = ProgressStyle::with_template("{bar:40} {percent}% of receivers, {eta} left")
+    let style = ProgressStyle::with_template(&format!("{{bar:40}} {{percent}}% of {what}, {{eta}} left"))
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     std::thread::scope(|scope| {
         scope.spawn(|| {

@@ -97,7 +97,9 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             };
             let painted = paint_flat(&backing, &palette, index_of);
             let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
-            legend.push(furniture::color_bar(&title, scale, &along, 460.0));
+            if painted.histogram[..256].iter().any(|n| *n > 0) {
+                legend.push(furniture::color_bar(&title, scale, &along, 460.0));
+            }
             painted
         }
     };

@@ -372,3 +372,129 @@ fn what_makes_no_sense_of_a_search_is_refused() {
     let answer = folder.type_in("place city.geojson --candidates own.csv -o a.png");
     assert!(answer.refused(2)[0].starts_with("error[E109]"));
 }
+
+/// Flags that change what is found: a line without, and the flag.
+const FLAGS: [(&str, &str); 25] = [
+    ("--candidates own.csv", "--height 40"),
+    ("--height 10", "--step 10"),
+    ("--height 10", "--over street"),
+    ("--height 10", "--within west.geojson"),
+    ("--height 10", "--keep-out west.geojson"),
+    ("--height 10", "--candidates own.csv"),
+    ("--height 10,15", "--clearance 7"),
+    ("--height 15", "--goal p_los(rooftop)"),
+    ("--height 15 --goal p_los(area) --area west.geojson", "--rx-height 9"),
+    ("--height 10", "--goal p_los(area) --area west.geojson"),
+    ("--height 10", "--goal p_los(weights) --weights people.asc"),
+    ("--height 10", "--weights people.asc --goal p_los(weights)"),
+    ("--height 10", "--area west.geojson --goal p_los(area)"),
+    ("--height 10", "--goal p_los>=0.9 --minimize height"),
+    ("--height 10", "--minimize height --goal p_los>=0.9"),
+    ("--height 10", "--count 2"),
+    ("--height 10", "--top 3"),
+    ("--height 10", "--rx-height 5"),
+    ("--height 10", "--receivers roof"),
+    ("--height 10", "--radius 15"),
+    ("--height 10", "--missing levels"),
+    ("--height 10", "--height-field tall"),
+    ("--height 10", "--top-field z_top"),
+    ("--height 10 --top-field z_top", "--ground 3"),
+    ("--height 10", "--cell 5"),
+];
+
+/// Flags that change where things are written or how they are decided, or that other tests show at work.
+const OTHER: [&str; 26] = [
+    "--output",
+    "--csv",
+    "--map",
+    "--title",
+    "--attribution",
+    "--json",
+    "--overwrite",
+    "--threads",
+    "--quiet",
+    "--max-memory",
+    "--method",
+    "--hash",
+    "--crs",
+    "--help",
+    "--version",
+    // The scene, as for maps.
+    "--terrain",
+    "--building-threshold",
+    "--extent",
+    "--size",
+    "--seed",
+    "--nodata-as",
+    // Samples.
+    "--sample",
+    "--centers",
+    "--cities",
+    "--ci",
+    "--block",
+];
+
+#[test]
+fn every_flag_changes_what_is_found() {
+    let folder = city();
+    folder.write(
+        "tall.geojson",
+        r#"{"type": "FeatureCollection", "features": [
+          {"type": "Feature", "properties": {"height": 8, "tall": 12, "z_top": 9}, "geometry": {"type": "Polygon",
+           "coordinates": [[[10,10],[20,10],[20,40],[10,40],[10,10]]]}},
+          {"type": "Feature", "properties": {"building:levels": "3", "tall": 5, "z_top": 6}, "geometry": {"type": "Polygon",
+           "coordinates": [[[30,10],[40,10],[40,30],[30,30],[30,10]]]}}]}"#,
+    );
+    let west = [[0, 0], [22, 0], [22, 50], [0, 50], [0, 0]];
+    let west = serde_json::json!({"type": "Feature", "properties": {},
+                                  "geometry": {"type": "Polygon", "coordinates": [west]}});
+    folder.write("west.geojson", &west.to_string());
+    let found = |line: &str| {
+        let line = format!("place tall.geojson --extent 0,0,50,50 {line} --json -q");
+        let document = folder.type_in(&line).done().json();
+        ["digest", "winner", "ranked", "several"].map(|key| document[key].clone())
+    };
+    for (line, flag) in FLAGS {
+        assert_ne!(found(line), found(&format!("{line} {flag}")), "{line} {flag}");
+    }
+    let help = folder.type_in("place --help").done().out;
+    for line in help.lines().map(str::trim_start).filter(|line| line.starts_with('-')) {
+        let Some(flag) = line.split([' ', ',']).find(|word| word.starts_with("--")) else { continue };
+        let is_known =
+            OTHER.contains(&flag) || FLAGS.iter().any(|(_, words)| words.split(' ').any(|word| word == flag));
+        assert!(is_known, "place {flag}: add it to the flags above");
+    }
+}
+
+#[test]
+fn the_map_of_the_winner_and_a_table_by_name_are_written() {
+    let folder = city();
+    folder.type_in(&format!("{PLACE} --height 15 --csv t.csv --map best.tif --radius 20")).done();
+    let found = document(&folder, "--height 15 --radius 20");
+    let mask: Vec<u8> = geotiff_reader::GeoTiffFile::from_bytes(folder.read("best.tif"))
+        .unwrap()
+        .read_raster::<u8>()
+        .unwrap()
+        .into_iter()
+        .collect();
+    let count = |class: u8| mask.iter().filter(|c| **c == class).count() as u64;
+    assert_eq!(
+        (found["winner"]["los"].as_u64(), found["winner"]["receivers"].as_u64()),
+        (Some(count(1)), Some(count(0) + count(1)))
+    );
+    assert!(folder.text("t.csv").starts_with("kind,rank,x,y,"));
+    folder.type_in(&format!("{PLACE} --height 15 -k 2 --map both.svg")).done();
+    let svg = folder.text("both.svg");
+    assert!(
+        svg.contains("What the chosen UAVs see of") && svg.contains("UAV 2") && svg.contains("Seen by at least one")
+    );
+    for (line, code, wanted) in [
+        ("--height 15 --map best.csv", 2, "`--map` writes a map"),
+        ("--height 15 --csv table.txt", 2, "ends in .csv"),
+        ("--height 15 --goal p_los(courtyard) --map none.png", 4, "there is no winner to map"),
+    ] {
+        let answer = folder.type_in(&format!("{PLACE} {line}"));
+        assert!(answer.refused(code)[0].contains(wanted) || answer.err.contains(wanted), "{line}: {answer:?}");
+    }
+    assert!(!folder.files().contains(&"none.png".to_string()));
+}

@@ -196,7 +196,9 @@ fn mapped(
     let mapper = Mapper::new(&scene.field, &options)?;
     let control = Control::default();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
-    let maps = messages::with_progress(&control, total, quiet, || mapper.map_many(uavs, true, &control, |_| {}))?;
+    let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {
+        mapper.map_many(uavs, true, &control, |_| {})
+    })?;
     let placed = |site: SiteCoverage| Placed {
         id: site.uav.id.clone(),
         origin: Origin::Uav(Box::new(SiteFacts::of(&site, zones))),

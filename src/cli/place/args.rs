@@ -45,7 +45,7 @@ pub(in crate::cli) struct PlaceArgs {
     /// Instead of the largest share, the least height that reaches the share of the goal
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) minimize: Option<MinimizeArg>,
-    /// Number of UAVs that are to see most together
+    /// Number of UAVs that are to see most together, of all receivers of the goal whatever the radius
     #[arg(short = 'k', long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) count: u16,
     /// Ranks that documents and points list

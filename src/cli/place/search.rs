@@ -43,7 +43,7 @@ impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found> {
         let control = Control::default();
         let total = self.candidates.kept.len() as u64;
-        messages::with_progress(&control, total, self.args.out.quiet, || {
+        messages::with_progress(&control, (total, "candidates"), self.args.out.quiet, || {
             match (self.goal.measure, self.goal.at_least) {
                 (Measure::Margin, _) => self.by_margin(&control),
                 (Measure::Share, Some(share)) => self.by_height(share, &control),
