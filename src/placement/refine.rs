@@ -1,17 +1,18 @@
 //! A search between the candidates: from the winner in ever smaller steps.
 
 use super::candidates::candidate;
-use super::{Candidate, CandidateRules, Score, Scorer, Spot};
+use super::{Candidate, CandidateRules, Spot};
+use crate::coverage::Uav;
 use crate::error::Result;
 use crate::height_field::HeightField;
 
 /// Where a search ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Refined {
+pub struct Refined<S> {
     /// The best place that it saw.
     pub candidate: Candidate,
-    /// Its score.
-    pub score: Score,
+    /// What that is worth.
+    pub score: S,
     /// Number of places that it tried.
     pub tried: u64,
 }
@@ -20,15 +21,17 @@ pub struct Refined {
 /// that is better, then half the step, from `step` down to `least` \[CRS units\]. Places outside the scene or against the
 /// rules are left out. It climbs, so it may end short of the best place of all.
 ///
+/// `better(uav, best)` tells what a UAV is worth if that is more than the best so far.
+///
 /// # Errors
 /// As [`super::Candidates::of`].
-pub fn refined(
-    scorer: &Scorer<'_>,
+pub fn refined<S>(
     field: &HeightField,
     rules: &CandidateRules<'_>,
-    (start, score): (&Candidate, Score),
+    (start, score): (&Candidate, S),
     (step, least): (f64, f64),
-) -> Result<Refined> {
+    better: impl Fn(&Uav, &S) -> Option<S>,
+) -> Result<Refined<S>> {
     let grid = field.grid();
     let mut best = Refined { candidate: start.clone(), score, tried: 0 };
     let mut reach = step / 2.0;
@@ -43,9 +46,8 @@ pub fn refined(
                 continue;
             }
             let Ok(candidate) = candidate(&spot, field, rules)? else { continue };
-            let score = scorer.score(&candidate.uav);
             best.tried += 1;
-            if score.compare(&best.score).is_gt() {
+            if let Some(score) = better(&candidate.uav, &best.score) {
                 (best.candidate, best.score, improved) = (candidate, score, true);
             }
         }

@@ -498,3 +498,20 @@ fn the_map_of_the_winner_and_a_table_by_name_are_written() {
     }
     assert!(!folder.files().contains(&"none.png".to_string()));
 }
+
+#[test]
+fn the_worst_margin_is_refined_and_is_that_of_a_map() {
+    let folder = city();
+    let found = document(&folder, "--height 15 --goal margin");
+    let margin = |key: &str| found[key]["margin_m"].as_f64().unwrap();
+    assert!(margin("refined") >= margin("winner"), "{found}");
+    for key in ["winner", "refined"] {
+        let at = ["x", "y", "height_agl_m"].map(|part| found[key][part].to_string()).join(",");
+        let line = format!("map city.geojson --extent 0,0,50,50 --uav {at} --layers margin -o m.asc --overwrite -q");
+        folder.type_in(&line).done();
+        let values = folder.text("m.asc");
+        let least = values.lines().skip(6).flat_map(str::split_whitespace).map(|v| v.parse::<f64>().unwrap());
+        let least = least.filter(|v| *v > -9999.0).fold(f64::INFINITY, f64::min);
+        assert!((least - margin(key)).abs() < 1e-3, "{key}: {least}, {found}");
+    }
+}

@@ -3,11 +3,11 @@
 use super::super::messages;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Measure, Whom};
-use crate::coverage::{Control, Mapper, Uav, maps_at_once};
+use crate::coverage::{Control, Mapper, Uav, WorstReceiver, maps_at_once};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::placement::{
-    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, cover, least_heights, ranked,
+    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, WorstMargin, cover, least_heights, ranked,
     ranked_margins, refined, scores, worst_margins,
 };
 use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
@@ -92,12 +92,35 @@ impl Search<'_> {
         })
     }
 
-    fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {
-        let Some(step) = self.step else { return Ok(None) };
+    /// The longest and the shortest step of a search around the winner, from the distance of the candidates to a cell.
+    fn steps(&self) -> Option<(f64, f64)> {
         let grid = self.field.grid();
-        let least = grid.cell_width().min(grid.cell_height());
-        let found = refined(&self.scorer(), self.field, self.rules, (from, score), (step, least))?;
+        self.step.map(|step| (step, grid.cell_width().min(grid.cell_height())))
+    }
+
+    fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {
+        let Some(steps) = self.steps() else { return Ok(None) };
+        let scorer = self.scorer();
+        let better = |uav: &Uav, best: &Score| Some(scorer.score(uav)).filter(|score| score.compare(best).is_gt());
+        let found = refined(self.field, self.rules, (from, score), steps, better)?;
         Ok(Some((PlaceFacts::of(0, &found.candidate, self.value(found.score)), found.tried)))
+    }
+
+    fn refined_margin(&self, from: &Candidate) -> Result<Option<(PlaceFacts, u64)>> {
+        let (Some(steps), Some(worst)) = (self.steps(), self.mapper.worst_margin(&from.uav, &[])) else {
+            return Ok(None);
+        };
+        // The receiver that is the worst here mostly shows at once that another place is no better.
+        let better = |uav: &Uav, best: &WorstReceiver| {
+            let at_most = self.mapper.least_margin_among(uav, &[best.cell]);
+            if at_most.is_some_and(|margin| margin <= best.margin_m) {
+                return None;
+            }
+            self.mapper.worst_margin(uav, &[best.cell]).filter(|worst| worst.margin_m > best.margin_m)
+        };
+        let found = refined(self.field, self.rules, (from, worst), steps, better)?;
+        let margin = WorstMargin { margin_m: found.score.margin_m, exact: true };
+        Ok(Some((PlaceFacts::of(0, &found.candidate, PlaceValue::Margin(Some(margin))), found.tried)))
     }
 
     fn several(&self, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
@@ -157,14 +180,18 @@ impl Search<'_> {
         let fact =
             |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], PlaceValue::Margin(margins[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
-        let has_any = order.first().is_some_and(|k| margins[*k].is_some());
+        let best = order.first().filter(|k| margins[**k].is_some()).map(|k| &self.kept()[*k]);
+        let refined = match best {
+            Some(candidate) => self.refined_margin(candidate)?,
+            None => None,
+        };
         Ok(Found {
-            winner: facts.first().filter(|_| has_any).cloned().ok_or_else(|| NO_RECEIVER.to_string()),
+            winner: facts.first().filter(|_| best.is_some()).cloned().ok_or_else(|| NO_RECEIVER.to_string()),
             ranked: facts,
-            refined: None,
+            refined,
             several: None,
             heat: self.heat(margins.iter().map(|m| m.map(|m| m.margin_m).filter(|m| m.is_finite())).collect()),
-            winners: order.first().filter(|_| has_any).map(|k| self.kept()[*k].uav.clone()).into_iter().collect(),
+            winners: best.map(|candidate| candidate.uav.clone()).into_iter().collect(),
         })
     }
 
