@@ -9,12 +9,12 @@ use super::plan::{
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, city_geojson, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::{Bands, Crs, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
-use crate::report::RunFacts;
+use crate::report::{RunFacts, city_geojson};
 use crate::scene::{Footprint, Scene, Solids};
 
 const FORMATS: [Format; 7] =

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::args::MapArgs;
 use super::plan::Ready;
-use super::words::{pretty, unbreakable};
+use super::words::{picture_provenance, pretty, unbreakable};
 use super::{messages, plan};
 use crate::coverage::{Control, HeightCurve, SiteCoverage};
 use crate::error::{Error, Result, Warning};
@@ -209,9 +209,7 @@ impl Curves<'_> {
             heights_m,
             curves: &lines,
         };
-        let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-        let provenance =
-            [("Software".to_string(), software), ("skyshed".to_string(), self.report.provenance().to_string())];
+        let provenance = picture_provenance(&self.report.provenance());
         let drawn = if as_vectors {
             render::draw_height_curve_svg(&plot, &provenance).map(String::into_bytes)
         } else {

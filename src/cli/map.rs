@@ -11,7 +11,7 @@ use super::plan::{
     receiver_height, refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::receivers::{Asked, cell_names, check_receivers, setting_line};
-use super::words::{pretty, unbreakable};
+use super::words::{picture_provenance, pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
     Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
@@ -21,7 +21,7 @@ use crate::export::{
     Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs, encode_table,
 };
 use crate::quantity::tidy;
-use crate::raster::{CellWindow, Crs, TiffLayout, world_file};
+use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
 use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest, zone_tallies};
 use crate::scene::{Site, read_sites};
@@ -312,8 +312,7 @@ impl Writer<'_> {
     }
 
     fn provenance(&self) -> [(String, String); 2] {
-        let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-        [("Software".into(), software), ("skyshed".into(), self.report.document(None).to_string())]
+        picture_provenance(&self.report.document(None))
     }
 
     /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
@@ -364,12 +363,7 @@ impl Writer<'_> {
             .sites
             .iter()
             .zip(heights.iter().zip(&labels))
-            .map(|(site, (height, label))| Mark {
-                label,
-                height,
-                col: (site.x - shown.x_min()) / shown.cell_width(),
-                row: (shown.y_max() - site.y) / shown.cell_height(),
-            })
+            .map(|(site, (height, label))| mark(&shown, (site.x, site.y), label, height))
             .collect();
         // What is out of range is not drawn.
         let window = self.window_in_range();
@@ -514,6 +508,12 @@ impl Writer<'_> {
 pub(super) fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
     let rows = cells.chunks_exact(n_cols).skip(window.row).take(window.n_rows);
     rows.flat_map(|row| row[window.col..window.col + window.n_cols].iter().copied()).collect()
+}
+
+/// The mark of a UAV at a place, on a map of a grid.
+pub(super) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, height: &'a str) -> Mark<'a> {
+    let (col, row) = ((x - shown.x_min()) / shown.cell_width(), (shown.y_max() - y) / shown.cell_height());
+    Mark { label, height, col, row }
 }
 
 pub(super) fn undrawable(cause: String) -> Error {

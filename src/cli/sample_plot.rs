@@ -1,6 +1,6 @@
 //! The plot of a sample: P_LoS against height, a panel for each kind of receivers, a line for each placement zone.
 
-use super::words::{title_of, unbreakable};
+use super::words::{picture_provenance, title_of, unbreakable};
 use crate::error::{Error, Result};
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
@@ -68,8 +68,7 @@ pub(super) fn plot(
     let caption = caption(report, credit);
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
-    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-    let provenance = [("Software".to_string(), software), ("skyshed".to_string(), report.provenance().to_string())];
+    let provenance = picture_provenance(&report.provenance());
     let drawn = if as_vectors {
         render::draw_curve_sheet_svg(&sheet, &provenance).map(String::into_bytes)
     } else {

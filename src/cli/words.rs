@@ -5,6 +5,12 @@ pub(super) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")
 }
 
+/// What a picture says of where it comes from: the program, and a document as one text.
+pub(super) fn picture_provenance(document: &serde_json::Value) -> [(String, String); 2] {
+    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+    [("Software".into(), software), ("skyshed".into(), document.to_string())]
+}
+
 /// A name as a title: capitalized, and no line break inside `β = 500/km²`.
 pub(super) fn title_of(name: &str) -> String {
     let mut letters = name.chars();

@@ -6,12 +6,12 @@ use super::interrupt;
 use super::words::title_of;
 use crate::coverage::class;
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, add_zones, zones_geojson};
+use crate::export::{Batch, Format, add_zones};
 use crate::height_field::HeightField;
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
 use crate::render::{self, MapClass, MapPicture, grouped};
-use crate::report::RunFacts;
+use crate::report::{RunFacts, zones_geojson};
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
 /// What the files are made from.

@@ -5,6 +5,7 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
+use super::features::feature_collection;
 use crate::coverage::{Placement, SiteCoverage, Tally};
 use crate::error::Warning;
 use crate::raster::GeoRef;
@@ -165,9 +166,14 @@ impl MaskDigest {
 
     /// `sha256:` and the hexadecimal digest.
     pub fn finish(self) -> String {
-        let hex: String = self.0.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        format!("sha256:{hex}")
+        digest_words(self.0)
     }
+}
+
+/// A digest as documents tell it: `sha256:` and its hexadecimal digits.
+pub(super) fn digest_words(hasher: Sha256) -> String {
+    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    format!("sha256:{hex}")
 }
 
 /// The digest of some masks.
@@ -317,15 +323,7 @@ impl MapReport {
                 })
             })
             .collect();
-        let mut collection = Map::new();
-        collection.insert("type".into(), "FeatureCollection".into());
-        if let Some(epsg) = self.facts.grid.crs().and_then(crate::raster::Crs::epsg) {
-            let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
-            collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
-        }
-        collection.insert("skyshed".into(), self.facts.provenance("skyshed/map/1", Some(&self.digest)));
-        collection.insert("features".into(), features.into());
-        Value::Object(collection)
+        feature_collection(&self.facts.grid, self.facts.provenance("skyshed/map/1", Some(&self.digest)), features)
     }
 }
 

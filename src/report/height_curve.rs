@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use super::documents::{MapReport, RunFacts, SiteFacts, tally_json};
+use super::documents::{MapReport, RunFacts, SiteFacts, digest_words, tally_json};
 use crate::coverage::HeightCurve;
 use crate::quantity::meters;
 
@@ -138,8 +138,7 @@ pub fn curve_digest<'a>(curves: impl Iterator<Item = &'a HeightCurve>) -> String
             hasher.update(in_sight.to_le_bytes());
         }
     }
-    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    format!("sha256:{hex}")
+    digest_words(hasher)
 }
 
 impl HeightCurveReport {

@@ -1,13 +1,17 @@
 //! What is reported: versioned JSON documents, tables, captions.
 
+mod city;
 mod compare;
 mod documents;
+mod features;
 mod height_curve;
 mod place;
 mod plos;
 mod sampled;
 mod track;
+mod zones;
 
+pub use city::city_geojson;
 pub use compare::{
     CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,
     PlacementFacts, group_names, signed,
@@ -20,3 +24,4 @@ pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, 
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
 pub use track::TrackReport;
+pub use zones::zones_geojson;

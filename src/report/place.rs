@@ -3,7 +3,8 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use super::documents::{RunFacts, Timing};
+use super::documents::{RunFacts, Timing, digest_words};
+use super::features::feature_collection;
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
 
 /// What a place is worth.
@@ -186,8 +187,7 @@ pub fn place_digest(ranked: &[PlaceFacts]) -> String {
             PlaceValue::Margin(margin) => hasher.update(margin.map_or(f32::NAN, |m| m.margin_m).to_le_bytes()),
         }
     }
-    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    format!("sha256:{hex}")
+    digest_words(hasher)
 }
 
 impl PlaceReport {
@@ -211,10 +211,7 @@ impl PlaceReport {
         document.insert("ranked".into(), top.collect::<Vec<_>>().into());
         document.insert("several".into(), self.several.as_ref().map(several_json).into());
         if let Some(t) = timing {
-            document.insert(
-                "timing_s".into(),
-                json!({"read": t.read, "build": t.build, "los": t.los, "write": t.write, "total": t.total}),
-            );
+            document.insert("timing_s".into(), t.json());
         }
         self.close(document)
     }
@@ -292,15 +289,7 @@ impl PlaceReport {
         features.extend(self.refined.iter().map(|(place, _)| feature("refined", "refined".into(), place)));
         let chosen = self.several.iter().flat_map(|s| &s.places);
         features.extend(chosen.map(|place| feature("chosen", format!("chosen {}", place.rank), place)));
-        let mut collection = Map::new();
-        collection.insert("type".into(), "FeatureCollection".into());
-        if let Some(epsg) = self.facts.grid.crs().and_then(crate::raster::Crs::epsg) {
-            let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
-            collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
-        }
-        collection.insert("skyshed".into(), self.provenance());
-        collection.insert("features".into(), features.into());
-        Value::Object(collection)
+        feature_collection(&self.facts.grid, self.provenance(), features)
     }
 }
 

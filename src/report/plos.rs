@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
+use super::documents::digest_words;
 use crate::error::Warning;
 use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS};
 use crate::los_probability::fit::BuiltUpFit;
@@ -187,8 +188,7 @@ impl PlosReport {
             hasher.update(row.join(","));
             hasher.update("\n");
         }
-        let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        format!("sha256:{hex}")
+        digest_words(hasher)
     }
 
     /// The document `skyshed/plos/1`; without `seconds` it is the same for equal runs.

@@ -4,6 +4,7 @@
 
 mod oracle; // line of sight in exact rational arithmetic, sharing no geometry code with the crate
 mod oracle_proof; // the oracle proves itself on cases computed by hand
+mod oracle_proof_prisms; // the same for prisms
 mod oracle_twins; // and against brute-force twins on random scenes
 mod case_file; // reads tests/cases/*.txt
 
@@ -19,6 +20,7 @@ mod cities; // generated cities: golden hashes, statistics
 mod zones; // street, crossroad, courtyard, rooftop: drawn cases, and the triangulation against the construction
 mod models; // every published P_LoS model against its table of values
 mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
+mod simulators; // both simulators against the product, each other and rays
 mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in

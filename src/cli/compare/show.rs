@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::write::Writer;
-use crate::cli::map::{crop, height_words};
+use crate::cli::map::{self, crop, height_words};
 use crate::cli::plan::meters_per_unit;
 use crate::cli::receivers::{cell_names, setting_line};
 use crate::cli::words::unbreakable;
@@ -158,12 +158,7 @@ fn mark<'a>(placement: &'a PlacementFacts, grid: &GeoRef) -> Option<Mark<'a>> {
         Origin::Uav(site) => (site.x, site.y),
         Origin::File { place, .. } => (*place)?,
     };
-    Some(Mark {
-        label: &placement.id,
-        height: "",
-        col: (x - grid.x_min()) / grid.cell_width(),
-        row: (grid.y_max() - y) / grid.cell_height(),
-    })
+    Some(map::mark(grid, (x, y), &placement.id, ""))
 }
 
 /// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.

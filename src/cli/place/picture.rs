@@ -1,7 +1,8 @@
 //! The picture of a search: where to hover, as colors over the city.
 
+use super::super::map::mark;
 use super::super::plan::meters_per_unit;
-use super::super::words::unbreakable;
+use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::{Writer, height_words, in_words};
 use crate::error::{Error, Result};
@@ -37,12 +38,7 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
     let marks: Vec<Mark<'_>> = named
         .iter()
         .zip(&heights)
-        .map(|((label, place), height)| Mark {
-            label,
-            height,
-            col: (place.x - grid.x_min()) / grid.cell_width(),
-            row: (grid.y_max() - place.y) / grid.cell_height(),
-        })
+        .map(|((label, place), height)| mark(grid, (place.x, place.y), label, height))
         .collect();
     let title =
         job.args.title.clone().unwrap_or_else(|| unbreakable(&format!("Where to hover over {}", job.scene.name)));
@@ -60,8 +56,7 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         receivers_name: "receivers",
         others_name: "Buildings",
     };
-    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-    let provenance = [("Software".into(), software), ("skyshed".into(), job.report.provenance().to_string())];
+    let provenance = picture_provenance(&job.report.provenance());
     let drawn = match format {
         Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
         _ => render::draw_map(&picture, &provenance),

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::super::map::{height_words, undrawable};
+use super::super::map::{height_words, mark, undrawable};
 use super::super::plan::meters_per_unit;
 use super::super::receivers::{cell_names, setting_line};
-use super::super::words::unbreakable;
+use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::Writer;
 use crate::cli::args::ReceiversArg;
@@ -54,12 +54,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
     let marks: Vec<Mark<'_>> = facts
         .iter()
         .zip(labels.iter().zip(&heights))
-        .map(|(site, (label, height))| Mark {
-            label,
-            height,
-            col: (site.x - grid.x_min()) / grid.cell_width(),
-            row: (grid.y_max() - site.y) / grid.cell_height(),
-        })
+        .map(|(site, (label, height))| mark(grid, (site.x, site.y), label, height))
         .collect();
     let receivers = receivers_of(job);
     let (receivers_name, others_name) = match job.goal.whom {
@@ -122,8 +117,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         receivers_name,
         others_name,
     };
-    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-    let provenance = [("Software".into(), software), ("skyshed".into(), job.report.provenance().to_string())];
+    let provenance = picture_provenance(&job.report.provenance());
     match format {
         Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
         _ => render::draw_map(&picture, &provenance),

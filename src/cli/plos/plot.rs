@@ -4,7 +4,7 @@ use super::args::{PlosArgs, PlotArg};
 use super::heat::heat_maps;
 use super::plot_words::{axis_name, caption, city_name, groups, method_name, placement_words, title, value, words};
 use super::sweep::{Quantity, Sweeps};
-use crate::cli::words::unbreakable;
+use crate::cli::words::{picture_provenance, unbreakable};
 use crate::error::{Error, Result};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::rayleigh_cdf;
@@ -49,8 +49,7 @@ pub(super) fn draw(
     };
     let title = args.title.as_ref().map_or_else(|| title(report, &varying), |typed| unbreakable(typed));
     let caption = caption(facts, report, !is_heat);
-    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-    let provenance = [("Software".to_string(), software), ("skyshed".to_string(), report.provenance().to_string())];
+    let provenance = picture_provenance(&report.provenance());
     let drawn = if is_heat {
         heat_maps(report, &varying, &title, &caption, &provenance, as_vectors)?
     } else {

@@ -1,7 +1,8 @@
 //! A city as a file: its footprints as GeoJSON.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
+use super::features::feature_collection;
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 use crate::scene::Footprint;
@@ -52,13 +53,5 @@ pub fn city_geojson(footprints: &[Footprint], frame: Frame, grid: &GeoRef, prove
             })
         })
         .collect();
-    let mut collection = Map::new();
-    collection.insert("type".into(), "FeatureCollection".into());
-    if let Some(epsg) = grid.crs().and_then(crate::raster::Crs::epsg) {
-        let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
-        collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
-    }
-    collection.insert("skyshed".into(), provenance.clone());
-    collection.insert("features".into(), features.into());
-    Value::Object(collection)
+    feature_collection(grid, provenance.clone(), features)
 }

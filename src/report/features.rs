@@ -1,0 +1,18 @@
+//! What every GeoJSON file begins with.
+
+use serde_json::{Map, Value, json};
+
+use crate::raster::{Crs, GeoRef};
+
+/// Features with coordinates in the CRS of a grid, which is named if it has an EPSG code, and where they come from.
+pub(super) fn feature_collection(grid: &GeoRef, provenance: Value, features: Vec<Value>) -> Value {
+    let mut collection = Map::new();
+    collection.insert("type".into(), "FeatureCollection".into());
+    if let Some(epsg) = grid.crs().and_then(Crs::epsg) {
+        let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
+        collection.insert("crs".into(), json!({"type": "name", "properties": {"name": name}}));
+    }
+    collection.insert("skyshed".into(), provenance);
+    collection.insert("features".into(), features.into());
+    Value::Object(collection)
+}
