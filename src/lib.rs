@@ -3,8 +3,8 @@
 //! Data flows one way through the modules, in this order: a **raster** or other file becomes a **scene**; a scene
 //! becomes a **height field**, what a ray can hit, on an integer lattice; **los** decides who sees whom, exactly; **zones**
 //! tells streets, crossroads, courtyards and rooftops apart; **coverage** makes maps; **los_probability** says how likely
-//! line of sight is; **placement** finds where to hover; **render**, **export** and **report** turn all that into
-//! pictures, files and documents; **cli** is the program.
+//! line of sight is; **placement** finds where to hover; **accuracy** tells what a method costs and errs; **render**,
+//! **export** and **report** turn all that into pictures, files and documents; **cli** is the program.
 //!
 //! What line of sight means is written once, in [`los`].
 //!
@@ -53,6 +53,8 @@ pub mod coverage;
 pub mod los_probability;
 
 pub mod placement;
+
+pub mod accuracy;
 
 pub mod render;
 

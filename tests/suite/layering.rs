@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// The stages in order, each with the earlier stages that it may use. `error` and `quantity` are usable everywhere and
 /// use nothing.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
     ("error", &[]),
     ("quantity", &[]),
     ("raster", &[]),
@@ -16,9 +16,19 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("coverage", &["raster", "scene", "height_field", "los"]),
     ("los_probability", &["raster", "scene", "height_field", "los"]),
     ("placement", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability"]),
-    ("render", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
-    ("export", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
-    ("report", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement"]),
+    ("accuracy", &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability"]),
+    (
+        "render",
+        &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement", "accuracy"],
+    ),
+    (
+        "export",
+        &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement", "accuracy"],
+    ),
+    (
+        "report",
+        &["raster", "scene", "height_field", "los", "zones", "coverage", "los_probability", "placement", "accuracy"],
+    ),
     (
         "cli",
         &[
@@ -30,6 +40,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "coverage",
             "los_probability",
             "placement",
+            "accuracy",
             "render",
             "export",
             "report",
@@ -38,8 +49,8 @@ const ALLOWED: [(&str, &[&str]); 14] = [
 ];
 
 /// Stages that do no I/O and read no clock and no environment.
-const PURE: [&str; 8] =
-    ["quantity", "height_field", "los", "zones", "coverage", "los_probability", "placement", "render"];
+const PURE: [&str; 9] =
+    ["quantity", "height_field", "los", "zones", "coverage", "los_probability", "placement", "accuracy", "render"];
 
 /// What a pure stage must not mention.
 const IMPURE: [&str; 6] = ["std::fs", "std::env", "std::time", "std::io::stdout", "std::net", "std::process"];
