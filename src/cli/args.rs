@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
+use crate::los::MethodChoice;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -160,9 +161,10 @@ pub(super) struct EngineArgs {
     /// Largest horizontal distance from the UAV to a receiver [m]
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     pub(super) radius: Option<f64>,
-    /// Engine
-    #[arg(long, value_enum, default_value = "auto")]
-    pub(super) method: Method,
+    /// Engine: auto takes the fastest exact one for the scene and says so; ray (one ray per receiver), sweep (rasters) and
+    /// shadow (footprints) are exact; step:K (a sample every K cells), xdraw and r2 (rasters) are approximate
+    #[arg(long, value_name = "METHOD", default_value = "auto")]
+    pub(super) method: MethodChoice,
     /// Most memory that the run may take, such as 800M or 4G; default: what the machine has left
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true)]
     pub(super) max_memory: Option<u64>,
@@ -184,18 +186,6 @@ pub(super) struct OutputArgs {
     /// Say nothing but errors
     #[arg(short, long)]
     pub(super) quiet: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Method {
-    /// Choose by the scene, and say so
-    Auto,
-    /// One exact ray per receiver
-    Ray,
-    /// Bracketed sweep over the cells of a raster; exact
-    Sweep,
-    /// Projected shadows of footprints; exact
-    Shadow,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

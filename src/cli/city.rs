@@ -45,7 +45,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
         command,
-        method: "none",
+        method: None,
         scene_name: name,
         meters_per_unit: meters_per_unit(&grid),
         grid,

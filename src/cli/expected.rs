@@ -21,7 +21,10 @@ impl Expected {
         // Nanoseconds per cell on one core of a server of 2023, for a map and for each layer of heights.
         let (map, layer) = match method {
             Method::Ray | Method::ShadowRay => (150.0, 600.0),
+            // About 3 ns a sample, some 50 of them until the ray is above the roofs.
+            Method::Step(length) => (150.0 / length.cells(), 600.0),
             Method::Sweep | Method::ShadowSweep => (6.0, 600.0),
+            Method::Xdraw | Method::R2 => (10.0, 600.0),
             Method::Shadow => (2.0, 300.0),
         };
         let work = n_in_range * n_uavs as f64 / n_threads as f64;

@@ -10,6 +10,7 @@ use super::{messages, plan};
 use crate::coverage::{Control, HeightCurve, SiteCoverage};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::los::Method;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::raster::Crs;
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
@@ -123,7 +124,7 @@ impl CurvePlan {
         }
         let mut report = HeightCurveReport::of(report, &curves, sites);
         // Least heights take a walk for each receiver, whichever engine made the map.
-        report.facts.method = "ray";
+        report.facts.method = Some(Method::Ray);
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
         Ok(Some(Curves { args, curves, report, range, warnings, seconds }))
@@ -252,7 +253,7 @@ impl Curves<'_> {
         lines.push(format!(
             "Receivers {} m above {stands}{range}; method {} (exact at every height); {crs}; skyshed {}",
             tidy(self.report.rx_height_m),
-            self.report.facts.method,
+            self.report.facts.method_name(),
             env!("CARGO_PKG_VERSION")
         ));
         lines.extend(self.args.attribution.clone().or_else(|| scene.attribution.clone()));

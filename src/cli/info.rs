@@ -95,7 +95,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     if let Some(zones) = &zones {
         let facts = RunFacts {
             command,
-            method: "none",
+            method: None,
             scene_name: scene.name.clone(),
             grid: grid.clone(),
             meters_per_unit: unit,

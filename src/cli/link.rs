@@ -10,6 +10,7 @@ use crate::coverage::Uav;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
+use crate::los::Method;
 use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::render::{self, LinkProfile, ProfileStep, StepKind};
@@ -188,7 +189,7 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
         }
     });
     LinkReport {
-        facts: scene.facts(command, "ray"),
+        facts: scene.facts(command, Some(Method::Ray)),
         uav: [to.x, to.y, uav_z],
         receiver: [from.x, from.y, receiver_z],
         los,

@@ -20,6 +20,7 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{
     Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs, encode_table,
 };
+use crate::los::Method;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
 use crate::render::{self, MapPicture, Mark};
@@ -141,7 +142,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         scene.warnings.push(Warning::new(202, text));
     }
     let report = MapReport {
-        facts: scene.facts(command, method.name()),
+        facts: scene.facts(command, Some(method)),
         rx_height_m: args.rx_height,
         receivers: args.receivers.name(),
         radius_m,
@@ -539,7 +540,10 @@ fn say_results(report: &MapReport, why: &str, timing: Timing, outputs: &[(PathBu
         outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
     let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
     messages::note(&format!(
-        "method {} (exact; {why}): line of sight {:.3} s of {:.2} s{wrote}",
-        report.facts.method, timing.los, timing.total
+        "method {} ({}; {why}): line of sight {:.3} s of {:.2} s{wrote}",
+        report.facts.method_name(),
+        report.facts.method.map_or("", Method::exactness),
+        timing.los,
+        timing.total
     ));
 }

@@ -8,6 +8,7 @@ use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::height_field::HeightField;
+use crate::los::Method;
 use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
@@ -185,7 +186,7 @@ pub(super) fn ready(args: &SceneArgs, most: Option<u64>) -> Result<Ready> {
 
 impl Ready {
     /// What documents say of this run.
-    pub(super) fn facts(&self, command: Vec<String>, method: &'static str) -> RunFacts {
+    pub(super) fn facts(&self, command: Vec<String>, method: Option<Method>) -> RunFacts {
         RunFacts {
             command,
             method,

@@ -1,11 +1,11 @@
 //! Receivers as typed: what maps are made for them, and what captions call them.
 
-use super::args::{EngineArgs, Method, ReceiversArg};
+use super::args::{EngineArgs, ReceiversArg};
 use super::plan::{Ready, meters_per_unit};
 use crate::coverage::{HeightLayers, MapOptions, Receivers};
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;
-use crate::los::MethodChoice;
+use crate::los::Method;
 use crate::quantity::tidy;
 use crate::raster::Crs;
 use crate::zones::ZoneMap;
@@ -47,12 +47,7 @@ impl Asked<'_> {
             radius: self.radius,
             meters_per_unit: meters_per_unit(scene.field.grid()),
             layers: HeightLayers::default(),
-            method: match self.engine.method {
-                Method::Auto => MethodChoice::Auto,
-                Method::Ray => MethodChoice::Ray,
-                Method::Sweep => MethodChoice::Sweep,
-                Method::Shadow => MethodChoice::Shadow,
-            },
+            method: self.engine.method,
         }
     }
 }
@@ -75,7 +70,7 @@ pub(super) fn setting_line(
     scene: &Ready,
     receivers: ReceiversArg,
     (rx_height_m, radius_m): (f64, Option<f64>),
-    method: &str,
+    method: Option<Method>,
 ) -> String {
     let grid = scene.field.grid();
     let unit = meters_per_unit(grid);
@@ -93,8 +88,9 @@ pub(super) fn setting_line(
     };
     let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
     let range = radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+    let method = method.map_or("none".into(), Method::in_words);
     format!(
-        "Cells of {cell}, receivers {} m above {stands}{range}; method {method} (exact); {crs}; skyshed {}",
+        "Cells of {cell}, receivers {} m above {stands}{range}; method {method}; {crs}; skyshed {}",
         tidy(rx_height_m),
         env!("CARGO_PKG_VERSION")
     )

@@ -14,6 +14,7 @@ use super::{interrupt, messages};
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::placement::{ReceiverParts, SampledCounts, middles_of, over_cities, places_in};
 use crate::quantity::{Height, counted};
@@ -75,7 +76,7 @@ pub(super) struct SampleJob<'a> {
 
 /// What one city says of each placement zone and height.
 struct CityCounts {
-    method: &'static str,
+    method: Method,
     /// Which receivers are counted together.
     parts: Vec<Option<Zone>>,
     /// `[zone × height]`.
@@ -115,7 +116,7 @@ impl SampleJob<'_> {
             let scene = SceneArgs { seed: self.scene.seed.wrapping_add(k), ..self.scene.clone() };
             cities.push(self.count(&ready(&scene, self.engine.max_memory)?, asked, block_m)?);
         }
-        let mut facts = first.facts(command, cities[0].method);
+        let mut facts = first.facts(command, Some(cities[0].method));
         if let Some((seed, last)) = first.seed.zip(first.seed.map(|seed| seed.wrapping_add(self.sample.cities - 1)))
             && last != seed
         {
@@ -202,7 +203,7 @@ impl SampleJob<'_> {
                 interrupt::check()?;
             }
         }
-        Ok(CityCounts { method: mapper.method().0.name(), parts: parts.zones(), of, n_inside })
+        Ok(CityCounts { method: mapper.method().0, parts: parts.zones(), of, n_inside })
     }
 
     /// One row per placement zone, height and part of the receivers.

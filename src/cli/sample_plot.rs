@@ -134,9 +134,9 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
         first,
         format!("Bands and bars: {percent} % intervals over {}", report.clusters()),
         format!(
-            "Receivers {} m above what they stand on; method {} (exact); {crs}; skyshed {}",
+            "Receivers {} m above what they stand on; method {}; {crs}; skyshed {}",
             tidy(report.rx_height_m),
-            report.facts.method,
+            report.facts.method_in_words(),
             env!("CARGO_PKG_VERSION")
         ),
     ];

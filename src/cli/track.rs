@@ -10,6 +10,7 @@ use super::{interrupt, messages};
 use crate::coverage::{TrackState, Uav, along_track};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::render::{self, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
@@ -57,7 +58,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
         scene.warnings.push(Warning::new(202, text));
     }
     let report = TrackReport {
-        facts: scene.facts(command, "ray"),
+        facts: scene.facts(command, Some(Method::Ray)),
         rx_height_m: args.rx_height,
         every_m: args.every,
         uav: [uav.station.place.x, uav.station.place.y, uav.height_amsl_m()],

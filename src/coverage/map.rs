@@ -41,7 +41,7 @@ pub struct MapOptions {
     pub meters_per_unit: f64,
     /// Which layers of heights to make.
     pub layers: HeightLayers,
-    /// Which engine decides; all are exact.
+    /// Which engine decides; all are exact but those that say they are not.
     pub method: MethodChoice,
 }
 
@@ -134,12 +134,18 @@ impl<'a> Mapper<'a> {
     /// Makes ready what does not depend on the UAV.
     ///
     /// # Errors
-    /// E118 if the options ask for an engine that cannot decide this scene.
+    /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
+    /// one.
     pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
         let (method, why) = Method::choose(field, options.method).map_err(|wrong| {
             Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
                 .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
         })?;
+        if !method.is_exact() && options.layers != HeightLayers::default() {
+            let text =
+                format!("layers of heights with `{method}`, which is approximate: they are exact, and would not agree");
+            return Err(Error::usage(118, text).with_hint("`--method auto`, or `--layers los` alone"));
+        }
         let cells = field.cells();
         let within = |cells: &BitGrid| match &options.within {
             Some(within) => cells.clone().and(within),

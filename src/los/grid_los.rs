@@ -1,9 +1,14 @@
 //! One UAV against a whole grid of receivers, by whichever engine the scene calls for.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
-use super::{ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, link_los, shadow_los, shadow_los_relief, sweep_los};
-use crate::height_field::{GridPositions, HeightField, StandsOn, Station};
+use super::{
+    ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, link_los, r2_los, shadow_los, shadow_los_relief,
+    step_los, sweep_los, xdraw_los,
+};
+use crate::height_field::{Columns, GridPositions, HeightField, StandsOn, Station};
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Which engine is asked for.
@@ -18,9 +23,15 @@ pub enum MethodChoice {
     Sweep,
     /// Projected shadows, for prisms.
     Shadow,
+    /// Samples along a ray, for columns: approximate.
+    Step(StepLength),
+    /// Slopes interpolated from cell to cell, for columns: approximate.
+    Xdraw,
+    /// The nearest ray to the perimeter, for columns: approximate.
+    R2,
 }
 
-/// Which engine decides. All are exact and give the same cells.
+/// Which engine decides. All but the last three are exact and give the same cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// A ray per receiver.
@@ -33,6 +44,43 @@ pub enum Method {
     ShadowSweep,
     /// Projected shadows for the prisms; a ray per receiver for a terrain on a grid of its own.
     ShadowRay,
+    /// Samples along a ray: approximate.
+    Step(StepLength),
+    /// Slopes interpolated from cell to cell: approximate.
+    Xdraw,
+    /// The nearest ray to the perimeter: approximate.
+    R2,
+}
+
+impl std::str::FromStr for MethodChoice {
+    type Err = String;
+
+    /// `auto`, `ray`, `sweep`, `shadow`, `step:K` (K in cells), `xdraw` or `r2`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(MethodChoice::Auto),
+            "ray" => return Ok(MethodChoice::Ray),
+            "sweep" => return Ok(MethodChoice::Sweep),
+            "shadow" => return Ok(MethodChoice::Shadow),
+            "xdraw" => return Ok(MethodChoice::Xdraw),
+            "r2" => return Ok(MethodChoice::R2),
+            _ => {}
+        }
+        let Some(cells) = text.strip_prefix("step:") else {
+            return Err(format!("found `{text}`, wanted auto, ray, sweep, shadow, step:K, xdraw or r2"));
+        };
+        let length = cells.parse().ok().and_then(StepLength::new);
+        length
+            .map(MethodChoice::Step)
+            .ok_or_else(|| format!("found `{text}`, wanted step:K with K from 0.02 to 1000 cells"))
+    }
+}
+
+impl std::fmt::Display for Method {
+    /// The word for it in documents.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name())
+    }
 }
 
 /// Why a method cannot be used on a scene.
@@ -67,20 +115,43 @@ impl Method {
             | (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
                 Ok((auto.0, "asked for"))
             }
-            (MethodChoice::Sweep, _) => Err(WrongMethod { why: "footprints are no raster", instead: auto.0 }),
+            (MethodChoice::Step(length), Method::Sweep) => Ok((Method::Step(length), "asked for")),
+            (MethodChoice::Xdraw, Method::Sweep) => Ok((Method::Xdraw, "asked for")),
+            (MethodChoice::R2, Method::Sweep) => Ok((Method::R2, "asked for")),
+            (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
+                Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
+            }
             (MethodChoice::Shadow, _) => Err(WrongMethod { why: "a raster has no footprints", instead: auto.0 }),
         }
     }
 
     /// The word for it in documents.
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> Cow<'static, str> {
         match self {
-            Method::Ray => "ray",
-            Method::Sweep => "sweep",
-            Method::Shadow => "shadow",
-            Method::ShadowSweep => "shadow+sweep",
-            Method::ShadowRay => "shadow+ray",
+            Method::Ray => "ray".into(),
+            Method::Sweep => "sweep".into(),
+            Method::Shadow => "shadow".into(),
+            Method::ShadowSweep => "shadow+sweep".into(),
+            Method::ShadowRay => "shadow+ray".into(),
+            Method::Step(length) => format!("step:{}", length.cells()).into(),
+            Method::Xdraw => "xdraw".into(),
+            Method::R2 => "r2".into(),
         }
+    }
+
+    /// Whether its answer is that of `ray` for every receiver.
+    pub fn is_exact(self) -> bool {
+        !matches!(self, Method::Step(_) | Method::Xdraw | Method::R2)
+    }
+
+    /// `exact` or `approximate`, for captions.
+    pub fn exactness(self) -> &'static str {
+        if self.is_exact() { "exact" } else { "approximate" }
+    }
+
+    /// Its word with what it is worth, for captions: `sweep (exact)`.
+    pub fn in_words(self) -> String {
+        format!("{self} ({})", self.exactness())
     }
 }
 
@@ -219,6 +290,16 @@ impl<'a> GridLos<'a> {
     pub fn los(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
         match self.method {
             Method::Ray => self.by_rays(uav, receivers, wanted),
+            Method::Step(length) => self.by_links(receivers, wanted, |field, receiver| {
+                let (uav, receiver) = (uav.on_columns(), receiver.on_columns());
+                field.columns().is_none_or(|columns| step_los(columns, uav, receiver, length))
+            }),
+            Method::Xdraw => self.by_slopes(receivers, wanted, |columns, height| {
+                xdraw_los(columns, uav.on_columns(), height, wanted, window)
+            }),
+            Method::R2 => self.by_slopes(receivers, wanted, |columns, height| {
+                r2_los(columns, uav.on_columns(), height, wanted, window)
+            }),
             Method::Sweep => self.by_sweep(uav, receivers, wanted, window),
             Method::Shadow => self.by_shadows(uav, receivers, wanted),
             // What the prisms hide need not be asked of the terrain.
@@ -234,18 +315,40 @@ impl<'a> GridLos<'a> {
     }
 
     fn by_rays(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
+        self.by_links(receivers, wanted, |field, receiver| link_los(field, uav, receiver))
+    }
+
+    /// The wanted receivers for which `is_los` holds, each asked alone.
+    fn by_links(
+        &self,
+        receivers: &GridReceivers<'_>,
+        wanted: &BitGrid,
+        is_los: impl Fn(&HeightField, &Station) -> bool + Sync,
+    ) -> BitGrid {
         let mut los = wanted.clone();
         let (per_row, n_cols) = (wanted.words_per_row(), wanted.n_cols());
         los.words_mut().par_chunks_mut(per_row).enumerate().for_each(|(row, los)| {
             for col in set_bits(wanted.row(row)) {
                 let receiver =
                     Station { place: self.positions.center(row, col), z: receivers.height(row * n_cols + col) };
-                if !link_los(self.field, uav, &receiver) {
+                if !is_los(self.field, &receiver) {
                     los[col / 64] &= !(1 << (col % 64));
                 }
             }
         });
         los
+    }
+
+    /// The wanted receivers that an engine over whole columns finds, given their heights.
+    fn by_slopes(
+        &self,
+        receivers: &GridReceivers<'_>,
+        wanted: &BitGrid,
+        find: impl Fn(&Columns, &(dyn Fn(usize, usize) -> i64 + Sync)) -> BitGrid,
+    ) -> BitGrid {
+        let n_cols = wanted.n_cols();
+        let height = |row: usize, col: usize| receivers.height(row * n_cols + col);
+        self.field.columns().map_or_else(|| wanted.clone(), |columns| find(columns, &height))
     }
 
     fn by_sweep(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {

@@ -26,8 +26,10 @@
 //! Three engines decide, and all give the same cells: `ray` visits what one link crosses ([`columns_los`],
 //! [`prisms_los`]) and is the twin to which the others are compared; `shadow` casts the shadows of prisms over a grid
 //! ([`shadow_los`]); `sweep` carries bounds over the cells of a raster ([`sweep_los`]). [`GridLos`] takes the one that a
-//! scene calls for.
+//! scene calls for. `step`, `xdraw` and `r2` ([`step_los`], [`xdraw_los`], [`r2_los`]) are approximations, built to be compared
+//! with and never taken unless asked for.
 
+mod approximate;
 mod cell_walk;
 mod columns_lines;
 mod columns_ray;
@@ -41,6 +43,7 @@ mod shadow_spans;
 mod simd;
 mod sweep;
 
+pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
 pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_least_step, columns_los};
 pub use grid_los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 pub use link::{link_ceilings, link_least_heights, link_least_step, link_los};

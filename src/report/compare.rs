@@ -316,7 +316,7 @@ impl CompareReport {
             self.rx_height_m.to_string(),
             optional(self.radius_m),
             self.intervals.block_m.to_string(),
-            self.facts.method.to_string(),
+            self.facts.method_name(),
         ];
         let mut rows = vec![header];
         for placement in &self.placements {

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::features::feature_collection;
 use crate::coverage::{Placement, SiteCoverage, Tally};
 use crate::error::Warning;
+use crate::los::Method;
 use crate::raster::GeoRef;
 use crate::scene::Source;
 use crate::zones::{N_CODES, Zone, ZoneMap};
@@ -18,7 +19,7 @@ pub struct RunFacts {
     /// The words of the command line.
     pub command: Vec<String>,
     /// The engine that ran.
-    pub method: &'static str,
+    pub method: Option<Method>,
     /// What the scene is called.
     pub scene_name: String,
     /// The grid of receivers.
@@ -183,7 +184,20 @@ pub fn digest<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> Strin
     digest.finish()
 }
 
+/// The method of a run that decided no link: it drew, described, or compared what was saved.
+const NO_METHOD: &str = "none";
+
 impl RunFacts {
+    /// The word for the method in documents and tables.
+    pub fn method_name(&self) -> String {
+        self.method.map_or(NO_METHOD.into(), |method| method.name().into_owned())
+    }
+
+    /// The method with what it is worth, for captions.
+    pub fn method_in_words(&self) -> String {
+        self.method.map_or(NO_METHOD.into(), Method::in_words)
+    }
+
     fn scene(&self) -> Value {
         let grid = &self.grid;
         let sources: Vec<Value> = self.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect();
@@ -204,7 +218,8 @@ impl RunFacts {
         document.insert("schema".into(), schema.into());
         document.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         document.insert("command".into(), self.command.clone().into());
-        document.insert("method".into(), self.method.into());
+        document.insert("method".into(), self.method_name().into());
+        document.extend(self.method.map(|method| ("exact".to_string(), Value::from(method.is_exact()))));
         document.insert("scene".into(), self.scene());
         document
     }
@@ -268,7 +283,7 @@ impl MapReport {
         let run = [
             self.rx_height_m.to_string(),
             optional(self.radius_m),
-            self.facts.method.to_string(),
+            self.facts.method_name(),
             self.facts.grid.crs().map_or(String::new(), crate::raster::Crs::label),
             self.facts.grid.cell_width().to_string(),
             self.facts.grid.cell_height().to_string(),

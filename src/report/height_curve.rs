@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::documents::{MapReport, RunFacts, SiteFacts, digest_words, tally_json};
 use crate::coverage::HeightCurve;
+use crate::los::Method;
 use crate::quantity::meters;
 
 /// Shares of receivers for which the document tells the least height \[%\].
@@ -146,7 +147,7 @@ impl HeightCurveReport {
     pub fn of(map: &MapReport, curves: &[HeightCurve], sites: Vec<CurveFacts>) -> Self {
         HeightCurveReport {
             // Whatever engine made the map, least heights are found by a walk along each link.
-            facts: RunFacts { method: "ray", ..map.facts.clone() },
+            facts: RunFacts { method: Some(Method::Ray), ..map.facts.clone() },
             rx_height_m: map.rx_height_m,
             receivers: map.receivers,
             radius_m: map.radius_m,

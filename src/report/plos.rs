@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::documents::digest_words;
 use crate::error::Warning;
+use crate::los::Method;
 use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::scene::{BuiltUp, Source};
@@ -103,7 +104,7 @@ pub struct RealCityFacts {
     /// UAV positions that were mapped, and how many of them were inside a building.
     pub positions: (usize, usize),
     /// The engine of the maps.
-    pub engine: &'static str,
+    pub engine: Method,
     /// Blocks of ground, and their edge \[m\].
     pub blocks: (usize, f64),
     /// The statistical city that is most like it, if its buildings are known.
@@ -265,7 +266,7 @@ fn real_city_json(city: &RealCityFacts) -> Value {
         "city": city.city,
         "positions": city.positions.0,
         "positions_in_buildings": city.positions.1,
-        "engine": city.engine,
+        "engine": city.engine.name(),
         "blocks": city.blocks.0,
         "block_m": city.blocks.1,
         "fit": city.fit.as_ref().map(|fit| json!({

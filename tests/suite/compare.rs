@@ -59,7 +59,7 @@ fn masks_made_by_hand_have_the_counts_of_a_hand() {
     let folder = folder();
     let document = document(&folder, BY_HAND);
     assert_eq!(document["schema"], "skyshed/compare/1");
-    assert_eq!(document["method"], "saved masks");
+    assert_eq!(document["method"], "none");
     let [first, second] = [&document["placements"][0], &document["placements"][1]];
     assert_eq!((&first["id"], &second["id"]), (&"first".into(), &"second".into()));
     assert_eq!((first["receivers"].as_u64(), first["los"].as_u64()), (Some(11), Some(6)));

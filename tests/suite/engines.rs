@@ -24,7 +24,7 @@ fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
 }
 
 /// A raster scene of the surface of another, each roof cell raised by up to `noise` lattice steps.
-fn as_raster(field: &HeightField, ground: Ground, noise: i64, random: &mut Random) -> HeightField {
+pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random: &mut Random) -> HeightField {
     let heights = field.surface_m();
     let cells = heights.iter().map(|z| {
         let z = height_steps(f64::from(*z)).unwrap();

@@ -12,6 +12,7 @@ mod agreement; // every engine against the text cases and the oracle
 mod sweep; // the bracketed sweep equals ray on small rasters with every kind of tie
 mod engines; // whole maps by the engine for the scene are those of a ray per receiver
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
+mod approximate; // step, xdraw and r2 against restatements of their rules; the sign and size of their errors
 mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks

@@ -25,6 +25,7 @@ use super::{interrupt, messages};
 use crate::coverage::{CellGroups, Control, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table};
+use crate::los::Method;
 use crate::raster::CellBlocks;
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
 use crate::scene::{Site, Source};
@@ -181,16 +182,16 @@ fn check_ids(placed: &[Placed]) -> Result<()> {
     }
 }
 
-/// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was.
+/// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was, if any was needed.
 fn mapped(
     scene: &Ready,
     zones: Option<&ZoneMap>,
     asked: &Asked<'_>,
     uavs: &[Uav],
     quiet: bool,
-) -> Result<(Vec<Placed>, &'static str)> {
+) -> Result<(Vec<Placed>, Option<Method>)> {
     if uavs.is_empty() {
-        return Ok((Vec::new(), "saved masks"));
+        return Ok((Vec::new(), None));
     }
     let options = asked.options(scene, zones);
     let mapper = Mapper::new(&scene.field, &options)?;
@@ -206,7 +207,7 @@ fn mapped(
         tally: site.tally,
         mask: site.mask,
     };
-    Ok((maps.sites.into_iter().map(placed).collect(), mapper.method().0.name()))
+    Ok((maps.sites.into_iter().map(placed).collect(), Some(mapper.method().0)))
 }
 
 /// Placements from a file of masks, which becomes a source of the run.
@@ -254,8 +255,10 @@ fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(P
             outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
         let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
         messages::note(&format!(
-            "method {} (exact): line of sight {:.3} s of {:.2} s{wrote}",
-            report.facts.method, timing.los, timing.total
+            "method {}: line of sight {:.3} s of {:.2} s{wrote}",
+            report.facts.method_in_words(),
+            timing.los,
+            timing.total
         ));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {

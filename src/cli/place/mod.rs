@@ -107,7 +107,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     let found = search.run()?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
     let report = PlaceReport {
-        facts: scene.facts(command, mapper.method().0.name()),
+        facts: scene.facts(command, Some(mapper.method().0)),
         rx_height_m: args.rx_height,
         receivers: match goal.whom {
             Whom::Zone(zone) => zone.name(),
@@ -215,8 +215,10 @@ fn say(args: &PlaceArgs, report: &PlaceReport, start: Instant, spent: &Timing, o
         messages::warnings(&report.facts.warnings);
         outputs::in_words(report).iter().for_each(|line| messages::note(line));
         messages::note(&format!(
-            "method {} (exact): search {:.3} s of {:.2} s",
-            report.facts.method, timing.los, timing.total
+            "method {}: search {:.3} s of {:.2} s",
+            report.facts.method_in_words(),
+            timing.los,
+            timing.total
         ));
     }
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {

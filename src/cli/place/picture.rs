@@ -112,12 +112,12 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
     };
     let range = report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
     lines.push(format!(
-        "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {} (exact); {}; skyshed {}",
+        "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {}; {}; skyshed {}",
         report.goal,
         report.step_m.map_or(String::new(), tidy),
         heights_in_words(&report.heights),
         tidy(report.rx_height_m),
-        report.facts.method,
+        report.facts.method_in_words(),
         grid.crs().map_or("local coordinates".to_string(), Crs::label),
         env!("CARGO_PKG_VERSION")
     ));

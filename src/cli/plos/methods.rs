@@ -43,9 +43,6 @@ impl Ways {
                 "city" => vec![estimators[1].clone()],
                 "geometry" => vec![estimators[2].clone()],
                 "maps" => vec![maps.clone()],
-                "ray" => vec![Way::Maps(MethodChoice::Ray)],
-                "sweep" => vec![Way::Maps(MethodChoice::Sweep)],
-                "shadow" => vec![Way::Maps(MethodChoice::Shadow)],
                 "models" => all_models(args, &mut leave_out),
                 "all" => {
                     let maps = is_real.then(|| maps.clone());
@@ -53,7 +50,7 @@ impl Ways {
                 }
                 other => match Model::from_id(other) {
                     Some(model) => vec![Way::Model(model)],
-                    None => return Err(unknown(other)),
+                    None => vec![Way::Maps(other.parse().map_err(|_| unknown(other))?)],
                 },
             };
             for way in found {

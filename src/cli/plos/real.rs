@@ -116,7 +116,7 @@ impl Real {
         let facts = RealCityFacts {
             city: self.word.clone(),
             positions: (n_positions, n_inside),
-            engine: method.name(),
+            engine: method,
             blocks: (n_blocks, block_m),
             fit: self.fit.clone(),
         };
