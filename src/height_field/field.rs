@@ -164,6 +164,14 @@ impl HeightField {
         field
     }
 
+    /// The same solids under receivers on another grid.
+    pub(super) fn with_receivers_on(&self, grid: &GeoRef) -> HeightField {
+        let mut field = HeightField { grid: grid.clone(), ..self.clone() };
+        field.roofs = self.prisms.is_some().then(|| field.rasterize_roofs());
+        field.cells = CellSets::of(&field);
+        field
+    }
+
     /// Which cells are open ground and which are buildings.
     pub fn cells(&self) -> &CellSets {
         &self.cells

@@ -7,6 +7,7 @@
 mod cell_sets;
 mod columns;
 mod casters;
+mod coarser;
 mod field;
 mod merge;
 mod prisms;
@@ -14,6 +15,7 @@ mod triangulate;
 
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::{CellSets, StandsOn};
+pub use coarser::Pooling;
 pub use columns::Columns;
 pub use field::{CellKind, GridPositions, HeightField, Place, Station};
 pub use prisms::{Buckets, Piece, Prisms};

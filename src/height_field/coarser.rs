@@ -1,0 +1,169 @@
+//! The same scene with less detail: cells several times as large, or footprints as a raster. Approximate by intent.
+
+use rayon::prelude::*;
+
+use super::cell_sets::RasterGround;
+use super::{CellKind, HeightField};
+use crate::quantity::{BLOCKS_ALL, VOID};
+use crate::raster::{GeoRef, Raster};
+use crate::scene::{Ground, Solids};
+
+/// How one cell is made of several. Cells without a height count for nothing, unless all are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pooling {
+    /// The highest: nothing that blocks is lost, and streets narrow.
+    Maximum,
+    /// The mean, to the nearest lattice step: roofs sink and streets fill up where a cell holds both.
+    Mean,
+}
+
+impl Pooling {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pooling::Maximum => "maximum",
+            Pooling::Mean => "mean",
+        }
+    }
+}
+
+impl HeightField {
+    /// A raster scene on cells `factor` times as wide and as high, counted from the north-west corner: *approximate*. Its
+    /// surface and its terrain are pooled alike. `None` for a vector scene, for `factor` 0, or where the coarse grid is not
+    /// one.
+    ///
+    /// Row r and column c of the fine grid lie in row r / `factor` and column c / `factor` of the coarse one. The last row and
+    /// column may reach beyond the fine grid and pool what there is.
+    pub fn coarser(&self, factor: usize, pooling: Pooling) -> Option<HeightField> {
+        let cells = self.raster_cells()?;
+        let grid = coarser_grid(self.grid(), factor)?;
+        let pooled = |tops: &[i32]| Raster::new(grid.clone(), pool(tops, self.grid(), (&grid, factor), pooling));
+        let (ground, building_threshold) = match cells.ground {
+            RasterGround::Surface => (Ground::Surface, 0),
+            RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
+            RasterGround::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), building_threshold),
+        };
+        let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold };
+        Some(HeightField::build(&grid, solids, &mut Vec::new()))
+    }
+
+    /// A vector scene with receivers on cells `factor` times as large; its solids stay what they are, so each of the fewer
+    /// receivers is decided exactly. `None` for a raster scene, or where the coarse grid is not one.
+    pub fn with_coarser_receivers(&self, factor: usize) -> Option<HeightField> {
+        self.prisms()?;
+        Some(self.with_receivers_on(&coarser_grid(self.grid(), factor)?))
+    }
+
+    /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground
+    /// there: *approximate*. `None` for a raster scene.
+    pub fn rasterized(&self) -> Option<HeightField> {
+        self.prisms()?;
+        let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());
+        let kinds = (0..grid.n_cells()).into_par_iter();
+        let kinds = kinds.map(|cell| self.cell_kind(cell, &positions.center(cell / n_cols, cell % n_cols)));
+        let tops = kinds.map(|kind| match kind {
+            CellKind::Open(z) | CellKind::Building(z) => z,
+            CellKind::Void => VOID,
+        });
+        let surface = Raster::new(grid.clone(), tops.collect());
+        let ground = match self.flat_ground() {
+            Some(z) => Ground::Flat(z),
+            None => {
+                let of_cell = |cell: usize| self.ground_at(&positions.center(cell / n_cols, cell % n_cols));
+                let grounds = (0..grid.n_cells()).into_par_iter().map(of_cell).collect();
+                Ground::Terrain(Raster::new(grid.clone(), grounds))
+            }
+        };
+        let solids = Solids::Raster { surface, ground, building_threshold: 0 };
+        Some(HeightField::build(grid, solids, &mut Vec::new()))
+    }
+}
+
+/// The grid of cells `factor` times as large over the same north-west corner.
+fn coarser_grid(grid: &GeoRef, factor: usize) -> Option<GeoRef> {
+    if factor == 0 {
+        return None;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "a small factor")]
+    let times = factor as f64;
+    GeoRef::new(
+        (grid.x_min(), grid.y_max()),
+        (grid.cell_width() * times, grid.cell_height() * times),
+        (grid.n_rows().div_ceil(factor), grid.n_cols().div_ceil(factor)),
+        grid.crs().cloned(),
+    )
+}
+
+fn pool(tops: &[i32], fine: &GeoRef, (coarse, factor): (&GeoRef, usize), pooling: Pooling) -> Vec<i32> {
+    let n_cols = coarse.n_cols();
+    let mut pooled = vec![VOID; coarse.n_cells()];
+    pooled.par_chunks_mut(n_cols).enumerate().for_each(|(row, pooled)| {
+        let rows = row * factor..((row + 1) * factor).min(fine.n_rows());
+        for (col, cell) in pooled.iter_mut().enumerate() {
+            let cols = col * factor..((col + 1) * factor).min(fine.n_cols());
+            let known = rows.clone().flat_map(|r| &tops[r * fine.n_cols()..][cols.clone()]).filter(|t| **t != VOID);
+            *cell = match pooling {
+                Pooling::Maximum => known.copied().max().unwrap_or(VOID),
+                Pooling::Mean => mean(known),
+            };
+        }
+    });
+    pooled
+}
+
+/// The mean of some tops to the nearest step; what blocks everything still does.
+fn mean<'a>(tops: impl Iterator<Item = &'a i32>) -> i32 {
+    let (n, sum, highest) =
+        tops.fold((0_i64, 0_i64, VOID), |(n, sum, highest), top| (n + 1, sum + i64::from(*top), highest.max(*top)));
+    if n == 0 || highest == BLOCKS_ALL {
+        return highest;
+    }
+    i32::try_from((2 * sum + n).div_euclid(2 * n)).unwrap_or(VOID)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{BuiltUp, BuiltUpCity};
+
+    fn raster(n_rows: usize, n_cols: usize, tops: Vec<i32>, ground: Ground) -> HeightField {
+        let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
+        let solids = Solids::Raster { surface: Raster::new(grid.clone(), tops), ground, building_threshold: 256 };
+        HeightField::build(&grid, solids, &mut Vec::new())
+    }
+
+    #[test]
+    fn cells_are_pooled_from_the_north_west_corner_and_voids_count_for_nothing() {
+        let field = raster(3, 3, vec![0, 4, 9, 2, 1, VOID, -3, -4, VOID], Ground::Flat(0));
+        let maximum = field.coarser(2, Pooling::Maximum).expect("a raster");
+        assert_eq!(maximum.columns().expect("columns").tops(), [4, 9, -3, VOID]);
+        let mean = field.coarser(2, Pooling::Mean).expect("a raster");
+        // 7/4 is nearest to 2, and −7/2 is rounded up.
+        assert_eq!(mean.columns().expect("columns").tops(), [2, 9, -3, VOID]);
+        let grid = maximum.grid();
+        assert_eq!((grid.x_min(), grid.y_max(), grid.x_max(), grid.y_min()), (100.0, 50.0, 104.0, 42.0));
+        assert!(field.coarser(0, Pooling::Mean).is_none() && field.rasterized().is_none());
+    }
+
+    #[test]
+    fn a_cell_that_blocks_everything_still_does() {
+        let field = raster(1, 2, vec![BLOCKS_ALL, 0], Ground::Surface);
+        for pooling in [Pooling::Maximum, Pooling::Mean] {
+            let coarse = field.coarser(2, pooling).expect("a raster");
+            assert_eq!(coarse.columns().expect("columns").tops(), [BLOCKS_ALL]);
+        }
+    }
+
+    #[test]
+    fn footprints_become_the_raster_of_their_roofs() {
+        let built_up = BuiltUp::new(0.3, 500.0, 15.0).expect("valid parameters");
+        let scene =
+            BuiltUpCity { built_up, size_m: 90.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }.scene().expect("a city");
+        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let raster = field.rasterized().expect("footprints");
+        assert_eq!((raster.surface_m(), raster.cells()), (field.surface_m(), field.cells()));
+        let fewer = field.with_coarser_receivers(4).expect("footprints");
+        assert_eq!((fewer.grid().n_cols(), fewer.grid().n_rows()), (23, 23));
+        assert_eq!(fewer.prisms().map(|p| p.pieces().len()), field.prisms().map(|p| p.pieces().len()));
+    }
+}
