@@ -266,6 +266,10 @@ pub(super) struct MapArgs {
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
+    /// How far P_LoS of any UAV may be off, such as 0.005: the map is made on the coarsest cells for which that is so with
+    /// 99 % confidence, measured on a sample of receivers that are decided exactly; says what was taken and measured
+    #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true)]
+    pub(super) tolerance: Option<f64>,
     /// Layers to make, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,

@@ -11,6 +11,7 @@ use super::plan::{
     receiver_height, refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::receivers::{Asked, cell_names, check_receivers, setting_line};
+use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
 use super::words::{picture_provenance, pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
@@ -63,6 +64,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     }
     let files = [outputs.as_slice(), curve_plan.outputs()].concat();
     refuse_words_without_picture(&args.title, &args.attribution, &files)?;
+    let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
     let typed: Vec<Site> =
         args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
     if typed.is_empty() && args.uavs.is_none() {
@@ -79,22 +81,26 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         check_layers(&layers, sites.len(), path, *format)?;
     }
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    let mut uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
+    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let tolerance = match tolerance {
+        Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &asked, (tolerance, args.scene.seed))?),
+        None => None,
+    };
     // Zones cost as much as a map: they are found where a table or a document tells them.
     let tells_zones = args.out.json
         || args.receivers.zone().is_some()
         || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout));
     let zones = if tells_zones { scene.zones() } else { None };
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
-    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let options = MapOptions {
         layers: HeightLayers {
             margin: layers.contains(&Layer::Margin),
             ceiling: layers.contains(&Layer::Ceiling),
             least_height: layers.contains(&Layer::LeastHeight),
         },
-        ..asked.options(&scene, zones.as_ref())
+        ..asked.options(&scene.field, zones.as_ref())
     };
 
     // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
@@ -155,6 +161,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             (None, [only]) => only.tally,
             (overlay, _) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),
         },
+        tolerance,
         digest: digest.finish(),
     };
     let curves = curve_plan.make(args, &scene, &coverages, &report)?;
@@ -188,6 +195,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
 
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
+        report.tolerance.iter().for_each(|facts| messages::note(&tolerance_in_words(facts)));
         say_results(&report, why, scene.timing, &outputs);
         curves.iter().for_each(|c| c.say(curve_plan.outputs()));
     }
@@ -500,6 +508,7 @@ impl Writer<'_> {
         }
         let heights = (self.report.rx_height_m, self.report.radius_m);
         lines.push(setting_line(self.scene, self.args.receivers, heights, self.report.facts.method));
+        lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
         lines.extend(self.args.attribution.clone().or_else(|| self.scene.attribution.clone()));
         lines
     }

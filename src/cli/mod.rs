@@ -19,6 +19,7 @@ mod plos;
 mod receivers;
 mod sample;
 mod sample_plot;
+mod tolerance;
 mod track;
 mod words;
 mod zones;

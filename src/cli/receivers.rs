@@ -35,7 +35,7 @@ pub(super) struct Asked<'a> {
 
 impl Asked<'_> {
     /// The options of a map without layers of heights.
-    pub(super) fn options(&self, scene: &Ready, zones: Option<&ZoneMap>) -> MapOptions {
+    pub(super) fn options(&self, field: &HeightField, zones: Option<&ZoneMap>) -> MapOptions {
         MapOptions {
             rx_height: self.rx_height,
             receivers: match self.receivers {
@@ -45,7 +45,7 @@ impl Asked<'_> {
             },
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
             radius: self.radius,
-            meters_per_unit: meters_per_unit(scene.field.grid()),
+            meters_per_unit: meters_per_unit(field.grid()),
             layers: HeightLayers::default(),
             method: self.engine.method,
         }

@@ -10,7 +10,7 @@ use super::range::Range;
 use super::{Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{GridPositions, HeightField, Place, Station};
-use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights, link_los};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, set_bits};
 
@@ -223,6 +223,20 @@ impl<'a> Mapper<'a> {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
             Seen { receivers: sum.receivers.or(wanted), los: sum.los.or(&los) }
         })
+    }
+
+    /// The cells that hold receivers in range of a UAV.
+    pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
+        Range::of(self.field.grid(), uav, self.options.radius).cut(&self.receiver_cells())
+    }
+
+    /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
+    /// receiver there.
+    pub fn is_los(&self, uav: &Uav, (row, col): (usize, usize)) -> Option<bool> {
+        let (receivers, _) = self.receivers_at((row, col)).next()?;
+        let cell = row * self.field.grid().n_cols() + col;
+        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+        Some(link_los(self.field, &uav.station, &receiver))
     }
 
     /// The receivers in range, where not all are, and those in line of sight.

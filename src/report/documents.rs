@@ -5,6 +5,7 @@
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
+use super::ToleranceFacts;
 use super::features::feature_collection;
 use crate::coverage::{Placement, SiteCoverage, Tally};
 use crate::error::Warning;
@@ -143,6 +144,8 @@ pub struct MapReport {
     pub union: Tally,
     /// The same by zone, as those of a site.
     pub union_zones: Option<[Tally; 4]>,
+    /// What a tolerance led to, where one was given.
+    pub tolerance: Option<ToleranceFacts>,
     /// Digest of the masks, see [`digest`].
     pub digest: String,
 }
@@ -259,6 +262,13 @@ impl MapReport {
     /// The document `skyshed/map/1`; without `timing` it is the same for equal runs.
     pub fn document(&self, timing: Option<Timing>) -> Value {
         let mut document = self.facts.head("skyshed/map/1");
+        if let Some(tolerance) = &self.tolerance {
+            if !tolerance.taken.is_same() {
+                // The engine is exact on a scene that is not.
+                document.insert("exact".into(), false.into());
+            }
+            document.insert("tolerance".into(), tolerance.json());
+        }
         document.insert("rx_height_m".into(), self.rx_height_m.into());
         document.insert("receivers".into(), self.receivers.into());
         document.insert("radius_m".into(), self.radius_m.into());

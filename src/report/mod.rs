@@ -8,6 +8,7 @@ mod height_curve;
 mod place;
 mod plos;
 mod sampled;
+mod tolerance;
 mod track;
 mod zones;
 
@@ -23,5 +24,6 @@ pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, cur
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
+pub use tolerance::ToleranceFacts;
 pub use track::TrackReport;
 pub use zones::zones_geojson;

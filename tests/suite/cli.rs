@@ -347,7 +347,8 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 18] = [
+const OTHER_FLAGS: [(&str, &str); 19] = [
+    ("--tolerance", "the_program_says_what_was_taken_and_writes_coarser_cells"),
     ("--zones", "info_counts_draws_and_outlines_zones"),
     ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),
     ("--hash", "a_large_input_is_hashed_on_request"),

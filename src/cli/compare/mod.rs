@@ -193,7 +193,7 @@ fn mapped(
     if uavs.is_empty() {
         return Ok((Vec::new(), None));
     }
-    let options = asked.options(scene, zones);
+    let options = asked.options(&scene.field, zones);
     let mapper = Mapper::new(&scene.field, &options)?;
     let control = Control::default();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;

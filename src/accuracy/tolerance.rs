@@ -1,0 +1,279 @@
+//! The coarsest form of a scene whose P_LoS is within a tolerance of the exact one, as measured.
+//!
+//! Forms are tried from the coarsest to the finest. A form is mapped as it is, which is cheap, and gives P_LoS = A. How far
+//! A is from the exact P is *measured*: receivers of the scene itself are drawn at random and decided by `ray`. Each is
+//! paired with the answer of the larger cell that it is in, so that only disagreements are uncertain. With e the exact
+//! answer of a receiver of the scene (1 for LoS) and c that of the larger cell (0 where it has none),
+//!
+//! ```text
+//!   A − P = A − mean(c) − mean(e − c)
+//! ```
+//!
+//! where mean(c) is counted over all receivers and mean(e − c) is estimated from three counts of the sample: e = 1 where
+//! the larger cell says 0, e = 0 where it says 1, and e = 1 where it has no receiver. Each has an exact binomial bound (Clopper &
+//! Pearson 1934), so |A − P| has one, too. The probability of 1 % that the bound fails is divided evenly between both signs,
+//! the three counts, all forms that may be tried, and all UAVs; so with 99 % confidence *no* form is taken wrongly, however
+//! many were tried. Where a sample would take more receivers than there are, all are decided and nothing is uncertain.
+//!
+//! Approximate engines are no candidates: on every scene measured, the exact ones are faster (`skyshed chart` shows it).
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::simpler::{CoarseAnswer, Simpler, coarse_answer, moved_to};
+use crate::coverage::{MapOptions, Mapper, Seen, Uav};
+use crate::error::Result;
+use crate::height_field::HeightField;
+use crate::los_probability::estimate::clopper_pearson;
+use crate::raster::{BitGrid, set_bits};
+
+/// Probability with which no form is taken whose P_LoS is farther off than the tolerance.
+pub const CONFIDENCE: f64 = 0.99;
+
+/// Times that cells are larger, coarsest first.
+const FACTORS: [usize; 4] = [16, 8, 4, 2];
+
+/// Fewest cells along the shorter side of a form that is worth trying.
+const FEWEST_CELLS: usize = 8;
+
+/// Receivers that are drawn, times the square of the tolerance: enough for the bounds where one in twenty disagrees.
+const SAMPLE: f64 = 6.0;
+
+/// Fewest receivers that are drawn.
+const SMALLEST_SAMPLE: f64 = 2000.0;
+
+/// A question of how coarse a scene may be.
+#[derive(Debug)]
+pub struct Question<'a> {
+    /// The scene itself.
+    pub field: &'a HeightField,
+    /// The UAVs over it.
+    pub uavs: &'a [Uav],
+    /// How far P_LoS of any of them may be off, above 0 and below 1.
+    pub tolerance: f64,
+    /// Seed of the sample.
+    pub seed: u64,
+}
+
+/// What was measured of one form and one UAV.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// P_LoS of the simpler form.
+    pub p_los: f64,
+    /// Estimate of how far it is above the exact P_LoS.
+    pub difference: f64,
+    /// Bound on the size of that, at the confidence.
+    pub bound: f64,
+    /// Receivers of the scene that were decided exactly.
+    pub sample: u64,
+    /// Receivers of the scene in range.
+    pub receivers: u64,
+}
+
+/// A form that was tried.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    /// Which one.
+    pub form: Simpler,
+    /// What was measured for each UAV, or why it could not be.
+    pub measured: std::result::Result<Vec<Measured>, String>,
+}
+
+impl Tried {
+    /// The largest bound of all UAVs; `None` where nothing could be measured.
+    pub fn bound(&self) -> Option<f64> {
+        self.measured.as_ref().ok().map(|all| all.iter().fold(0.0, |most, m| m.bound.max(most)))
+    }
+}
+
+/// The form that was taken.
+#[derive(Debug)]
+pub struct Choice {
+    /// The forms that were tried, the last one taken unless its bound is above the tolerance.
+    pub tried: Vec<Tried>,
+    /// The form to use, with the UAVs over it; `None` if no simpler one will do.
+    pub taken: Option<(Simpler, HeightField, Vec<Uav>)>,
+}
+
+/// Finds the coarsest form whose P_LoS is within the tolerance for every UAV.
+///
+/// `options` gives the options of a map of a form: cells of zones are those of its own grid.
+///
+/// Cost: a map of the form by the engine for it, and a ray for each of 6/tolerance² receivers (at least 2000), for each
+/// UAV, and for each form until one will do.
+///
+/// # Errors
+/// As [`Mapper::new`].
+pub fn coarsest_within(
+    question: &Question<'_>,
+    options: &(dyn Fn(&HeightField) -> MapOptions + Sync),
+) -> Result<Choice> {
+    let grid = question.field.grid();
+    let factors: Vec<usize> =
+        FACTORS.into_iter().filter(|f| grid.n_rows().min(grid.n_cols()) / f >= FEWEST_CELLS).collect();
+    let forms = Simpler::forms(question.field, &factors);
+    let exact_options = options(question.field);
+    let exact = Mapper::new(question.field, &exact_options)?;
+    let n_bounds = (6 * forms.len() * question.uavs.len().max(1)) as f64;
+    let samples: Vec<Sample> =
+        question.uavs.par_iter().enumerate().map(|(k, uav)| Sample::draw(&exact, uav, question, k as u64)).collect();
+    let mut tried = Vec::new();
+    for form in forms {
+        let Some(field) = form.of(question.field) else { continue };
+        let options = options(&field);
+        let mapper = Mapper::new(&field, &options)?;
+        let uavs: Result<Vec<Uav>> = question.uavs.iter().map(|uav| moved_to(uav, &field)).collect();
+        let measured = uavs.map_err(|e| e.to_string()).and_then(|uavs| {
+            let of_uav = |(uav, sample): (&Uav, &Sample)| {
+                sample.measure(&mapper.seen(uav), form.factor, (1.0 - CONFIDENCE) / n_bounds)
+            };
+            let all: std::result::Result<Vec<Measured>, String> = uavs.par_iter().zip(&samples).map(of_uav).collect();
+            Ok((all?, uavs))
+        });
+        let (measured, uavs) = match measured {
+            Ok((measured, uavs)) => (Ok(measured), Some(uavs)),
+            Err(why) => (Err(why), None),
+        };
+        tried.push(Tried { form, measured });
+        let is_within = tried.last().and_then(Tried::bound).is_some_and(|bound| bound <= question.tolerance);
+        if let Some(uavs) = uavs.filter(|_| is_within) {
+            drop(mapper);
+            return Ok(Choice { tried, taken: Some((form, field, uavs)) });
+        }
+    }
+    Ok(Choice { tried, taken: None })
+}
+
+/// Receivers of one UAV with their exact answers.
+struct Sample {
+    /// All receivers in range.
+    receivers: BitGrid,
+    n_receivers: u64,
+    /// Row, column and answer of those drawn; each of them once if they are all.
+    drawn: Vec<((usize, usize), bool)>,
+    is_all: bool,
+}
+
+impl Sample {
+    fn draw(mapper: &Mapper<'_>, uav: &Uav, question: &Question<'_>, stream: u64) -> Self {
+        let receivers = mapper.receivers_in_range(uav);
+        let n_receivers = receivers.count();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates where all are taken")]
+        let n = (SAMPLE / (question.tolerance * question.tolerance)).max(SMALLEST_SAMPLE).ceil() as u64;
+        let is_all = n >= n_receivers;
+        let drawn = if is_all {
+            let los = mapper.seen(uav).los;
+            cells_of(&receivers).into_iter().map(|cell| (cell, los.contains(cell.0, cell.1))).collect()
+        } else {
+            let cells = random_cells(&receivers, n, (question.seed, stream)).into_par_iter();
+            cells.map(|cell| (cell, mapper.is_los(uav, cell).unwrap_or(false))).collect()
+        };
+        Sample { receivers, n_receivers, drawn, is_all }
+    }
+
+    /// How far a simpler map is off, each of six bounds failing with probability `risk`.
+    fn measure(&self, coarse: &Seen, factor: usize, risk: f64) -> std::result::Result<Measured, String> {
+        let (of, los) = (coarse.receivers.count(), coarse.los.count());
+        if of == 0 || self.n_receivers == 0 {
+            return Err("no receiver in range".into());
+        }
+        let p_los = los as f64 / of as f64;
+        let answer = |cell| coarse_answer(&coarse.receivers, &coarse.los, factor, cell);
+        let (n_los, n_none) = (0..self.receivers.n_rows())
+            .into_par_iter()
+            .map(|row| {
+                set_bits(self.receivers.row(row)).fold((0_u64, 0_u64), |(los, none), col| match answer((row, col)) {
+                    CoarseAnswer::Los => (los + 1, none),
+                    CoarseAnswer::Nlos => (los, none),
+                    CoarseAnswer::None => (los, none + 1),
+                })
+            })
+            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let (mut gained, mut lost, mut unanswered) = (0_u64, 0_u64, 0_u64);
+        for (cell, is_los) in &self.drawn {
+            match (answer(*cell), is_los) {
+                (CoarseAnswer::Nlos, true) => gained += 1,
+                (CoarseAnswer::Los, false) => lost += 1,
+                (CoarseAnswer::None, true) => unanswered += 1,
+                _ => {}
+            }
+        }
+        let (all, n) = (self.n_receivers as f64, self.drawn.len() as u64);
+        let share_none = n_none as f64 / all;
+        // A − mean(c).
+        let known = p_los - n_los as f64 / all;
+        let share = |k: u64| k as f64 / n as f64;
+        let difference = known - (share(gained) - share(lost) + share(unanswered));
+        let bound = if self.is_all {
+            difference.abs()
+        } else {
+            let of = |k: u64| clopper_pearson(k, n, 1.0 - 2.0 * risk);
+            let (gained, lost, unanswered) = (of(gained), of(lost), of(unanswered));
+            let lowest = known - (gained.1 - lost.0 + unanswered.1.min(share_none));
+            let highest = known - (gained.0 - lost.1 + unanswered.0);
+            lowest.abs().max(highest.abs())
+        };
+        Ok(Measured { p_los, difference, bound, sample: n, receivers: self.n_receivers })
+    }
+}
+
+/// Rows and columns of all cells of a set.
+fn cells_of(cells: &BitGrid) -> Vec<(usize, usize)> {
+    (0..cells.n_rows()).flat_map(|row| set_bits(cells.row(row)).map(move |col| (row, col))).collect()
+}
+
+/// `n` cells of a set, drawn with replacement.
+fn random_cells(cells: &BitGrid, n: u64, (seed, stream): (u64, u64)) -> Vec<(usize, usize)> {
+    let mut before = Vec::with_capacity(cells.n_rows() + 1);
+    let mut total = 0_u64;
+    for row in 0..cells.n_rows() {
+        before.push(total);
+        total += cells.row(row).iter().map(|w| u64::from(w.count_ones())).sum::<u64>();
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(stream);
+    let draw = |_| {
+        #[expect(clippy::cast_possible_truncation, reason = "below the number of cells")]
+        let rank = ((u128::from(random.next_u64()) * u128::from(total)) >> 64) as u64;
+        let row = before.partition_point(|b| *b <= rank) - 1;
+        #[expect(clippy::cast_possible_truncation, reason = "below the number of columns")]
+        let in_row = (rank - before[row]) as usize;
+        (row, nth_cell(cells.row(row), in_row))
+    };
+    (0..n).map(draw).collect()
+}
+
+/// The column of cell number `n` of a row.
+fn nth_cell(words: &[u64], n: usize) -> usize {
+    let mut left = n;
+    for (k, word) in words.iter().enumerate() {
+        let here = word.count_ones() as usize;
+        if left < here {
+            return 64 * k + set_bits(&[*word]).nth(left).unwrap_or(0);
+        }
+        left -= here;
+    }
+    0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_drawn_evenly_from_a_set() {
+        let mut cells = BitGrid::new(3, 130);
+        for cell in [(0, 5), (0, 129), (2, 0), (2, 64)] {
+            cells.insert(cell.0, cell.1);
+        }
+        assert_eq!(cells_of(&cells), [(0, 5), (0, 129), (2, 0), (2, 64)]);
+        let drawn = random_cells(&cells, 40_000, (3, 1));
+        for cell in cells_of(&cells) {
+            let n = drawn.iter().filter(|c| **c == cell).count();
+            // 10 000 ± 4 standard deviations of 87.
+            assert!((9650..10_350).contains(&n), "{cell:?} {n} times");
+        }
+        assert_ne!(drawn, random_cells(&cells, 40_000, (3, 2)));
+    }
+}

@@ -1,0 +1,71 @@
+//! `--tolerance`: a scene made as coarse as its P_LoS allows, as measured.
+
+use super::plan::{Ready, meters_per_unit};
+use super::receivers::Asked;
+use crate::accuracy::{CONFIDENCE, Question, coarsest_within};
+use crate::coverage::Uav;
+use crate::error::{Error, Result};
+use crate::height_field::HeightField;
+use crate::los::MethodChoice;
+use crate::quantity::tidy;
+use crate::render::grouped;
+use crate::report::ToleranceFacts;
+use crate::zones::{ZoneBasis, ZoneMap};
+
+/// A share of P_LoS that may be wrong.
+pub(super) fn checked_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<Option<f64>> {
+    let Some(tolerance) = tolerance else { return Ok(None) };
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        let text = format!("`--tolerance` is `{tolerance}`, wanted a P_LoS above 0 and below 1");
+        return Err(Error::usage(113, text).with_hint("`--tolerance 0.005` is half a percentage point"));
+    }
+    if matches!(method, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
+        return Err(Error::usage(
+            116,
+            "`--tolerance` has no meaning beside an approximate `--method`: it chooses itself",
+        )
+        .with_hint("leave `--method` out"));
+    }
+    Ok(Some(tolerance))
+}
+
+/// Replaces a scene by the coarsest form within a tolerance, and its UAVs by the same over that form.
+pub(super) fn simplify(
+    scene: &mut Ready,
+    uavs: &mut Vec<Uav>,
+    asked: &Asked<'_>,
+    (tolerance, seed): (f64, u64),
+) -> Result<ToleranceFacts> {
+    let built_up = scene.built_up;
+    let options = |field: &HeightField| {
+        let zones = asked.receivers.zone().map(|_| ZoneMap::of(field, built_up.as_ref()));
+        asked.options(field, zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
+    };
+    let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
+    let grid = scene.field.grid();
+    let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * meters_per_unit(grid));
+    if let Some((_, field, moved)) = choice.taken {
+        scene.field = field;
+        *uavs = moved;
+    }
+    Ok(facts)
+}
+
+/// What was chosen and what was measured, in a sentence.
+pub(super) fn in_words(facts: &ToleranceFacts) -> String {
+    let scene = format!("{} m", tidy(facts.cell_m));
+    let Some(m) = facts.worst() else {
+        let tried: Vec<String> = facts.tried.iter().map(|t| t.form.in_words(facts.cell_m)).collect();
+        let tried = if tried.is_empty() { String::new() } else { format!(" (tried: {})", tried.join(", ")) };
+        return format!("Tolerance {}: no simpler form will do{tried}; exact, on cells of {scene}", facts.tolerance);
+    };
+    let form = facts.taken.in_words(facts.cell_m);
+    let measured = if m.sample == m.receivers {
+        format!("by {:.4}, all {} receivers compared", m.bound, grouped(m.receivers))
+    } else {
+        let (n, all) = (grouped(m.sample), grouped(m.receivers));
+        let percent = tidy(100.0 * CONFIDENCE);
+        format!("by at most {:.4} with {percent} % confidence, {n} of {all} receivers asked", m.bound)
+    };
+    format!("Tolerance {}: {form} instead of {scene}; P_LoS is off {measured}", facts.tolerance)
+}

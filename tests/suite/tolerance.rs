@@ -1,0 +1,232 @@
+//! `--tolerance`: P_LoS of the form that is taken is within it, on generated and on real cities; bounds that hold; words.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use skyshed::accuracy::{Choice, Question, Simpler, coarse_answer, coarsest_within};
+use skyshed::coverage::{MapOptions, Mapper, Uav};
+use skyshed::height_field::{HeightField, Pooling};
+use skyshed::quantity::Height;
+use skyshed::raster::{BitGrid, GeoRef, Raster};
+use skyshed::scene::{
+    BuiltUp, BuiltUpCity, FootprintOptions, Ground, MissingHeight, NodataAs, Scene, Site, Solids, SurfaceOptions,
+    read_footprints, read_surface,
+};
+
+use crate::program::Folder;
+use crate::support::{Random, slow, truth};
+
+fn built(scene: Scene) -> HeightField {
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
+    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m: 1.0, seed, ground_m: 0.0 };
+    built(city.scene().unwrap())
+}
+
+fn raster(dsm: &Path, terrain: &Path) -> HeightField {
+    let options = SurfaceOptions {
+        terrain: Some(terrain.to_path_buf()),
+        ground_m: None,
+        building_threshold_m: 0.5,
+        nodata_as: NodataAs::Clear,
+        crs: None,
+        always_hash: false,
+    };
+    built(read_surface(dsm, &options, &mut Vec::new()).unwrap())
+}
+
+fn footprints(buildings: &Path, terrain: &Path) -> HeightField {
+    let options = FootprintOptions {
+        height_field: "height".into(),
+        top_field: None,
+        missing: MissingHeight::Drop,
+        terrain: Some(terrain.to_path_buf()),
+        ground_m: None,
+        extent: None,
+        cell_m: None,
+        crs: None,
+        nodata_as: NodataAs::Clear,
+        always_hash: false,
+    };
+    built(read_footprints(buildings, &options, &mut Vec::new()).unwrap())
+}
+
+/// Scenes of every kind: generated ones as footprints and as rasters, Munich, and the real cities that are there.
+fn scenes() -> Vec<(String, HeightField)> {
+    let mut scenes = Vec::new();
+    for name in ["suburban", "urban", "dense-urban", "high-rise"] {
+        let city = generated(name, 5, 500.0);
+        scenes.push((format!("{name} as a raster"), city.rasterized().unwrap()));
+        scenes.push((name.to_string(), city));
+    }
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    scenes.push(("munich".into(), raster(&maps.join("munich_dsm.tif"), &maps.join("munich_terrain.tif"))));
+    let Some(data) = truth().filter(|_| slow()) else { return scenes };
+    let cities = data.join("cities");
+    for city in ["munich", "etoile", "simple_street_canyon"] {
+        let at = |file: &str| cities.join(city).join(file);
+        scenes.push((format!("{city}, footprints"), footprints(&at("buildings.geojson"), &at("terrain_1m.tif"))));
+        scenes.push((format!("{city}, raster"), raster(&at("dsm_1m.tif"), &at("terrain_1m.tif"))));
+    }
+    for (city, folder) in [("bilbao", data.join("lidar/bilbao")), ("delft", data.join("lidar/delft"))] {
+        let find = |word: &str| -> PathBuf {
+            let mut files: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
+            files.sort();
+            let is_it = |p: &&PathBuf| {
+                let name = p.file_name().unwrap().to_string_lossy().to_lowercase();
+                name.starts_with(word) && name.ends_with("m.tif") && !name.contains("vegetation")
+            };
+            files.iter().find(is_it).unwrap().clone()
+        };
+        scenes.push((city.into(), raster(&find("dsm_"), &find("terrain_"))));
+    }
+    scenes
+}
+
+/// A UAV somewhere over a scene, not inside of anything.
+fn random_uav(field: &HeightField, random: &mut Random) -> Uav {
+    let grid = field.grid();
+    loop {
+        let (row, col) = (random.below(grid.n_rows()), random.below(grid.n_cols()));
+        let (x, y) = grid.world_from_cell(row, col);
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred meters")]
+        let height = random.within(10, 300) as f64;
+        let site = Site { id: "1".into(), x, y, height: Height::AboveGround(height) };
+        if let Ok(uav) = Uav::place(&site, field, None) {
+            return uav;
+        }
+    }
+}
+
+fn p_los(field: &HeightField, uav: &Uav) -> Option<f64> {
+    let options = MapOptions::default();
+    let (receivers, los) = Mapper::new(field, &options).unwrap().count(uav);
+    #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
+    (receivers > 0).then(|| los as f64 / receivers as f64)
+}
+
+fn choose(field: &HeightField, uav: &Uav, tolerance: f64, seed: u64) -> Choice {
+    let question = Question { field, uavs: std::slice::from_ref(uav), tolerance, seed };
+    coarsest_within(&question, &|_| MapOptions::default()).unwrap()
+}
+
+#[test]
+fn p_los_of_the_form_taken_is_within_the_tolerance() {
+    let scenes = scenes();
+    let mut random = Random(21);
+    let n_runs: usize = if slow() { 200 } else { 45 };
+    let (mut n_within, mut n_simpler) = (0, 0);
+    for k in 0..n_runs {
+        let (name, field) = &scenes[k % scenes.len()];
+        let uav = random_uav(field, &mut random);
+        let tolerance = random.choose(&[0.005, 0.01, 0.02, 0.05]);
+        let Some(exact) = p_los(field, &uav) else { continue };
+        let choice = choose(field, &uav, tolerance, random.next());
+        let Some((form, coarse, moved)) = &choice.taken else {
+            n_within += 1;
+            continue;
+        };
+        n_simpler += 1;
+        let found = p_los(coarse, &moved[0]).unwrap();
+        let measured = choice.tried.last().unwrap().measured.as_ref().unwrap();
+        assert_eq!(found.to_bits(), measured[0].p_los.to_bits(), "{name}: the map measured is the map taken");
+        assert!(measured[0].bound <= tolerance);
+        if (found - exact).abs() <= measured[0].bound {
+            n_within += 1;
+        } else {
+            println!("{name}, {form:?}: {found} instead of {exact}, {measured:?}");
+        }
+        // What was estimated is near what is: within its own bound's width.
+        assert!((measured[0].difference - (found - exact)).abs() <= 2.0 * tolerance, "{name}: {measured:?}");
+    }
+    println!("{n_within} of {n_runs} within their bound, {n_simpler} on simpler forms");
+    assert!(n_within * 100 >= n_runs * 95, "{n_within} of {n_runs}");
+    assert!(n_simpler * 2 >= n_runs, "{n_simpler} of {n_runs} on simpler forms");
+}
+
+#[test]
+fn a_difference_is_counted_by_hand() {
+    // Two blocks of 2 × 2 cells beside a wall: the coarse cell over the wall has no receiver, as its maximum is a roof.
+    // 32 × 16 cells, open but for a wall 1 cell wide in column 16, 20 m high; the UAV 10 m high at the west end.
+    let grid = GeoRef::new((0.0, 16.0), (1.0, 1.0), (16, 32), None).unwrap();
+    let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect();
+    let solids =
+        Solids::Raster { surface: Raster::new(grid.clone(), tops), ground: Ground::Flat(0), building_threshold: 256 };
+    let field = HeightField::build(&grid, solids, &mut Vec::new());
+    let uav =
+        Uav::place(&Site { id: "1".into(), x: 1.5, y: 8.5, height: Height::AboveGround(10.0) }, &field, None).unwrap();
+    // Exact: 16 columns in front are LoS, 15 behind are not: P = 256/496. Pooled by 2: the wall takes columns 16 and 17, so
+    // 8 coarse columns are LoS and 7 are not: A = 64/120. By the mean the wall is 10 m, as high as the UAV, and hides the
+    // same.
+    let choice = choose(&field, &uav, 0.05, 1);
+    let (form, ..) = choice.taken.as_ref().unwrap();
+    assert_eq!(*form, Simpler { factor: 2, pooling: Some(Pooling::Mean) });
+    let m = &choice.tried.last().unwrap().measured.as_ref().unwrap()[0];
+    assert_eq!((m.sample, m.receivers), (496, 496), "fewer receivers than a sample: all are asked");
+    assert!((m.p_los - 64.0 / 120.0).abs() < 1e-15);
+    assert!((m.difference - (64.0 / 120.0 - 256.0 / 496.0)).abs() < 1e-15 && m.bound == m.difference.abs());
+    // Off by 0.0172: 0.015 asks for the scene itself.
+    assert!(choose(&field, &uav, 0.015, 1).taken.is_none());
+}
+
+#[test]
+fn a_receiver_takes_the_answer_of_the_cell_that_it_is_in() {
+    use skyshed::accuracy::CoarseAnswer;
+    let (mut receivers, mut los) = (BitGrid::new(2, 2), BitGrid::new(2, 2));
+    receivers.insert(0, 1);
+    receivers.insert(1, 0);
+    los.insert(1, 0);
+    let of = |cell| coarse_answer(&receivers, &los, 3, cell);
+    assert_eq!((of((2, 3)), of((3, 2)), of((5, 5))), (CoarseAnswer::Nlos, CoarseAnswer::Los, CoarseAnswer::None));
+}
+
+#[test]
+fn the_program_says_what_was_taken_and_writes_coarser_cells() {
+    let folder = Folder::new();
+    let said = folder.type_in("map itu:urban --uav 500,500,100 --tolerance 0.02 -o map.json").done().err;
+    assert!(said.contains("Tolerance 0.02: receivers every"), "{said}");
+    assert!(said.contains("with 99 % confidence"), "{said}");
+    let document = folder.json("map.json");
+    let tolerance = &document["tolerance"];
+    let factor = tolerance["taken"]["factor"].as_u64().unwrap();
+    assert!(factor > 1);
+    assert_eq!(document["exact"], false);
+    assert_eq!(document["scene"]["cols"].as_u64().unwrap(), 1000_u64.div_ceil(factor));
+    let last = tolerance["tried"].as_array().unwrap().last().unwrap();
+    assert!(last["bound"].as_f64().unwrap() <= 0.02);
+    assert_eq!(last["sites"][0]["p_los"], document["sites"][0]["p_los"]);
+    // The same with one thread.
+    folder.type_in("map itu:urban --uav 500,500,100 --tolerance 0.02 -j 1 -o again.json").done();
+    let again = folder.json("again.json");
+    assert_eq!((&again["tolerance"], &again["digest"]), (tolerance, &document["digest"]));
+}
+
+#[test]
+fn a_tolerance_that_nothing_meets_leaves_the_scene_as_it_is() {
+    let folder = Folder::new();
+    let words = "map itu:urban --size 200 --uav 100,100,40 --json";
+    let exact = folder.type_in(words).done().json();
+    let strict = folder.type_in(&format!("{words} --tolerance 0.000001")).done();
+    let found = strict.json();
+    assert_eq!((&found["digest"], &found["exact"]), (&exact["digest"], &Value::Bool(true)));
+    assert_eq!(found["tolerance"]["taken"]["factor"], 1);
+    assert!(strict.err.contains("no simpler form will do"), "{}", strict.err);
+}
+
+#[test]
+fn senseless_tolerances_are_refused() {
+    let folder = Folder::new();
+    for (more, code) in [
+        ("--tolerance 0", "E113"),
+        ("--tolerance -0.1", "E113"),
+        ("--tolerance 1", "E113"),
+        ("--tolerance nan", "E101"),
+        ("--tolerance 0.1 --method xdraw", "E116"),
+    ] {
+        let answer = folder.type_in(&format!("map itu:urban --uav 500,500,100 --json {more}"));
+        let lines = answer.refused(2);
+        assert!(lines[0].starts_with(&format!("error[{code}]")), "{more}: {lines:?}");
+    }
+}
