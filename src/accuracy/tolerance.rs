@@ -234,7 +234,6 @@ fn random_cells(cells: &BitGrid, n: u64, (seed, stream): (u64, u64)) -> Vec<(usi
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(stream);
     let draw = |_| {
-        #[expect(clippy::cast_possible_truncation, reason = "below the number of cells")]
         let rank = ((u128::from(random.next_u64()) * u128::from(total)) >> 64) as u64;
         let row = before.partition_point(|b| *b <= rank) - 1;
         #[expect(clippy::cast_possible_truncation, reason = "below the number of columns")]

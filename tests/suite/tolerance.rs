@@ -118,6 +118,7 @@ fn p_los_of_the_form_taken_is_within_the_tolerance() {
     let mut random = Random(21);
     let n_runs: usize = if slow() { 200 } else { 45 };
     let (mut n_within, mut n_simpler) = (0, 0);
+    let mut outside = Vec::new();
     for k in 0..n_runs {
         let (name, field) = &scenes[k % scenes.len()];
         let uav = random_uav(field, &mut random);
@@ -133,16 +134,16 @@ fn p_los_of_the_form_taken_is_within_the_tolerance() {
         let measured = choice.tried.last().unwrap().measured.as_ref().unwrap();
         assert_eq!(found.to_bits(), measured[0].p_los.to_bits(), "{name}: the map measured is the map taken");
         assert!(measured[0].bound <= tolerance);
-        if (found - exact).abs() <= measured[0].bound {
+        // Sums of shares are rounded in another order than shares of sums.
+        if (found - exact).abs() <= measured[0].bound + 1e-12 {
             n_within += 1;
         } else {
-            println!("{name}, {form:?}: {found} instead of {exact}, {measured:?}");
+            outside.push(format!("{name}, {form:?}: {found} instead of {exact}, {measured:?}"));
         }
         // What was estimated is near what is: within its own bound's width.
         assert!((measured[0].difference - (found - exact)).abs() <= 2.0 * tolerance, "{name}: {measured:?}");
     }
-    println!("{n_within} of {n_runs} within their bound, {n_simpler} on simpler forms");
-    assert!(n_within * 100 >= n_runs * 95, "{n_within} of {n_runs}");
+    assert!(n_within * 100 >= n_runs * 95, "{n_within} of {n_runs}: {outside:#?}");
     assert!(n_simpler * 2 >= n_runs, "{n_simpler} of {n_runs} on simpler forms");
 }
 
@@ -166,7 +167,7 @@ fn a_difference_is_counted_by_hand() {
     let m = &choice.tried.last().unwrap().measured.as_ref().unwrap()[0];
     assert_eq!((m.sample, m.receivers), (496, 496), "fewer receivers than a sample: all are asked");
     assert!((m.p_los - 64.0 / 120.0).abs() < 1e-15);
-    assert!((m.difference - (64.0 / 120.0 - 256.0 / 496.0)).abs() < 1e-15 && m.bound == m.difference.abs());
+    assert!((m.difference - (64.0 / 120.0 - 256.0 / 496.0)).abs() < 1e-15 && (m.bound - m.difference).abs() < 1e-15);
     // Off by 0.0172: 0.015 asks for the scene itself.
     assert!(choose(&field, &uav, 0.015, 1).taken.is_none());
 }
