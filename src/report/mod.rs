@@ -22,7 +22,7 @@ pub use documents::{
 };
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
-pub use plos::{MethodFacts, PlosReport, PlosRow, PlosValue, RealCityFacts};
+pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
 pub use tolerance::ToleranceFacts;
 pub use track::TrackReport;

@@ -4,10 +4,14 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use super::documents::digest_words;
+use super::tolerance::form_json;
+use crate::accuracy::{CONFIDENCE, Simpler};
 use crate::error::Warning;
 use crate::los::Method;
-use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS};
+use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS, student_quantile};
 use crate::los_probability::fit::BuiltUpFit;
+use crate::los_probability::product::SHIFTS;
+use crate::quantity::tidy;
 use crate::scene::{BuiltUp, Source};
 
 /// What a method says of P_LoS.
@@ -109,6 +113,67 @@ pub struct RealCityFacts {
     pub blocks: (usize, f64),
     /// The statistical city that is most like it, if its buildings are known.
     pub fit: Option<BuiltUpFit>,
+    /// What a tolerance led to, where one was given.
+    pub tolerance: Option<PlosToleranceFacts>,
+}
+
+/// A form of a real city that was tried for a tolerance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlosTried {
+    /// Which one.
+    pub form: Simpler,
+    /// The largest bound of all values, or why there is none.
+    pub bound: std::result::Result<f64, String>,
+}
+
+/// What a tolerance led to over a real city.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlosToleranceFacts {
+    /// How far any P_LoS may be off.
+    pub tolerance: f64,
+    /// Width of a cell of the city itself \[m\].
+    pub cell_m: f64,
+    /// The form that was mapped; the city itself if no simpler one would do.
+    pub taken: Simpler,
+    /// Positions from which maps of both kinds were compared.
+    pub positions: usize,
+    /// All forms that were tried, the coarsest first.
+    pub tried: Vec<PlosTried>,
+}
+
+impl PlosToleranceFacts {
+    /// What was chosen and what was measured, in a sentence.
+    pub fn in_words(&self) -> String {
+        let bound = self.tried.last().filter(|t| t.form == self.taken).and_then(|t| t.bound.as_ref().ok());
+        let scene = format!("{} m", tidy(self.cell_m));
+        match bound {
+            Some(bound) => format!(
+                "tolerance {}: {} instead of {scene}; P_LoS is off by at most {bound:.4} with {} % confidence, {} \
+                 positions compared",
+                self.tolerance,
+                self.taken.in_words(self.cell_m),
+                tidy(100.0 * CONFIDENCE),
+                self.positions
+            ),
+            None => format!("tolerance {}: no simpler form will do; cells of {scene}", self.tolerance),
+        }
+    }
+
+    fn json(&self) -> Value {
+        let tried = |t: &PlosTried| {
+            let mut object = form_json(t.form, self.cell_m);
+            object.insert("bound".into(), t.bound.as_ref().ok().copied().into());
+            object.extend(t.bound.as_ref().err().map(|why| ("reason".to_string(), Value::from(why.clone()))));
+            Value::Object(object)
+        };
+        json!({
+            "tolerance": self.tolerance,
+            "confidence": CONFIDENCE,
+            "taken": form_json(self.taken, self.cell_m),
+            "positions": self.positions,
+            "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
+        })
+    }
 }
 
 /// A study as reported.
@@ -128,6 +193,8 @@ pub struct PlosReport {
     pub sources: Vec<Source>,
     /// The values.
     pub rows: Vec<PlosRow>,
+    /// How far any P_LoS of the product or of maps may be off, if that was given.
+    pub tolerance: Option<f64>,
     /// What was odd.
     pub warnings: Vec<Warning>,
 }
@@ -182,6 +249,13 @@ impl PlosReport {
         std::iter::once(header).chain(self.rows.iter().map(row)).collect()
     }
 
+    /// How far any value of the product may be off, with the confidence of a tolerance; `None` without such a value.
+    pub fn product_bound(&self) -> Option<f64> {
+        let reach = student_quantile(2.0 * CONFIDENCE - 1.0, (SHIFTS - 1) as f64);
+        let errors = self.rows.iter().filter(|row| row.method == "product").filter_map(|row| row.estimate()?.std_error);
+        errors.map(|error| reach * error).reduce(f64::max)
+    }
+
     /// SHA-256 of the table, cells separated by commas and rows by line breaks.
     pub fn digest(&self) -> String {
         let mut hasher = Sha256::new();
@@ -214,6 +288,10 @@ impl PlosReport {
         document.insert("confidence".into(), self.confidence.into());
         let method = |m: &MethodFacts| json!({"id": m.id, "name": m.name, "source": m.source, "domain": m.domain});
         document.insert("methods".into(), self.methods.iter().map(method).collect::<Vec<_>>().into());
+        document.extend(self.tolerance.map(|tolerance| {
+            let of_product = json!({"tolerance": tolerance, "confidence": CONFIDENCE, "bound": self.product_bound()});
+            ("tolerance".to_string(), of_product)
+        }));
         let real = self.real_cities.iter().map(real_city_json).collect::<Vec<_>>();
         if !real.is_empty() {
             document.insert("real_cities".into(), real.into());
@@ -269,6 +347,7 @@ fn real_city_json(city: &RealCityFacts) -> Value {
         "engine": city.engine.name(),
         "blocks": city.blocks.0,
         "block_m": city.blocks.1,
+        "tolerance": city.tolerance.as_ref().map(PlosToleranceFacts::json),
         "fit": city.fit.as_ref().map(|fit| json!({
             "alpha": fit.built_up.built_up_ratio,
             "beta_per_km2": fit.built_up.buildings_per_km2,

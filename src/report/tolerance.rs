@@ -1,6 +1,6 @@
 //! What a tolerance led to, as documents and captions tell it.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::accuracy::{CONFIDENCE, Choice, Measured, Simpler, Tried};
 
@@ -39,31 +39,30 @@ impl ToleranceFacts {
             })
         };
         let tried = |t: &Tried| {
-            let mut object = self.form_json(t.form);
-            let fields = object.as_object_mut().into_iter();
-            fields.for_each(|fields| match &t.measured {
-                Ok(all) => {
-                    fields.insert("bound".into(), t.bound().into());
-                    fields.insert("sites".into(), all.iter().map(measured).collect::<Vec<_>>().into());
-                }
-                Err(why) => {
-                    fields.insert("bound".into(), Value::Null);
-                    fields.insert("reason".into(), why.clone().into());
-                }
-            });
-            object
+            let mut object = form_json(t.form, self.cell_m);
+            object.insert("bound".into(), t.bound().into());
+            match &t.measured {
+                Ok(all) => object.insert("sites".into(), all.iter().map(measured).collect::<Vec<_>>().into()),
+                Err(why) => object.insert("reason".into(), why.clone().into()),
+            };
+            Value::Object(object)
         };
         json!({
             "tolerance": self.tolerance,
             "confidence": CONFIDENCE,
-            "taken": self.form_json(self.taken),
+            "taken": form_json(self.taken, self.cell_m),
             "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
         })
     }
+}
 
-    fn form_json(&self, form: Simpler) -> Value {
-        #[expect(clippy::cast_precision_loss, reason = "a small factor")]
-        let cell_m = self.cell_m * form.factor as f64;
-        json!({"cell_m": cell_m, "factor": form.factor, "pooling": form.pooling.map(|p| p.name())})
-    }
+/// A form of a scene whose cells are so wide \[m\].
+pub(super) fn form_json(form: Simpler, cell_m: f64) -> Map<String, Value> {
+    #[expect(clippy::cast_precision_loss, reason = "a small factor")]
+    let cell_m = cell_m * form.factor as f64;
+    Map::from_iter([
+        ("cell_m".to_string(), cell_m.into()),
+        ("factor".to_string(), form.factor.into()),
+        ("pooling".to_string(), form.pooling.map(|p| p.name()).into()),
+    ])
 }

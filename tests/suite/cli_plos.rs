@@ -275,7 +275,8 @@ const FLAGS: [(&str, &str); 35] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 13] = [
+const OTHER: [&str; 14] = [
+    "--tolerance",
     "--output",
     "--csv",
     "--plot",

@@ -230,4 +230,72 @@ fn senseless_tolerances_are_refused() {
         let lines = answer.refused(2);
         assert!(lines[0].starts_with(&format!("error[{code}]")), "{more}: {lines:?}");
     }
+    for (more, code) in [
+        ("--tolerance 0", "E113"),
+        ("--tolerance 0.01 --until 0.01", "E101"),
+        ("--tolerance 0.01 --method itu", "E116"),
+    ] {
+        let answer = folder.type_in(&format!("plos itu:urban --json {more}"));
+        let lines = answer.refused(2);
+        assert!(lines[0].starts_with(&format!("error[{code}]")), "{more}: {lines:?}");
+    }
+}
+
+/// The values of P_LoS of a study, row by row.
+fn values(document: &Value) -> Vec<Option<f64>> {
+    document["rows"].as_array().unwrap().iter().map(|row| row["p_los"].as_f64()).collect()
+}
+
+#[test]
+fn the_product_stops_where_a_tolerance_allows() {
+    let folder = Folder::new();
+    let study = "plos itu:urban --theta 10:80:10 --json";
+    let exact = values(&folder.type_in(&format!("{study} --until 0.0001")).done().json());
+    let mut last = 0;
+    for tolerance in [0.05, 0.005, 0.0005] {
+        for seed in 1..=if slow() { 70 } else { 8 } {
+            let line = format!("{study} --tolerance {tolerance} --seed {seed}");
+            let document = folder.type_in(&line).done().json();
+            for (found, exact) in values(&document).iter().zip(&exact) {
+                let off = (found.unwrap() - exact.unwrap()).abs();
+                assert!(off <= tolerance + 0.0002, "{line}: {found:?} instead of {exact:?}");
+            }
+            let bound = document["tolerance"]["bound"].as_f64().unwrap();
+            assert!(bound <= tolerance && bound > 0.0, "{line}: {bound}");
+            if seed == 1 {
+                let samples: u64 =
+                    document["rows"].as_array().unwrap().iter().map(|r| r["samples"].as_u64().unwrap()).sum();
+                assert!(samples >= last, "{line}: {samples} samples after {last}");
+                last = samples;
+            }
+        }
+    }
+}
+
+#[test]
+fn maps_over_a_real_city_are_as_coarse_as_a_tolerance_allows() {
+    let folder = Folder::new();
+    let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    let munich = munich.to_str().unwrap();
+    let study = format!(
+        "plos {munich} --extent 691300,5334500,691700,5334900 --method maps --height 60,120 --radius 100,200 --positions 60 --json"
+    );
+    let exact = values(&folder.type_in(&study).done().json());
+    let mut n_simpler = 0;
+    for tolerance in [0.05, 0.02, 0.01] {
+        let document = folder.type_in(&format!("{study} --tolerance {tolerance}")).done().json();
+        for (found, exact) in values(&document).iter().zip(&exact) {
+            let off = (found.unwrap() - exact.unwrap()).abs();
+            assert!(off <= tolerance, "{tolerance}: {found:?} instead of {exact:?}");
+        }
+        let told = &document["real_cities"][0]["tolerance"];
+        let last = told["tried"].as_array().unwrap().last().unwrap();
+        let factor = told["taken"]["factor"].as_u64().unwrap();
+        if factor > 1 {
+            n_simpler += 1;
+            assert!(last["bound"].as_f64().unwrap() <= tolerance);
+            assert_eq!(last["factor"].as_u64(), Some(factor));
+        }
+    }
+    assert!(n_simpler > 0);
 }

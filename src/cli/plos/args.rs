@@ -103,6 +103,12 @@ pub(in crate::cli) struct PlosArgs {
     /// Stop when all intervals are ±P or narrower
     #[arg(long, value_name = "±P", value_parser = plus_minus, help_heading = "Effort")]
     pub(in crate::cli) until: Option<f64>,
+    /// How far any P_LoS may be off, such as 0.005, at the least effort: over a generated city the product with the fewest
+    /// points, over a real one maps of the coarsest cells, for which that is so with 99 % confidence, as measured; says what
+    /// was taken
+    #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true, help_heading = "Effort",
+          conflicts_with = "until")]
+    pub(in crate::cli) tolerance: Option<f64>,
     /// Confidence of the intervals
     #[arg(long, value_name = "C", value_parser = number, default_value = "0.95", help_heading = "Effort")]
     pub(in crate::cli) ci: f64,

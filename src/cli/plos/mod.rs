@@ -1,6 +1,7 @@
 //! `skyshed plos`: P_LoS by every method, over generated and real cities.
 
 mod args;
+mod coarser;
 mod heat;
 mod methods;
 mod plot;
@@ -18,14 +19,19 @@ use sweep::Sweeps;
 
 use super::args::SceneArgs;
 use super::plan::check_csv;
+use super::tolerance::checked_tolerance;
 use super::words::pretty;
 use super::{interrupt, messages};
+use crate::accuracy::CONFIDENCE;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::los::MethodChoice;
+use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
+use crate::los_probability::product::SHIFTS;
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, estimate_all};
-use crate::quantity::counted;
+use crate::quantity::{counted, tidy};
 use crate::raster::{NpyArray, write_npz};
 use crate::report::{PlosReport, PlosRow, PlosValue};
 use crate::scene::{BuiltUp, BuiltUpCity, Source};
@@ -66,6 +72,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         real_cities: Vec::new(),
         sources: Vec::new(),
         rows: Vec::new(),
+        tolerance: args.tolerance,
         warnings: Vec::new(),
     };
     let mut plot = plot::Facts::default();
@@ -181,6 +188,14 @@ fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&String]) -> Result<()
     if is_typed("links") && !uses(&["geometry", "all"]) {
         return refuse("links", "without `--method geometry`");
     }
+    checked_tolerance(args.tolerance, MethodChoice::Auto)?;
+    let has_bound = |m: &String| ["auto", "product", "maps", "sweep", "shadow", "ray"].contains(&m.trim());
+    if args.tolerance.is_some() && !args.method.iter().all(has_bound) {
+        return refuse(
+            "tolerance",
+            "beside methods other than product and maps: the others have no bound on their error",
+        );
+    }
     if args.until.is_some() && (is_typed("cities") || is_typed("links")) {
         return refuse("until", "together with `--cities` or `--links`, which fix the effort");
     }
@@ -207,6 +222,13 @@ fn refuse_for_real_city(args: &PlosArgs, sweeps: &Sweeps, word: &str) -> Result<
     Ok(())
 }
 
+/// Half-width of an interval at the confidence that was typed whose bound, one-sided at that of a tolerance, is the tolerance.
+fn half_width_within(args: &PlosArgs) -> Option<f64> {
+    let freedom = (SHIFTS - 1) as f64;
+    let one_sided = student_quantile(2.0 * CONFIDENCE - 1.0, freedom);
+    args.tolerance.map(|tolerance| tolerance * student_quantile(args.ci, freedom) / one_sided)
+}
+
 /// The rows of one method over a city that is known by α, β, γ.
 fn statistical_rows(
     args: &PlosArgs,
@@ -222,7 +244,7 @@ fn statistical_rows(
             let effort = Effort {
                 seed: args.scene.seed,
                 confidence: args.ci,
-                until: args.until,
+                until: args.until.or_else(|| half_width_within(args)),
                 n_cities: args.cities,
                 n_users: args.users_per_city,
                 n_links: args.links,
@@ -345,7 +367,8 @@ fn warn_of_intervals(args: &PlosArgs, report: &mut PlosReport) {
     let have = |n: usize, one: &str, many: &str| counted(n as u64, one, many);
     let n_missing = estimates().filter(|e| e.interval.is_none()).count();
     let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count();
-    let until = args.until.unwrap_or(f64::INFINITY);
+    let until = args.until.or_else(|| half_width_within(args).filter(|_| report.real_cities.is_empty()));
+    let until = until.unwrap_or(f64::INFINITY);
     let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count();
     if n_missing > 0 {
         let text = format!(
@@ -401,6 +424,13 @@ fn write(
         let files: Vec<String> =
             outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
         let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
+        report.real_cities.iter().filter_map(|c| c.tolerance.as_ref()).for_each(|t| messages::note(&t.in_words()));
+        if let (Some(tolerance), Some(bound)) = (report.tolerance, report.product_bound()) {
+            let percent = tidy(100.0 * CONFIDENCE);
+            messages::note(&format!(
+                "tolerance {tolerance}: product, off by at most {bound:.2e} with {percent} % confidence"
+            ));
+        }
         messages::note(&format!(
             "{} of P_LoS in {seconds:.2} s{wrote}",
             counted(report.rows.len() as u64, "value", "values")

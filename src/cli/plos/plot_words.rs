@@ -188,6 +188,7 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool)
             );
         }
         lines.push(unbreakable(&line));
+        lines.extend(real.tolerance.as_ref().map(|t| unbreakable(&t.in_words())));
     }
     if shows_intervals && report.rows.iter().any(|r| r.estimate().is_some_and(|e| e.interval.is_some())) {
         lines.push(format!(

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::args::PlosArgs;
+use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
 use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene, receiver_height};
@@ -20,10 +21,59 @@ use crate::report::{PlosRow, PlosValue, RealCityFacts};
 use crate::scene::{BuiltUp, Solids, Source};
 use crate::zones::{Zone, ZoneBasis, ZoneMap};
 
+/// Values that share their UAV positions and their users.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group {
+    pub(super) users: Users,
+    placement: Placement,
+    height: f64,
+}
+
+impl Group {
+    /// All of a sweep, in the order of its rows.
+    pub(super) fn all(sweeps: &Sweeps) -> Vec<Group> {
+        let of = |users: Users| {
+            let heights = move |placement: &Placement| {
+                sweeps.heights.iter().map({
+                    let placement = *placement;
+                    move |height| Group { users, placement, height: *height }
+                })
+            };
+            sweeps.placements.iter().flat_map(heights)
+        };
+        sweeps.users.iter().flat_map(|users| of(*users)).collect()
+    }
+}
+
+/// How links are decided and counted.
+pub(super) struct Sight {
+    method: Method,
+    block_m: f64,
+    bands: Vec<Band>,
+    /// Whether the bands are the rings of discs.
+    is_nested: bool,
+}
+
+impl Sight {
+    /// Number of angles or distances.
+    pub(super) fn n_bands(&self) -> usize {
+        self.bands.len()
+    }
+
+    /// What a UAV sees, `[block][band]`.
+    pub(super) fn count(&self, city: &RealCity<'_>, uav: &Station) -> Vec<Count> {
+        let mut counts = city.count(uav, &self.bands);
+        if self.is_nested {
+            add_inner_rings(&mut counts, self.bands.len());
+        }
+        counts
+    }
+}
+
 /// A real city, read and built.
 pub(super) struct Real {
     word: String,
-    field: HeightField,
+    pub(super) field: HeightField,
     /// Its zones, if they are asked for.
     zones: Option<ZoneMap>,
     pub(super) fit: Option<BuiltUpFit>,
@@ -87,31 +137,33 @@ impl Real {
             return Err(Error::usage(113, format!("`--block` is `{block_m}`, wanted above 0 m")));
         }
         let (bands, is_nested) = bands(&sweeps.far);
+        let sight = Sight { method, block_m, bands, is_nested };
+        let (coarse, tolerance) = match args.tolerance {
+            Some(tolerance) => {
+                let (coarse, facts) = coarsest_within(self, args, (sweeps, &sight), tolerance)?;
+                (coarse, Some(facts))
+            }
+            None => (None, None),
+        };
+        let field = coarse.as_ref().unwrap_or(&self.field);
+        let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
+        let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
         let mut rows = Vec::new();
         let (mut n_positions, mut n_inside, mut n_blocks) = (0, 0, 0);
-        for &users in &sweeps.users {
-            let city = RealCity::new(&self.field, method, receiver_height(args.rx_height)?, unit, block_m);
-            let city = match self.cells_of(users)? {
-                Some(cells) => city.with_users(&cells),
-                None => city,
-            };
+        for group in Group::all(sweeps) {
+            let city = self.city(args, (field, zones), group.users, &sight)?;
             n_blocks = city.n_blocks();
-            for (&placement, &height) in
-                sweeps.placements.iter().flat_map(|p| sweeps.heights.iter().map(move |height| (p, height)))
-            {
-                let uavs = self.positions(args, placement, height)?;
-                n_positions += uavs.len();
-                n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
-                let uavs: Vec<Station> =
-                    uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
-                let mut counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| city.count(uav, &bands)).collect();
-                if is_nested {
-                    counts.iter_mut().for_each(|of_uav| add_inner_rings(of_uav, bands.len()));
-                }
-                let estimates = resampled(&counts, bands.len(), args.ci, args.scene.seed);
-                let row = |(far, e): (&Far, Estimate)| self.row(args, (users, placement, height, *far), e);
-                rows.extend(sweeps.far.iter().zip(estimates).map(row));
-            }
+            let uavs = self.positions(args, &group)?;
+            let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
+            let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
+            n_positions += uavs.len();
+            n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
+            let uavs: Vec<Station> =
+                uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
+            let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| sight.count(&city, uav)).collect();
+            let estimates = resampled(&counts, sight.n_bands(), args.ci, args.scene.seed);
+            let row = |(far, e): (&Far, Estimate)| self.row(args, (group, *far), e);
+            rows.extend(sweeps.far.iter().zip(estimates).map(row));
         }
         let facts = RealCityFacts {
             city: self.word.clone(),
@@ -119,18 +171,40 @@ impl Real {
             engine: method,
             blocks: (n_blocks, block_m),
             fit: self.fit.clone(),
+            tolerance,
         };
         Ok((rows, facts))
     }
 
+    /// The zones of a form of the city, if they are asked for.
+    pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
+        self.zones.as_ref().map(|_| ZoneMap::of(field, None)).filter(|z| z.basis() != ZoneBasis::Unknown)
+    }
+
+    /// A form of the city made ready for counting some users.
+    pub(super) fn city<'a>(
+        &self,
+        args: &PlosArgs,
+        (field, zones): (&'a HeightField, Option<&ZoneMap>),
+        users: Users,
+        sight: &Sight,
+    ) -> Result<RealCity<'a>> {
+        let rx_height = receiver_height(args.rx_height)?;
+        let city = RealCity::new(field, sight.method, rx_height, meters_per_unit(field.grid()), sight.block_m);
+        Ok(match self.cells_of(users, zones)? {
+            Some(cells) => city.with_users(&cells),
+            None => city,
+        })
+    }
+
     /// The cells that users of a zone stand on; `None` for all open ground.
-    fn cells_of(&self, users: Users) -> Result<Option<BitGrid>> {
+    fn cells_of(&self, users: Users, zones: Option<&ZoneMap>) -> Result<Option<BitGrid>> {
         let zone = match users {
             Users::Outdoor => return Ok(None),
             Users::Street => Zone::Street,
             Users::Crossroad => Zone::Crossroad,
         };
-        let cells = self.zones.as_ref().map(|zones| zones.cells(zone)).filter(|cells| cells.count() > 0);
+        let cells = zones.map(|zones| zones.cells(zone)).filter(|cells| cells.count() > 0);
         cells.map(Some).ok_or_else(|| {
             Error::site(204, format!("cannot place users on a {0} of {1}: it has no {0} cell", zone.name(), self.word))
         })
@@ -139,7 +213,7 @@ impl Real {
     fn row(
         &self,
         args: &PlosArgs,
-        (users, placement, height, far): (Users, Placement, f64, Far),
+        (Group { users, placement, height }, far): (Group, Far),
         estimate: Estimate,
     ) -> PlosRow {
         let rise = height - args.rx_height;
@@ -167,7 +241,8 @@ impl Real {
     }
 
     /// Evenly spread positions over the city.
-    fn positions(&self, args: &PlosArgs, placement: Placement, height: f64) -> Result<Vec<Station>> {
+    pub(super) fn positions(&self, args: &PlosArgs, group: &Group) -> Result<Vec<Station>> {
+        let Group { placement, height, .. } = *group;
         let grid = self.field.grid();
         let above = height_steps(height)
             .ok_or_else(|| Error::usage(113, format!("`--height` is `{height}`, wanted within 32768 m")))?;
