@@ -238,6 +238,9 @@ pub(super) enum LayerArg {
     Ceiling,
     /// Least UAV height over its place that sees the receiver [m above the datum]
     LeastHeight,
+    /// How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, down, all
+    /// roofs up, down (1/1024 m; of a raster horizontally 1/1024 cell). Costs eight more maps
+    Stability,
     /// Number of UAVs that see the cell
     Count,
     /// Which UAVs see the cell, one bit each

@@ -15,7 +15,7 @@ use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simpli
 use super::words::{picture_provenance, pretty, unbreakable};
 use super::{interrupt, messages};
 use crate::coverage::{
-    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
+    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Stability, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{
@@ -99,6 +99,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             margin: layers.contains(&Layer::Margin),
             ceiling: layers.contains(&Layer::Ceiling),
             least_height: layers.contains(&Layer::LeastHeight),
+            stability: layers.contains(&Layer::Stability),
         },
         ..asked.options(&scene.field, zones.as_ref())
     };
@@ -108,13 +109,14 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         || args.bare
         || curve_plan.is_wanted()
         || outputs.iter().any(|(_, f)| matches!(f, Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz));
-    let n_measures =
-        [Layer::Margin, Layer::Ceiling, Layer::LeastHeight].iter().filter(|layer| layers.contains(layer)).count();
+    let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
+    let is_shifted = layers.contains(&Layer::Stability);
     let n_held = if keeps_masks { uavs.len() } else { uavs.len().min(maps_at_once()) };
     let bytes_per_cell = n_held
         .saturating_mul(1 + 4 * n_measures)
         .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
-        .saturating_add(curve_plan.bytes_per_cell());
+        .saturating_add(curve_plan.bytes_per_cell())
+        .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
     let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
     let mapper = Mapper::new(&scene.field, &options)?;
@@ -123,6 +125,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
         let n_in_range = (disc / (grid.cell_width() * grid.cell_height())).min(grid.n_cells() as f64);
         let method = (mapper.method().0, rayon::current_num_threads());
+
         let expected =
             Expected::of(method, (grid.n_cells(), n_in_range), (uavs.len(), n_measures), bytes_per_cell).words();
         expected.iter().for_each(|words| messages::note(words));
@@ -213,6 +216,7 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
             LayerArg::Margin => Layer::Margin,
             LayerArg::Ceiling => Layer::Ceiling,
             LayerArg::LeastHeight => Layer::LeastHeight,
+            LayerArg::Stability => Layer::Stability,
             LayerArg::Count => Layer::Count,
             LayerArg::Which => Layer::Which,
         };
@@ -399,6 +403,7 @@ impl Writer<'_> {
                     Some(Layer::Ceiling) => "Least receiver height in line of sight in",
                     _ => "Least UAV height that sees",
                 },
+                (render::Layer::Stability { .. }, _) => "Stability of line of sight in",
                 (_, 1) => "What a UAV sees of",
                 _ => "What the UAVs see of",
             };
@@ -466,6 +471,10 @@ impl Writer<'_> {
             margin: part(&site.margin),
             ceiling: part(&site.ceiling),
             least_height: part(&site.least_height),
+            stability: site
+                .stability
+                .as_ref()
+                .map(|s| Stability { turns: crop(&s.turns, n_cols, window), ..s.clone() }),
             tally: site.tally,
         }
     }
@@ -481,6 +490,7 @@ impl Writer<'_> {
             Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
             Layer::Ceiling => field(&site.ceiling, "Ceiling, above the datum"),
             Layer::LeastHeight => field(&site.least_height, "Least UAV height, above the datum"),
+            Layer::Stability => site.stability.as_ref().map(|s| render::Layer::Stability { turns: &s.turns, mask }),
         });
         wanted.unwrap_or(render::Layer::Los(mask))
     }

@@ -43,7 +43,7 @@ impl Mapper<'_> {
                 }
                 if !keep {
                     site.mask = Vec::new();
-                    (site.margin, site.ceiling, site.least_height) = (None, None, None);
+                    (site.margin, site.ceiling, site.least_height, site.stability) = (None, None, None, None);
                 }
                 sites.push(site);
             }

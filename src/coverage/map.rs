@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use super::cell_classes::{RowSets, write_classes};
 use super::elevation::RowElevations;
 use super::range::Range;
-use super::{Tally, Uav};
+use super::stability::{Decided, ShiftedRoofs};
+use super::{Stability, Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{GridPositions, HeightField, Place, Station};
 use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights, link_los};
@@ -60,7 +61,7 @@ impl Default for MapOptions {
     }
 }
 
-/// The layers of heights of one UAV, beside its mask.
+/// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct HeightLayers {
     /// Receiver height less ceiling.
@@ -69,6 +70,15 @@ pub struct HeightLayers {
     pub ceiling: bool,
     /// Least UAV height, over its place, that sees the receiver.
     pub least_height: bool,
+    /// How many of eight moves by one lattice step turn the answer, see [`Stability`].
+    pub stability: bool,
+}
+
+impl HeightLayers {
+    /// Whether a link must be walked for any of them.
+    fn has_heights(self) -> bool {
+        self.margin || self.ceiling || self.least_height
+    }
 }
 
 /// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
@@ -85,6 +95,8 @@ pub struct SiteCoverage {
     /// Least UAV height over its place that sees the receiver \[m above the datum\], never below the surface there; +∞
     /// where none within ±32 768 m does.
     pub least_height: Option<Vec<f32>>,
+    /// How stable the answers are.
+    pub stability: Option<Stability>,
     /// Counts.
     pub tally: Tally,
 }
@@ -128,6 +140,8 @@ pub struct Mapper<'a> {
     receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
+    /// The scene with other roofs, where stability is asked for.
+    roofs: Option<Box<ShiftedRoofs>>,
 }
 
 impl<'a> Mapper<'a> {
@@ -163,7 +177,8 @@ impl<'a> Mapper<'a> {
         xs.resize(n_cols.div_ceil(64) * 64, 0.0);
         let engine = GridLos::new(field, method);
         let alone = engine.clone().in_one_band();
-        Ok(Mapper { field, options, engine, alone, why, receivers, xs })
+        let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
+        Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })
     }
 
     /// The engine that decides, and why it was chosen.
@@ -176,6 +191,16 @@ impl<'a> Mapper<'a> {
         let grid = self.field.grid();
         let none = BitGrid::new(grid.n_rows(), grid.n_cols());
         self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
+    }
+
+    /// The engine, shared by all threads.
+    pub(super) fn engine(&self) -> &GridLos<'a> {
+        &self.engine
+    }
+
+    /// Range \[CRS units\], if it is limited.
+    pub(super) fn radius(&self) -> Option<f64> {
+        self.options.radius
     }
 
     /// Number of cells of the grid.
@@ -240,12 +265,7 @@ impl<'a> Mapper<'a> {
     }
 
     /// The receivers in range, where not all are, and those in line of sight.
-    fn decide(
-        &self,
-        engine: &GridLos<'_>,
-        uav: &Uav,
-        (receivers, range): (&GridReceivers<'_>, &Range),
-    ) -> (Option<BitGrid>, BitGrid) {
+    fn decide(&self, engine: &GridLos<'_>, uav: &Uav, (receivers, range): (&GridReceivers<'_>, &Range)) -> Decided {
         let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
         let los = {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
@@ -265,7 +285,7 @@ impl<'a> Mapper<'a> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let range = Range::of(grid, uav, self.options.radius);
-        let decided: Vec<(Option<BitGrid>, BitGrid)> = self
+        let decided: Vec<Decided> = self
             .receivers
             .iter()
             .map(|receivers| {
@@ -302,7 +322,7 @@ impl<'a> Mapper<'a> {
                     let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
                     sets.add(wanted, los.row(row));
                     tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
-                    if layers != HeightLayers::default() {
+                    if layers.has_heights() {
                         heights.fill(&mut out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
                     }
                 }
@@ -313,8 +333,10 @@ impl<'a> Mapper<'a> {
             })
             .reduce(Tally::default, |a, b| a.plus(&b));
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
+            return Err(interrupted());
         }
+        let stability =
+            self.roofs.as_ref().map(|roofs| self.stability((uav, &range), &decided, roofs, control)).transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
             uav: uav.clone(),
@@ -323,6 +345,7 @@ impl<'a> Mapper<'a> {
             margin: some(layers.margin, margin),
             ceiling: some(layers.ceiling, ceiling),
             least_height: some(layers.least_height, least_height),
+            stability,
         })
     }
 
@@ -377,6 +400,11 @@ impl<'a> Mapper<'a> {
             first_cell: row * grid.n_cols(),
         }
     }
+}
+
+/// The answer of work that was stopped.
+pub(super) fn interrupted() -> Error {
+    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
 /// One row of every output; rows of layers that are not wanted are empty.

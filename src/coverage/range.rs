@@ -81,6 +81,14 @@ impl Range {
         }
     }
 
+    /// The smallest window that holds those of two ranges.
+    pub(super) fn window_with(&self, other: &Range) -> CellWindow {
+        let (a, b) = (self.window(), other.window());
+        let (row, col) = (a.row.min(b.row), a.col.min(b.col));
+        let (end_row, end_col) = ((a.row + a.n_rows).max(b.row + b.n_rows), (a.col + a.n_cols).max(b.col + b.n_cols));
+        CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
+    }
+
     /// The cells of a set that are in range.
     pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
         let mut kept = BitGrid::new(self.shape.0, self.shape.1);

@@ -1,7 +1,7 @@
 //! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
 
 use crate::error::{Error, Result};
-use crate::height_field::{HeightField, Station};
+use crate::height_field::{HeightField, Place, Station};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::raster::GeoRef;
 use crate::scene::Site;
@@ -82,7 +82,27 @@ impl Uav {
             (Height::AboveRoof(h), Some(roof)) => height_steps(h).map_or(z, |h| roof + h),
             _ => z,
         };
-        check_clear(&what, site, field, &place, z, roof)?;
+        Uav::hovering(&what, site, field, (place, z))
+    }
+
+    /// The same UAV some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
+    ///
+    /// # Errors
+    /// As [`Uav::place`].
+    pub fn moved(&self, field: &HeightField, [east, north, up]: [i64; 3], radius: Option<f64>) -> Result<Uav> {
+        let place = field.neighbor(&self.station.place, (east, north));
+        let what = format!("cannot move UAV `{}` by {east}, {north} and {up} steps east, north and up", self.id);
+        let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());
+        let z = z.ok_or_else(|| Error::site(205, format!("{what}: wanted within ±32768 m of the datum")))?;
+        let site = Site { id: self.id.clone(), x: place.x, y: place.y, height: Height::AboveDatum(meters(z)) };
+        check_extent(&what, &site, field, radius)?;
+        Uav::hovering(&what, &site, field, (place, z))
+    }
+
+    /// A UAV at a place and a height, if it is in the clear there.
+    fn hovering(what: &str, site: &Site, field: &HeightField, (place, z): (Place, i32)) -> Result<Uav> {
+        let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
+        check_clear(what, site, field, &place, z, roof)?;
         Ok(Uav {
             id: site.id.clone(),
             station: Station { place, z: i64::from(z) },
@@ -97,14 +117,7 @@ impl Uav {
     }
 }
 
-fn check_clear(
-    what: &str,
-    site: &Site,
-    field: &HeightField,
-    place: &crate::height_field::Place,
-    z: i32,
-    roof: Option<i32>,
-) -> Result<()> {
+fn check_clear(what: &str, site: &Site, field: &HeightField, place: &Place, z: i32, roof: Option<i32>) -> Result<()> {
     let ground = field.ground_at(place);
     let in_columns = field.inside_columns_below(place);
     let inside = field.inside_prisms_below(place).max(if roof.is_some() { in_columns } else { VOID });

@@ -28,6 +28,8 @@ pub enum Layer {
     LeastHeight,
     /// Number of UAVs, per run.
     Count,
+    /// How many of eight moves by one lattice step turn the answer.
+    Stability,
     /// Set of UAVs, per run.
     Which,
 }
@@ -40,14 +42,26 @@ impl Layer {
             Layer::Margin => "margin",
             Layer::Ceiling => "ceiling",
             Layer::LeastHeight => "least-height",
+            Layer::Stability => "stability",
             Layer::Count => "count",
             Layer::Which => "which",
         }
     }
 
-    /// Whether the layer holds meters.
+    /// Whether the layer holds a float for each receiver: meters, or the number of moves that turn it.
     pub fn is_measure(self) -> bool {
-        matches!(self, Layer::Margin | Layer::Ceiling | Layer::LeastHeight)
+        matches!(self, Layer::Margin | Layer::Ceiling | Layer::LeastHeight | Layer::Stability)
+    }
+
+    /// The values of a layer that is a measure, if they were made.
+    fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
+        match self {
+            Layer::Margin => site.margin.as_deref(),
+            Layer::Ceiling => site.ceiling.as_deref(),
+            Layer::LeastHeight => site.least_height.as_deref(),
+            Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
+            Layer::Los | Layer::Count | Layer::Which => None,
+        }
     }
 }
 
@@ -88,13 +102,9 @@ impl<'a> MapResult<'a> {
         for &layer in self.layers {
             for site in self.sites {
                 let name = format!("{}.{}", site.uav.id, layer.name());
-                let measure = |values: &'a Option<Vec<f32>>| values.as_deref().map(Band::Measure);
                 let band = match layer {
                     Layer::Los => Some(Band::Class(&site.mask)),
-                    Layer::Margin => measure(&site.margin),
-                    Layer::Ceiling => measure(&site.ceiling),
-                    Layer::LeastHeight => measure(&site.least_height),
-                    Layer::Count | Layer::Which => None,
+                    _ => layer.measure_of(site).map(Band::Measure),
                 };
                 bands.extend(band.map(|b| (name, b)));
             }
@@ -145,7 +155,7 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
     if format == Format::GeoTiff && has_sets && layers.iter().any(|l| l.is_measure()) {
         return Err(Error::usage(
             107,
-            format!("cannot write {}: `which` of more than 24 sites beside meters", path.display()),
+            format!("cannot write {}: `which` of more than 24 sites beside measures", path.display()),
         )
         .with_hint("write `which` to a .tif of its own, or to .exr"));
     }
@@ -331,13 +341,9 @@ fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
             Layer::Los => classes = masks.concat(),
             Layer::Count => counts = overlay_of(&masks).count().to_vec(),
             Layer::Which => words = which_layer(&masks).concat(),
-            Layer::Margin | Layer::Ceiling | Layer::LeastHeight => {
-                let of = |s: &SiteCoverage| match layer {
-                    Layer::Margin => s.margin.clone(),
-                    Layer::Ceiling => s.ceiling.clone(),
-                    _ => s.least_height.clone(),
-                };
-                measures.push((layer, result.sites.iter().filter_map(of).flatten().collect()));
+            Layer::Margin | Layer::Ceiling | Layer::LeastHeight | Layer::Stability => {
+                let values = result.sites.iter().filter_map(|site| layer.measure_of(site));
+                measures.push((layer, values.flatten().copied().collect()));
             }
         }
     }

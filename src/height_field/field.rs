@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
 use super::prisms::{holds_half_open, side};
-use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
+use super::{CellSets, Columns, ConvexPieces, Piece, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
-use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, VOID, meters};
-use crate::raster::{BitGrid, GeoRef};
+use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, height_steps, meters};
+use crate::raster::{BitGrid, GeoRef, set_bits};
 use crate::scene::{Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -272,6 +272,49 @@ impl HeightField {
     pub fn place(&self, x: f64, y: f64) -> Place {
         let on = |frame: Option<Frame>| frame.map_or((0, 0), |f| f.lattice_from_world(x, y));
         Place { x, y, on_prisms: on(self.prisms_frame()), on_columns: on(self.columns_frame()) }
+    }
+
+    /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
+    /// there are any, else the columns.
+    pub fn neighbor(&self, place: &Place, (east, north): (i64, i64)) -> Place {
+        let Some(frame) = self.prisms_frame().or(self.columns_frame()) else { return *place };
+        let steps = f64::from(STEPS_PER_UNIT);
+        #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+        let (dx, dy) = (east as f64 / steps * frame.unit_x, north as f64 / steps * frame.unit_y);
+        let mut moved = self.place(place.x + dx, place.y + dy);
+        // Rounding the sum could make no step of one, or two.
+        let by = |(x, y): (i64, i64)| (x + east, y + north);
+        match &self.prisms {
+            Some(_) => moved.on_prisms = by(place.on_prisms),
+            None => moved.on_columns = by(place.on_columns),
+        }
+        moved
+    }
+
+    /// The same scene with every roof higher by `steps` \[1/1024 m\]: the tops of all prisms, or those of the columns that
+    /// are buildings; of a surface model alone, where buildings are not known, those of all columns. What is open ground
+    /// and what is a building stays, so rays are what the result is for. `None` if a roof would leave the proven range.
+    ///
+    /// Cost: that of a copy; prisms are sorted into buckets again.
+    pub fn with_roofs_raised(&self, steps: i32) -> Option<HeightField> {
+        let limit = height_steps(MAX_HEIGHT_M)?;
+        let raised = |top: i32| Some(top + steps).filter(|top| top.abs() <= limit);
+        let mut field = self.clone();
+        if let Some((prisms, _)) = &mut field.prisms {
+            let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
+            *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?);
+        } else if let Some((columns, _)) = &mut field.columns {
+            let n_cols = columns.n_cols();
+            let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
+            let mut tops = columns.tops().to_vec();
+            for row in 0..columns.n_rows() {
+                for col in set_bits(moves.row(row)) {
+                    tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
+                }
+            }
+            *columns = Columns::new(columns.n_rows(), n_cols, tops);
+        }
+        Some(field)
     }
 
     /// The cell centers of the receivers' grid on the lattices.

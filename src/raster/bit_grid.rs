@@ -88,6 +88,14 @@ impl BitGrid {
         self
     }
 
+    /// The cells that are in one set but not in both, which are of one shape.
+    #[must_use]
+    pub fn xor(mut self, other: &BitGrid) -> Self {
+        assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
+        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a ^= b);
+        self
+    }
+
     /// Number of cells in the set and in `other`, of the same shape.
     pub fn count_in(&self, other: &BitGrid) -> u64 {
         self.words.iter().zip(&other.words).map(|(a, b)| u64::from((a & b).count_ones())).sum()

@@ -61,6 +61,18 @@ const VIRIDIS: [Rgb; 17] = [
     [216, 226, 25],
     [253, 231, 37],
 ];
+/// How many of eight moves turn an answer: cream for none, then Inferno (Smith, van der Walt, 2015; CC0) from light to dark.
+pub(crate) const TURNS: [Rgb; 9] = [
+    [0xF6, 0xF1, 0xE0],
+    [249, 201, 50],
+    [249, 142, 9],
+    [229, 92, 48],
+    [187, 55, 84],
+    [137, 34, 106],
+    [87, 16, 110],
+    [45, 11, 89],
+    [8, 5, 29],
+];
 const DIVERGING: [Rgb; 5] = [[0x7F, 0x4A, 0x00], NLOS, [0xF6, 0xF4, 0xEF], LOS, [0x00, 0x2F, 0x4C]];
 const SEEN: [Rgb; 4] = [[0xB4, 0xDB, 0xF2], [0x5A, 0xA9, 0xDB], LOS, [0x00, 0x3A, 0x5E]];
 const HEIGHT: [Rgb; 6] = [
@@ -238,6 +250,11 @@ mod tests {
                 assert!((b - a) * sign > 0.0, "{ramp:?} at step {k}: {a} to {b}");
             }
         }
+    }
+
+    #[test]
+    fn the_more_moves_turn_an_answer_the_darker_it_is() {
+        assert!(TURNS.map(lightness).windows(2).all(|pair| pair[0] > pair[1]));
     }
 
     #[test]

@@ -63,6 +63,24 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             }
             painted
         }
+        Layer::Stability { turns, mask } => {
+            let colors = &colors::TURNS;
+            let index_of = |cell: usize| {
+                special(mask[cell], colors.len()).unwrap_or_else(|| colors::index(f64::from(turns[cell]), 8))
+            };
+            let painted = paint_flat(&backing, colors, index_of);
+            let receivers: u64 = painted.histogram[..colors.len()].iter().sum();
+            for (k, (color, n)) in colors.iter().zip(&painted.histogram).enumerate().filter(|(_, (_, n))| **n > 0) {
+                let name = match k {
+                    0 => "Stable".to_string(),
+                    1 => "1 of 8 moves turns it".to_string(),
+                    k => format!("{k} of 8 moves turn it"),
+                };
+                let detail = format!("{} · {}", percent(*n, receivers), grouped(*n));
+                legend.push(furniture::legend_entry(Swatch::Flat(*color), &name, &detail));
+            }
+            painted
+        }
         Layer::Field { values, name, unit, mask } => {
             let field = Field::new(values, mask);
             let palette: Vec<Rgb> = (0..=255).map(|k| field.color(k)).collect();

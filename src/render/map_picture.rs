@@ -63,6 +63,13 @@ pub enum Layer<'a> {
         /// Classes 2, 3 and 255 apply.
         mask: &'a [u8],
     },
+    /// How many of eight moves by one lattice step turn the answer.
+    Stability {
+        /// The number, 0 to 8, where the mask is 0 or 1.
+        turns: &'a [f32],
+        /// Classes 2, 3 and 255 apply.
+        mask: &'a [u8],
+    },
     /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
     Field {
         /// The values, where the mask is 0 or 1; NaN is drawn as nodata.
@@ -187,7 +194,7 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
                 return Err("cannot draw a map of classes: an index is beyond the palette".into());
             }
         }
-        Layer::Field { values, mask, .. } => {
+        Layer::Field { values, mask, .. } | Layer::Stability { turns: values, mask } => {
             shape("values", values.len())?;
             shape("mask", mask.len())?;
         }

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::ToleranceFacts;
 use super::features::feature_collection;
+use super::stability::StabilityFacts;
 use crate::coverage::{Placement, SiteCoverage, Tally};
 use crate::error::Warning;
 use crate::los::Method;
@@ -73,6 +74,8 @@ pub struct SiteFacts {
     pub placement: &'static str,
     /// Counts.
     pub tally: Tally,
+    /// What each move by one lattice step turns, where that was asked for, and the receivers that any turns.
+    pub stability: Option<StabilityFacts>,
     /// Counts by zone of the receivers, in the order of [`Zone::ALL`]; `None` where zones were not asked for or no building
     /// is known.
     pub zones: Option<[Tally; 4]>,
@@ -92,6 +95,7 @@ impl SiteFacts {
             height_agl_m: site.uav.height_agl_m,
             placement: zone.unwrap_or(site.uav.placement.name()),
             tally: site.tally,
+            stability: site.stability.as_ref().map(StabilityFacts::of),
             zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
         }
     }
@@ -362,6 +366,7 @@ fn site_json(site: &SiteFacts) -> Value {
     object.insert("placement".into(), site.placement.into());
     object.extend(tally_json(&site.tally));
     object.insert("zones".into(), zones_json(site.zones.as_ref()));
+    object.extend(site.stability.as_ref().map(|s| ("stability".to_string(), s.json())));
     let bands: Vec<Value> = site
         .tally
         .elevation_bands()

@@ -9,6 +9,7 @@ mod place;
 mod plos;
 mod sampled;
 mod tolerance;
+mod stability;
 mod track;
 mod zones;
 
@@ -25,5 +26,6 @@ pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, 
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
 pub use tolerance::ToleranceFacts;
+pub use stability::StabilityFacts;
 pub use track::TrackReport;
 pub use zones::zones_geojson;

@@ -285,7 +285,7 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
 // ---------------------------------------------------------------------------------------------------------------------
 // Whole maps.
 
-const ALL_LAYERS: HeightLayers = HeightLayers { margin: true, ceiling: true, least_height: true };
+const ALL_LAYERS: HeightLayers = HeightLayers { margin: true, ceiling: true, least_height: true, stability: false };
 
 fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
     MapOptions { rx_height: 1536, receivers, layers, ..MapOptions::default() }

@@ -1,0 +1,185 @@
+//! How stable the answers of a map are: which of them turn when the UAV, or every roof, moves by one lattice step.
+//!
+//! Answers are exact for the numbers that were given, but those are known no better than they were measured. A receiver
+//! that grazes a roof turns with the last digit of a height; one in the middle of a shadow does not. Eight maps with one
+//! thing moved by one step each tell the two apart: the UAV east, west, north, south, up and down, and all roofs up and
+//! down. The receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a
+//! surface model alone, where buildings are not known, all columns move.
+
+use std::sync::atomic::Ordering;
+
+use super::Uav;
+use super::map::{Mapper, interrupted};
+use super::range::Range;
+use crate::error::Result;
+use crate::height_field::HeightField;
+use crate::los::GridLos;
+use crate::raster::{BitGrid, set_bits};
+
+/// One thing moved by one step of the lattice: 1/1024 m, of a raster horizontally 1/1024 of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Move {
+    /// The UAV to the east.
+    East,
+    /// The UAV to the west.
+    West,
+    /// The UAV to the north.
+    North,
+    /// The UAV to the south.
+    South,
+    /// The UAV up.
+    Up,
+    /// The UAV down.
+    Down,
+    /// All roofs up.
+    RoofsUp,
+    /// All roofs down.
+    RoofsDown,
+}
+
+impl Move {
+    /// All moves.
+    pub const ALL: [Move; 8] =
+        [Move::East, Move::West, Move::North, Move::South, Move::Up, Move::Down, Move::RoofsUp, Move::RoofsDown];
+
+    /// The word for it in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Move::East => "uav_east",
+            Move::West => "uav_west",
+            Move::North => "uav_north",
+            Move::South => "uav_south",
+            Move::Up => "uav_up",
+            Move::Down => "uav_down",
+            Move::RoofsUp => "roofs_up",
+            Move::RoofsDown => "roofs_down",
+        }
+    }
+
+    /// Steps of the UAV east, north and up.
+    fn steps(self) -> [i64; 3] {
+        match self {
+            Move::East => [1, 0, 0],
+            Move::West => [-1, 0, 0],
+            Move::North => [0, 1, 0],
+            Move::South => [0, -1, 0],
+            Move::Up => [0, 0, 1],
+            Move::Down => [0, 0, -1],
+            Move::RoofsUp | Move::RoofsDown => [0, 0, 0],
+        }
+    }
+}
+
+/// Receivers whose answer a move turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Turned {
+    /// From NLoS to LoS.
+    pub gained: u64,
+    /// From LoS to NLoS.
+    pub lost: u64,
+}
+
+/// How stable the answers of one UAV are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stability {
+    /// What each move turns, in the order of [`Move::ALL`]; or why it cannot be made, as where the UAV would be inside a
+    /// building.
+    pub moves: Vec<(Move, std::result::Result<Turned, String>)>,
+    /// Receivers that at least one move turns.
+    pub unstable: u64,
+    /// How many moves turn each receiver, 0 to 8; NaN where there is none. Shape `[n_rows, n_cols]`, row 0 north.
+    pub turns: Vec<f32>,
+}
+
+/// A scene with its roofs a step higher and a step lower; `None` where they would leave the proven range.
+#[derive(Debug, Clone)]
+pub(super) struct ShiftedRoofs {
+    up: Option<HeightField>,
+    down: Option<HeightField>,
+}
+
+impl ShiftedRoofs {
+    pub(super) fn of(field: &HeightField) -> Self {
+        ShiftedRoofs { up: field.with_roofs_raised(1), down: field.with_roofs_raised(-1) }
+    }
+
+    /// The scene after a move of its roofs.
+    fn after(&self, which: Move) -> std::result::Result<&HeightField, String> {
+        let field = if which == Move::RoofsUp { &self.up } else { &self.down };
+        field.as_ref().ok_or_else(|| "a roof would be beyond ±32768 m of the datum".to_string())
+    }
+}
+
+/// The receivers of one kind that are in range, where not all are, and those in line of sight.
+pub(super) type Decided = (Option<BitGrid>, BitGrid);
+
+impl Mapper<'_> {
+    /// The stability of what a UAV sees, `decided` for the kinds of receivers in `range`.
+    ///
+    /// Cost: eight times the line of sight of the map, by the same engine.
+    ///
+    /// # Errors
+    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    pub(super) fn stability(
+        &self,
+        (uav, range): (&Uav, &Range),
+        decided: &[Decided],
+        roofs: &ShiftedRoofs,
+        control: &super::Control,
+    ) -> Result<Stability> {
+        let mut turns = vec![f32::NAN; self.n_cells()];
+        for (receivers, (wanted, _)) in self.receivers().iter().zip(decided) {
+            each_cell(wanted.as_ref().unwrap_or(&receivers.cells), |cell| turns[cell] = 0.0);
+        }
+        let mut moves = Vec::with_capacity(Move::ALL.len());
+        for which in Move::ALL {
+            if control.stop.load(Ordering::Relaxed) {
+                return Err(interrupted());
+            }
+            let turned = self.after(which, (uav, range), decided, roofs).map(|after| {
+                let mut turned = Turned::default();
+                for ((_, before), after) in decided.iter().zip(&after) {
+                    let both = before.count_in(after);
+                    turned.gained += after.count() - both;
+                    turned.lost += before.count() - both;
+                    each_cell(&before.clone().xor(after), |cell| turns[cell] += 1.0);
+                }
+                turned
+            });
+            moves.push((which, turned));
+        }
+        let unstable = turns.iter().filter(|n| **n > 0.0).count() as u64;
+        Ok(Stability { moves, unstable, turns })
+    }
+
+    /// The receivers in line of sight after a move, kind by kind; or why it cannot be made.
+    fn after(
+        &self,
+        which: Move,
+        (uav, range): (&Uav, &Range),
+        decided: &[Decided],
+        roofs: &ShiftedRoofs,
+    ) -> std::result::Result<Vec<BitGrid>, String> {
+        let (field, engine) = match which {
+            Move::RoofsUp | Move::RoofsDown => {
+                let field = roofs.after(which)?;
+                (field, &GridLos::new(field, self.method().0))
+            }
+            _ => (self.field(), self.engine()),
+        };
+        // Who is in range does not change: what turns is an answer.
+        let moved = uav.moved(field, which.steps(), self.radius()).map_err(|e| e.to_string())?;
+        let window = range.window_with(&Range::of(field.grid(), &moved, self.radius()));
+        let los = |(receivers, (wanted, _)): (&crate::los::GridReceivers<'_>, &Decided)| {
+            engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
+        };
+        Ok(self.receivers().iter().zip(decided).map(los).collect())
+    }
+}
+
+/// Does something with the index of each cell of a set.
+fn each_cell(cells: &BitGrid, mut act: impl FnMut(usize)) {
+    for row in 0..cells.n_rows() {
+        set_bits(cells.row(row)).for_each(|col| act(row * cells.n_cols() + col));
+    }
+}
