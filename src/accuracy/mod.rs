@@ -3,7 +3,7 @@
 mod paired;
 mod simpler;
 mod tolerance;
-
 pub use paired::{FEWEST_POSITIONS, Paired, paired_difference};
 pub use simpler::{CoarseAnswer, Simpler, coarse_answer, moved_to};
 pub use tolerance::{CONFIDENCE, Choice, Measured, Question, Tried, coarsest_within};
+pub mod stress;

@@ -1,0 +1,179 @@
+//! The families of scenes, each with what it breaks and why.
+
+use super::draw::Draw;
+use super::scene::{Known, StressScene};
+use super::symmetry::Symmetry;
+use super::{cells_drawn, cells_known, prisms_drawn, prisms_known, truth};
+use crate::error::Result;
+
+/// A family of scenes: any number of them, each a function of the seed and its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Family {
+    /// Its name in words and tables; `cell-…` are boards of columns, `prism-…` footprints.
+    pub name: &'static str,
+    /// What it breaks, and why.
+    pub breaks: &'static str,
+    /// Which methods are at risk.
+    pub at_risk: AtRisk,
+    make: fn(&mut Draw) -> StressScene,
+    is_mirrored: bool,
+}
+
+/// Which methods a family is there for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtRisk {
+    /// At least one approximate method fails on it.
+    Approximate,
+    /// Exact methods alone can decide it: the approximate ones know only columns.
+    ExactOnly,
+}
+
+/// A family of boards.
+const fn cells(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
+    Family { name, breaks, at_risk: AtRisk::Approximate, make, is_mirrored: false }
+}
+
+/// A family of footprints.
+const fn prisms(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
+    Family { name, breaks, at_risk: AtRisk::ExactOnly, make, is_mirrored: false }
+}
+
+/// The eight symmetries of scene after scene of a family.
+const fn mirrored(family: Family) -> Family {
+    Family { is_mirrored: true, ..family }
+}
+
+/// All families. The place in this list is part of the key of their random numbers.
+pub const FAMILIES: [Family; 21] = [
+    cells(
+        "cell-grazing",
+        "slopes rounded to floats, and samples beside the far end of a roof: rays touch roofs exactly or miss by a step",
+        cells_known::grazing,
+    ),
+    cells(
+        "cell-borders",
+        "rules for ties on grid lines: the UAV is on a border or a corner, rays cross it at the flattest angles between \
+         unequal columns (none runs along it, because receivers are in the middle of cells)",
+        cells_drawn::borders,
+    ),
+    cells(
+        "cell-diagonals",
+        "walks that step over one index at a time: exact diagonals pass between towers that touch corner to corner",
+        cells_known::diagonals,
+    ),
+    cells(
+        "cell-slits",
+        "everything with a width: what is behind is seen through single points where towers touch",
+        cells_known::slits,
+    ),
+    cells("cell-needles", "sampling: a tower of one cell is cut by rays along less than a step", cells_drawn::needles),
+    cells(
+        "cell-slots",
+        "interpolation and shared rays: an opening of one cell is narrower than what is averaged",
+        cells_drawn::slots,
+    ),
+    cells(
+        "cell-cliffs",
+        "own-cell rules: the UAV is exactly at the height of a plateau, over its edge or a step beside",
+        cells_known::cliffs,
+    ),
+    cells(
+        "cell-heights",
+        "steps in distance and slopes in floats: UAVs 2 m to 20 km up, rays almost level or almost upright",
+        cells_drawn::heights,
+    ),
+    cells(
+        "cell-utm",
+        "floats of seven digits and formulas for square cells: eastings in the millions, odd and oblong cells",
+        cells_drawn::utm,
+    ),
+    cells(
+        "cell-magnitudes",
+        "slopes in floats: heights from 1/1024 m to 16 km beside each other, of either sign, with holes",
+        cells_drawn::magnitudes,
+    ),
+    mirrored(cells(
+        "cell-mirrors",
+        "a favored direction: the eight images of a town must have the eight images of the answer",
+        cells_drawn::mirrored,
+    )),
+    prisms(
+        "prism-grazing",
+        "tests with an epsilon: roofs and corners touch rays exactly or reach into them by a step",
+        prisms_known::grazing,
+    ),
+    prisms(
+        "prism-walls",
+        "tests of one footprint at a time: rays run along walls that are free, shared, or free first on one side",
+        prisms_known::walls,
+    ),
+    prisms(
+        "prism-party-walls",
+        "footprints shrunk or joined: houses of equal and unequal heights share walls in the middle of cells",
+        prisms_drawn::shared_walls,
+    ),
+    prisms(
+        "prism-slits",
+        "polygons with a tolerance: what is behind is seen through single points where towers touch",
+        prisms_known::slits,
+    ),
+    prisms(
+        "prism-slivers",
+        "triangulations: slivers and spikes a step wide, corners a step apart, holes and rings that touch themselves",
+        prisms_drawn::slivers,
+    ),
+    prisms(
+        "prism-needles",
+        "rasterized footprints: towers from a step to a hand wide, some exactly in a row of receivers",
+        prisms_drawn::needles,
+    ),
+    prisms(
+        "prism-roof-height",
+        "shadows projected from roofs: the UAV is exactly at the height of the roof below it",
+        prisms_known::roof_height,
+    ),
+    prisms(
+        "prism-magnitudes",
+        "projections in floats: roofs from 1/1024 m to 16 km beside each other",
+        prisms_drawn::magnitudes,
+    ),
+    prisms("prism-utm", "floats of seven digits: eastings in the millions under odd, oblong cells", prisms_drawn::utm),
+    mirrored(prisms(
+        "prism-mirrors",
+        "a favored direction: the eight images of a town must have the eight images of the answer",
+        prisms_drawn::mirrored,
+    )),
+];
+
+/// Number of symmetries of a square.
+const IMAGES: u32 = 8;
+
+impl Family {
+    /// The family of a name.
+    pub fn named(name: &str) -> Option<&'static Family> {
+        FAMILIES.iter().find(|family| family.name == name)
+    }
+
+    /// One of its scenes. Those of a mirrored family carry the answers of the scene that they are an image of.
+    ///
+    /// # Errors
+    /// Those of [`truth`] for the scene that is mirrored.
+    pub fn scene(&self, seed: u64, number: u32) -> Result<StressScene> {
+        let place = FAMILIES.iter().position(|f| f.name == self.name).and_then(|k| u32::try_from(k).ok()).unwrap_or(0);
+        let drawn = |number: u32| (self.make)(&mut Draw::new(seed, place, number));
+        let scene = if self.is_mirrored {
+            let mut original = drawn(number / IMAGES);
+            let ready = original.ready()?;
+            let answers = truth(&original, &ready)?;
+            let known = ready.receivers.iter().zip(answers).map(|((cell, _), is_los)| {
+                let (row, col) = (cell / original.n_cols, cell % original.n_cols);
+                Known { row, col, is_los }
+            });
+            original.known = known.collect();
+            Symmetry::number(number % IMAGES).of(&original)
+        } else {
+            drawn(number)
+        };
+        Ok(StressScene { name: format!("{} {number}", self.name), ..scene })
+    }
+}

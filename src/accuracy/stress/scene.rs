@@ -1,0 +1,240 @@
+//! A stress scene: a small board of cells or some footprints, one UAV, a receiver in every cell, all on the lattice.
+
+use crate::coverage::{MapOptions, Receivers, Uav};
+use crate::error::{Error, Result};
+use crate::height_field::{CellKind, HeightField, Station};
+use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
+use crate::raster::{GeoRef, Raster};
+use crate::scene::{Footprint, FootprintFaults, Ground, Site, Solids, even_odd};
+
+/// Edge length of a cell on the lattice of a board, and lattice steps to the meter.
+pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Columns over the cells of a board.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Board {
+    /// Rows, north to south.
+    pub n_rows: usize,
+    /// Cells in a row, west to east.
+    pub n_cols: usize,
+    /// Tops \[1/1024 m above the datum\], row by row from the north-west; [`VOID`] for nodata, which blocks nothing.
+    pub tops: Vec<i32>,
+}
+
+impl Board {
+    /// A board from its tops, one for each cell.
+    pub fn new(n_rows: usize, n_cols: usize, tops: Vec<i32>) -> Self {
+        debug_assert_eq!(tops.len(), n_rows * n_cols, "one top per cell");
+        Board { n_rows, n_cols, tops }
+    }
+
+    /// A square board of flat ground at 0 m.
+    pub(super) fn flat(n: usize) -> Self {
+        Board::new(n, n, vec![0; n * n])
+    }
+
+    /// The top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
+    pub fn top(&self, east: i64, north: i64) -> i32 {
+        self.index(east, north).map_or(VOID, |cell| self.tops[cell])
+    }
+
+    /// Gives a cell another top; outside of the board nothing happens.
+    pub(super) fn set(&mut self, (east, north): (i64, i64), top: i64) {
+        if let Some(cell) = self.index(east, north) {
+            self.tops[cell] = narrow(top);
+        }
+    }
+
+    fn index(&self, east: i64, north: i64) -> Option<usize> {
+        let col = usize::try_from(east).ok().filter(|col| *col < self.n_cols)?;
+        let from_south = usize::try_from(north).ok().filter(|row| *row < self.n_rows)?;
+        Some((self.n_rows - 1 - from_south) * self.n_cols + col)
+    }
+}
+
+/// A prism over the even-odd interior of some rings.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StressPrism {
+    /// Rings, not closed, of either winding \[1/1024 m\].
+    pub rings: Vec<Vec<[i32; 2]>>,
+    /// Top \[1/1024 m above the datum\].
+    pub top: i32,
+}
+
+/// What stands in the way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StressSolid {
+    /// Columns; receivers stand on the ground of open cells and on the roofs of buildings.
+    Columns {
+        /// The columns.
+        board: Board,
+        /// Flat ground below them \[1/1024 m above the datum\]; without it receivers stand on every column.
+        ground: Option<i32>,
+    },
+    /// Prisms on flat ground at 0 m; receivers stand on the ground and on the roofs.
+    Prisms(Vec<StressPrism>),
+}
+
+/// A receiver whose answer is known by construction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Known {
+    /// Row of its cell.
+    pub row: usize,
+    /// Column of its cell.
+    pub col: usize,
+    /// Whether it is LoS.
+    pub is_los: bool,
+}
+
+/// A small scene on which methods fail.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StressScene {
+    /// Its family and number, such as `cell-slits 3`.
+    pub name: String,
+    /// What stands in the way.
+    pub solid: StressSolid,
+    /// Where the lattice lies in the world.
+    pub world: Frame,
+    /// Size of a cell of receivers \[CRS units\]; over columns the unit of the lattice.
+    pub cell: (f64, f64),
+    /// Rows of receivers.
+    pub n_rows: usize,
+    /// Receivers in a row.
+    pub n_cols: usize,
+    /// The UAV.
+    pub uav: LatticePoint,
+    /// Height of the receivers above what they stand on \[1/1024 m\].
+    pub rx_height: i32,
+    /// Receivers whose answer is known without any computation.
+    pub known: Vec<Known>,
+}
+
+/// A scene made ready for methods.
+#[derive(Debug)]
+pub struct Ready {
+    /// What rays can hit.
+    pub field: HeightField,
+    /// The UAV.
+    pub uav: Uav,
+    /// Cells, row by row, and the receivers in them.
+    pub receivers: Vec<(usize, LatticePoint)>,
+}
+
+impl StressScene {
+    /// A scene of columns on flat ground at 0 m, receivers 1.5 m above it, one cell to the meter.
+    pub(super) fn of_board(board: Board, uav: LatticePoint) -> Self {
+        let (n_rows, n_cols) = (board.n_rows, board.n_cols);
+        StressScene::new(StressSolid::Columns { board, ground: Some(0) }, (n_rows, n_cols), uav)
+    }
+
+    /// A scene of prisms under `n` by `n` cells of 1 m.
+    pub(super) fn of_prisms(prisms: Vec<StressPrism>, n: usize, uav: LatticePoint) -> Self {
+        StressScene::new(StressSolid::Prisms(prisms), (n, n), uav)
+    }
+
+    fn new(solid: StressSolid, (n_rows, n_cols): (usize, usize), uav: LatticePoint) -> Self {
+        StressScene {
+            name: String::new(),
+            solid,
+            world: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
+            cell: (1.0, 1.0),
+            n_rows,
+            n_cols,
+            uav,
+            rx_height: narrow(3 * CELL / 2),
+            known: Vec::new(),
+        }
+    }
+
+    /// Notes that a receiver `east` cells from the west and `north` cells from the south is LoS, or not; outside of the
+    /// scene nothing happens.
+    pub(super) fn know(&mut self, (east, north): (i64, i64), is_los: bool) {
+        let col = usize::try_from(east).ok().filter(|col| *col < self.n_cols);
+        let from_south = usize::try_from(north).ok().filter(|row| *row < self.n_rows);
+        if let (Some(col), Some(from_south)) = (col, from_south) {
+            self.known.push(Known { row: self.n_rows - 1 - from_south, col, is_los });
+        }
+    }
+
+    /// The largest distance of anything from the origin, along an axis \[lattice steps\].
+    pub(super) fn reach(&self) -> i64 {
+        let corners: i64 = match &self.solid {
+            StressSolid::Columns { board, .. } => {
+                i64::try_from(board.n_rows.max(board.n_cols)).unwrap_or(i64::MAX).saturating_mul(CELL)
+            }
+            StressSolid::Prisms(prisms) => {
+                let all = prisms.iter().flat_map(|p| p.rings.iter().flatten().flatten());
+                all.map(|v| i64::from(*v).abs()).max().unwrap_or(0)
+            }
+        };
+        corners.max(self.uav.x.abs()).max(self.uav.y.abs())
+    }
+
+    /// How maps of the scene are made, by any method.
+    pub fn options(&self) -> MapOptions {
+        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, ..MapOptions::default() }
+    }
+
+    /// The scene as methods take it, its world coordinates rounded to the lattice as those of every scene.
+    ///
+    /// # Errors
+    /// E902 if it does not come out as it was built: a fault of its family.
+    pub fn ready(&self) -> Result<Ready> {
+        let fault =
+            |what: &str| Error::internal(902, format!("the stress scene {} cannot be built: {what}", self.name));
+        let rows = f64::from(u32::try_from(self.n_rows).unwrap_or(u32::MAX));
+        let corner = (self.world.x_origin, self.world.y_origin + rows * self.cell.1);
+        let grid = GeoRef::new(corner, self.cell, (self.n_rows, self.n_cols), None).ok_or_else(|| fault("no grid"))?;
+        let solids = match &self.solid {
+            StressSolid::Columns { board, ground } => Solids::Raster {
+                surface: Raster::new(grid.clone(), board.tops.clone()),
+                ground: ground.map_or(Ground::Surface, Ground::Flat),
+                building_threshold: narrow(CELL / 4),
+            },
+            StressSolid::Prisms(prisms) => Solids::Vector {
+                footprints: prisms.iter().enumerate().map(footprint).collect(),
+                frame: self.world,
+                ground: Ground::Flat(0),
+                faults: FootprintFaults::default(),
+            },
+        };
+        let mut warnings = Vec::new();
+        let field = HeightField::build(&grid, solids, &mut warnings);
+        if let Some(warning) = warnings.first() {
+            return Err(fault(warning.text()));
+        }
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
+        let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);
+        let height = Height::AboveDatum(meters(narrow(self.uav.z)));
+        let uav = Uav::place(&Site { id: self.name.clone(), x, y, height }, &field, None)?;
+        if self.on_lattice(&uav.station) != self.uav {
+            return Err(fault("the UAV is elsewhere on the lattice"));
+        }
+        let positions = field.positions();
+        let receiver = |cell: usize| {
+            let place = positions.center(cell / self.n_cols, cell % self.n_cols);
+            let (CellKind::Open(base) | CellKind::Building(base)) = field.cell_kind(cell, &place) else { return None };
+            let station = Station { place, z: i64::from(base) + i64::from(self.rx_height) };
+            Some((cell, self.on_lattice(&station)))
+        };
+        let receivers = (0..self.n_rows * self.n_cols).filter_map(receiver).collect();
+        Ok(Ready { field, uav, receivers })
+    }
+
+    fn on_lattice(&self, station: &Station) -> LatticePoint {
+        match self.solid {
+            StressSolid::Columns { .. } => station.on_columns(),
+            StressSolid::Prisms(_) => station.on_prisms(),
+        }
+    }
+}
+
+/// A footprint as files have it: repaired by the even-odd rule.
+fn footprint((k, prism): (usize, &StressPrism)) -> Footprint {
+    Footprint { id: k.to_string(), polygons: even_odd(&prism.rings).0, top: prism.top, base: 0 }
+}
+
+/// A number of lattice steps that is known to be small.
+pub(super) fn narrow(steps: i64) -> i32 {
+    i32::try_from(steps).unwrap_or(i32::MAX)
+}

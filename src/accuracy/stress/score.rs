@@ -1,0 +1,145 @@
+//! Methods against the truth: how many receivers each gets wrong on each family.
+
+use rayon::prelude::*;
+
+use super::families::Family;
+use super::scene::{Ready, StressScene};
+use super::truth;
+use crate::coverage::{MapOptions, Mapper};
+use crate::error::{Error, Result};
+use crate::los::{Method, MethodChoice};
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Scenes of each family.
+    pub scenes: u32,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// What a method did on the scenes of a family.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// It decided all of them.
+    Decided(Wrong),
+    /// It cannot decide such scenes, for this reason.
+    Cannot(&'static str),
+}
+
+/// Receivers that a method gets wrong.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Wrong {
+    /// LoS where there is none.
+    pub false_los: u64,
+    /// NLoS where there is LoS.
+    pub false_nlos: u64,
+    /// The first of them: its scene, row and column.
+    pub first: Option<(String, usize, usize)>,
+}
+
+impl Wrong {
+    /// Both kinds together.
+    pub fn total(&self) -> u64 {
+        self.false_los + self.false_nlos
+    }
+
+    fn plus(self, other: Wrong) -> Wrong {
+        Wrong {
+            false_los: self.false_los + other.false_los,
+            false_nlos: self.false_nlos + other.false_nlos,
+            first: self.first.or(other.first),
+        }
+    }
+}
+
+/// What methods did on a family.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FamilyScore {
+    /// The name of the family.
+    pub family: &'static str,
+    /// What it breaks, and why.
+    pub breaks: &'static str,
+    /// Receivers in all its scenes.
+    pub receivers: u64,
+    /// Those of them that are LoS.
+    pub los: u64,
+    /// What each method did, in the order asked for.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// Tries methods on the scenes of some families.
+///
+/// Cost: mostly that of the [`truth`], shared by all threads; scenes are small. The result depends on the effort alone.
+///
+/// # Errors
+/// E601 if an answer that is known by construction is not the truth; E902 for a scene that cannot be built, or whose
+/// receivers are not those of the methods.
+pub fn stress(families: &[&Family], methods: &[MethodChoice], effort: Effort) -> Result<Vec<FamilyScore>> {
+    families
+        .iter()
+        .map(|family| {
+            let scores =
+                (0..effort.scenes).into_par_iter().map(|number| scene_score(family, methods, effort.seed, number));
+            let scores: Vec<FamilyScore> = scores.collect::<Result<_>>()?;
+            let none = FamilyScore {
+                family: family.name,
+                breaks: family.breaks,
+                receivers: 0,
+                los: 0,
+                outcomes: vec![Outcome::Decided(Wrong::default()); methods.len()],
+            };
+            Ok(scores.into_iter().fold(none, together))
+        })
+        .collect()
+}
+
+fn together(a: FamilyScore, b: FamilyScore) -> FamilyScore {
+    let outcome = |pair: (Outcome, Outcome)| match pair {
+        (Outcome::Decided(a), Outcome::Decided(b)) => Outcome::Decided(a.plus(b)),
+        (Outcome::Cannot(why), _) | (_, Outcome::Cannot(why)) => Outcome::Cannot(why),
+    };
+    FamilyScore {
+        receivers: a.receivers + b.receivers,
+        los: a.los + b.los,
+        outcomes: a.outcomes.into_iter().zip(b.outcomes).map(outcome).collect(),
+        ..a
+    }
+}
+
+fn scene_score(family: &Family, methods: &[MethodChoice], seed: u64, number: u32) -> Result<FamilyScore> {
+    let scene = family.scene(seed, number)?;
+    let ready = scene.ready()?;
+    let answers = truth(&scene, &ready)?;
+    let outcome = |method: &MethodChoice| outcome(&scene, &ready, &answers, *method);
+    Ok(FamilyScore {
+        family: family.name,
+        breaks: family.breaks,
+        receivers: answers.len() as u64,
+        los: answers.iter().filter(|is_los| **is_los).count() as u64,
+        outcomes: methods.iter().map(outcome).collect::<Result<_>>()?,
+    })
+}
+
+fn outcome(scene: &StressScene, ready: &Ready, answers: &[bool], method: MethodChoice) -> Result<Outcome> {
+    if let Err(wrong) = Method::choose(&ready.field, method) {
+        return Ok(Outcome::Cannot(wrong.why));
+    }
+    let options = MapOptions { method, ..scene.options() };
+    let seen = Mapper::new(&ready.field, &options)?.seen(&ready.uav);
+    let n_cols = scene.n_cols;
+    if seen.receivers.count() != ready.receivers.len() as u64 {
+        return Err(Error::internal(902, format!("the stress scene {} has other receivers as a map", scene.name)));
+    }
+    let mut wrong = Wrong::default();
+    for ((cell, _), is_los) in ready.receivers.iter().zip(answers) {
+        let (row, col) = (cell / n_cols, cell % n_cols);
+        let found = seen.los.contains(row, col);
+        if found != *is_los {
+            wrong.false_los += u64::from(found);
+            wrong.false_nlos += u64::from(!found);
+            wrong.first.get_or_insert_with(|| (scene.name.clone(), row, col));
+        }
+    }
+    Ok(Outcome::Decided(wrong))
+}
