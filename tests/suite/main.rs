@@ -38,6 +38,8 @@ mod tolerance; // the coarsest cells within a tolerance: its bound holds, on gen
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod placement; // where to hover: against brute force, optima and linear searches; its command
+mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
+mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod regressions; // one test per bug
 mod layering; // data flows one way
 

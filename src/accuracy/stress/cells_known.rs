@@ -107,7 +107,8 @@ impl SlitChain {
         let is_slit = |(e, n): (i64, i64)| {
             towers.iter().filter(|tower| towers.contains(&(tower.0 + 1, tower.1 - 1))).any(|tower| {
                 let (dx, dy) = (2 * e + 1 - uav.0, 2 * n + 1 - uav.1);
-                dx * (2 * tower.1 - uav.1) == dy * (2 * tower.0 + 2 - uav.0)
+                // Rays that fall to the south or to the west pass through the towers themselves.
+                dx > 0 && dy > 0 && dx * (2 * tower.1 - uav.1) == dy * (2 * tower.0 + 2 - uav.0)
             })
         };
         // Rays that pass beside the ends of the chain are not its business.

@@ -5,6 +5,7 @@ use super::scene::{Known, StressScene};
 use super::symmetry::Symmetry;
 use super::{cells_drawn, cells_known, prisms_drawn, prisms_known, truth};
 use crate::error::Result;
+use crate::quantity::LatticePoint;
 
 /// A family of scenes: any number of them, each a function of the seed and its number.
 #[derive(Debug, Clone, Copy)]
@@ -165,7 +166,10 @@ impl Family {
             let mut original = drawn(number / IMAGES);
             let ready = original.ready()?;
             let answers = truth(&original, &ready)?;
-            let known = ready.receivers.iter().zip(answers).map(|((cell, _), is_los)| {
+            // A receiver over the wall of two houses stands on the one to its north-east, in every image.
+            let is_mirrored = |p: &LatticePoint| original.is_board() || p.z == i64::from(original.rx_height);
+            let mirrored = ready.receivers.iter().zip(answers).filter(|((_, p), _)| is_mirrored(p));
+            let known = mirrored.map(|((cell, _), is_los)| {
                 let (row, col) = (cell / original.n_cols, cell % original.n_cols);
                 Known { row, col, is_los }
             });

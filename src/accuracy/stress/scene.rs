@@ -156,6 +156,11 @@ impl StressScene {
         }
     }
 
+    /// Whether columns stand in the way.
+    pub fn is_board(&self) -> bool {
+        matches!(self.solid, StressSolid::Columns { .. })
+    }
+
     /// The largest distance of anything from the origin, along an axis \[lattice steps\].
     pub(super) fn reach(&self) -> i64 {
         let corners: i64 = match &self.solid {

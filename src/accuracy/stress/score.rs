@@ -9,6 +9,34 @@ use crate::coverage::{MapOptions, Mapper};
 use crate::error::{Error, Result};
 use crate::los::{Method, MethodChoice};
 
+/// A method that is tried.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Contender {
+    /// The word for it on the command line.
+    pub name: String,
+    /// The engine.
+    pub choice: MethodChoice,
+}
+
+impl Contender {
+    /// The words of all engines, `step:K` at several lengths.
+    pub const ALL: [&'static str; 10] =
+        ["ray", "sweep", "shadow", "step:0.25", "step:0.5", "step:1", "step:2", "step:4", "xdraw", "r2"];
+
+    /// The engine of a word.
+    ///
+    /// # Errors
+    /// What was found, and what was wanted.
+    pub fn named(name: &str) -> std::result::Result<Self, String> {
+        Ok(Contender { name: name.to_string(), choice: name.parse()? })
+    }
+
+    /// Whether every answer of it must be right.
+    pub fn is_exact(&self) -> bool {
+        !matches!(self.choice, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2)
+    }
+}
+
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
@@ -75,7 +103,7 @@ pub struct FamilyScore {
 /// # Errors
 /// E601 if an answer that is known by construction is not the truth; E902 for a scene that cannot be built, or whose
 /// receivers are not those of the methods.
-pub fn stress(families: &[&Family], methods: &[MethodChoice], effort: Effort) -> Result<Vec<FamilyScore>> {
+pub fn stress(families: &[&Family], methods: &[Contender], effort: Effort) -> Result<Vec<FamilyScore>> {
     families
         .iter()
         .map(|family| {
@@ -107,11 +135,11 @@ fn together(a: FamilyScore, b: FamilyScore) -> FamilyScore {
     }
 }
 
-fn scene_score(family: &Family, methods: &[MethodChoice], seed: u64, number: u32) -> Result<FamilyScore> {
+fn scene_score(family: &Family, methods: &[Contender], seed: u64, number: u32) -> Result<FamilyScore> {
     let scene = family.scene(seed, number)?;
     let ready = scene.ready()?;
     let answers = truth(&scene, &ready)?;
-    let outcome = |method: &MethodChoice| outcome(&scene, &ready, &answers, *method);
+    let outcome = |method: &Contender| outcome(&scene, &ready, &answers, method.choice);
     Ok(FamilyScore {
         family: family.name,
         breaks: family.breaks,
