@@ -63,18 +63,28 @@ fn root(joined_into: &mut [usize], mut k: usize) -> usize {
 }
 
 /// The union of `p`, which runs from `a` to `b`, and `q`, which runs from `b` to `a`, if it is convex.
+///
+/// Straight vertices may make several edges of the wall that both share; it is dropped as a whole. Were only one of its
+/// edges dropped, the union would run to the other end of the rest and back, and no turn there would tell whether it is
+/// convex.
 fn join(p: &Ring, q: &Ring, a: [i32; 2], b: [i32; 2]) -> Option<Ring> {
     let starts = |ring: &Ring, from: [i32; 2], to: [i32; 2]| {
         let at = ring.iter().position(|v| *v == from)?;
         (ring[(at + 1) % ring.len()] == to).then_some(at)
     };
-    let (i, j) = (starts(p, a, b)?, starts(q, b, a)?);
     let (n, m) = (p.len(), q.len());
-    let is_convex_at_a = turn(p[(i + n - 1) % n], a, q[(j + 2) % m]) >= 0;
-    let is_convex_at_b = turn(q[(j + m - 1) % m], b, p[(i + 2) % n]) >= 0;
-    (is_convex_at_a && is_convex_at_b).then(|| {
-        let from_b_to_a = (1..=n).map(|k| p[(i + k) % n]);
-        from_b_to_a.chain((2..m).map(|k| q[(j + k) % m])).collect()
+    let (i, j) = (starts(p, a, b)? + n, starts(q, b, a)? + m);
+    let at = |ring: &Ring, k: usize| ring[k % ring.len()];
+    // More edges of the shared wall before `a` and behind `b`.
+    let most = n.min(m) - 2;
+    let before = (0..most).take_while(|k| at(p, i - 1 - k) == at(q, j + 2 + k)).count();
+    let behind = (0..most - before).take_while(|k| at(p, i + 2 + k) == at(q, j - 1 - k)).count();
+    let (start, end) = (i - before, i + 1 + behind);
+    let is_convex_at_start = turn(at(p, start - 1), at(p, start), at(q, j + 2 + before)) >= 0;
+    let is_convex_at_end = turn(at(q, j + m - 1 - behind), at(p, end), at(p, end + 1)) >= 0;
+    (is_convex_at_start && is_convex_at_end).then(|| {
+        let of_p = (end..=start + n).map(|k| at(p, k));
+        of_p.chain((j + 2 + before..j + m - behind).map(|k| at(q, k))).collect()
     })
 }
 
@@ -101,6 +111,30 @@ mod tests {
     fn rings_on_the_same_side_of_an_edge_are_not_joined() {
         let rings = vec![rectangle(0, 0, 5, 9), rectangle(0, 0, 5, 4)];
         assert_eq!(merged(rings.clone()), rings);
+    }
+
+    #[test]
+    fn a_wall_of_several_edges_hides_no_corner() {
+        // Four houses in a square, and a fifth beside one of them: an L, whichever way they are joined.
+        let rings = vec![
+            rectangle(0, 0, 5, 10),
+            rectangle(0, 10, 5, 15),
+            rectangle(5, 0, 10, 10),
+            rectangle(5, 10, 10, 15),
+            rectangle(10, 0, 18, 10),
+        ];
+        for turned in 0..5 {
+            let mut rings = rings.clone();
+            rings.rotate_left(turned);
+            let found = merged(rings);
+            for ring in &found {
+                let n = ring.len();
+                let turns = (0..n).map(|k| turn(ring[k], ring[(k + 1) % n], ring[(k + 2) % n]));
+                assert!(turns.into_iter().all(|turn| turn > 0), "{found:?}");
+            }
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert_eq!(found.iter().map(|ring| doubled_area(ring)).sum::<i128>(), 2 * (150 + 80));
+        }
     }
 
     #[test]

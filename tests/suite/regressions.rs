@@ -158,3 +158,28 @@ fn layers_that_a_format_cannot_hold_are_refused() {
     );
     folder.type_in("map small.asc --ground 0 --uav 0.5,0.5,9 --uav 4.5,0.5,9 --layers count -o o.asc").done();
 }
+
+/// Two joined houses shared two edges of one wall; one of them was dropped, the other hid an inner corner, and the five
+/// houses cast one shadow that was not convex: the engine `shadow` let links through them.
+#[test]
+fn houses_of_equal_height_around_an_inner_corner_cast_their_whole_shadow() {
+    let folder = Folder::new();
+    let house = |[x0, y0, x1, y1]: [f64; 4]| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"height":4}},"geometry":{{"type":"Polygon",
+            "coordinates":[[[{x0},{y0}],[{x1},{y0}],[{x1},{y1}],[{x0},{y1}],[{x0},{y0}]]]}}}}"#
+        )
+    };
+    let houses = [[4, 4, 5, 6], [4, 6, 5, 7], [5, 4, 6, 6], [5, 6, 6, 7], [6, 4, 8, 6]];
+    let houses: Vec<String> = houses.iter().map(|h| house(h.map(f64::from))).collect();
+    let collection = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, houses.join(","));
+    folder.write("houses.geojson", &collection);
+    for uav in ["10.5,0.5,6", "1.5,0.5,5", "11.5,5.5,9", "7.25,8.5,3"] {
+        let digest = |method: &str| {
+            let line =
+                format!("map houses.geojson --extent 0,0,12,12 --cell 0.25 --uav {uav} --method {method} --json");
+            folder.type_in(&line).done().json()["digest"].clone()
+        };
+        assert_eq!(digest("shadow"), digest("ray"), "{uav}");
+    }
+}
