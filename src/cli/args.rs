@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
+use super::stress::StressArgs;
 use crate::los::MethodChoice;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
@@ -26,6 +27,7 @@ Examples:
   skyshed plos itu:urban --theta 5:90:5 --method product,itu,alhourani2014 -o plos.png
   skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html
   skyshed place itu:urban --height 60,100 --step 50 -o hover.png
+  skyshed stress --scenes 4 -o failures.png
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
 6 a check failed, 130 interrupted.")]
@@ -67,6 +69,8 @@ pub(super) enum Command {
     Compare(Box<CompareArgs>),
     /// Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed
     Place(Box<PlaceArgs>),
+    /// Where methods fail: all of them on scenes full of ties, or what turns in a scene when it moves by a step
+    Stress(Box<StressArgs>),
 }
 
 impl Command {
@@ -79,6 +83,7 @@ impl Command {
             Command::Plos(args) => &mut args.scene,
             Command::Compare(args) => &mut args.scene,
             Command::Place(args) => &mut args.scene,
+            Command::Stress(args) => &mut args.scene,
         }
     }
 }

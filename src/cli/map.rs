@@ -6,16 +6,17 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs, TifLayoutArg};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
+use super::map_drawing::MapDrawing;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav, ready,
-    receiver_height, refuse_words_without_picture, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
+    refuse_words_without_picture, warn_of_flat_earth,
 };
-use super::receivers::{Asked, cell_names, check_receivers, setting_line};
+use super::receivers::{Asked, check_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
-use super::words::{picture_provenance, pretty, unbreakable};
+use super::words::{picture_provenance, pretty};
 use super::{interrupt, messages};
 use crate::coverage::{
-    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Stability, Tally, Uav, maps_at_once,
+    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
 use crate::export::{
@@ -24,7 +25,7 @@ use crate::export::{
 use crate::los::Method;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
-use crate::render::{self, MapPicture, Mark};
+use crate::render::{self, Mark};
 use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest, zone_tallies};
 use crate::scene::{Site, read_sites};
 
@@ -366,161 +367,17 @@ impl Writer<'_> {
     }
 
     fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
-        let grid = self.scene.field.grid();
-        let shown = grid.part(self.window_in_range());
-        let unit = meters_per_unit(grid);
-        let heights: Vec<String> = self.report.sites.iter().map(height_words).collect();
-        let labels: Vec<String> = self.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
-        let marks: Vec<Mark<'_>> = self
-            .report
-            .sites
-            .iter()
-            .zip(heights.iter().zip(&labels))
-            .map(|(site, (height, label))| mark(&shown, (site.x, site.y), label, height))
-            .collect();
-        // What is out of range is not drawn.
-        let window = self.window_in_range();
-        let cropped = |values: Vec<f32>| crop(&values, grid.n_cols(), window);
-        let surface = cropped(self.scene.field.above_ground_m());
-        let (union, count, only);
-        let layer = match (self.overlay, self.coverages) {
-            (None, [site]) => {
-                only = self.cropped(site, window);
-                self.single_layer(&only)
-            }
-            (overlay, sites) => {
-                union = crop(overlay.map_or(&[], Overlay::union), grid.n_cols(), window);
-                count = crop(overlay.map_or(&[], Overlay::count), grid.n_cols(), window);
-                let n_sites = u32::try_from(sites.len()).unwrap_or(u32::MAX);
-                render::Layer::Count { count: &count, mask: &union, n_sites }
-            }
+        let drawing = MapDrawing {
+            scene: self.scene,
+            coverages: self.coverages,
+            overlay: self.overlay,
+            layers: self.layers,
+            report: self.report,
+            receivers: self.args.receivers,
+            title: self.args.title.as_deref(),
+            attribution: self.args.attribution.as_deref(),
         };
-        let (receivers_name, others_name) = cell_names(self.args.receivers, &self.scene.field);
-        let title = self.args.title.clone().unwrap_or_else(|| {
-            let subject = match (&layer, self.coverages.len()) {
-                (render::Layer::Field { .. }, _) => match self.layers.first() {
-                    Some(Layer::Margin) => "Margin of line of sight in",
-                    Some(Layer::Ceiling) => "Least receiver height in line of sight in",
-                    _ => "Least UAV height that sees",
-                },
-                (render::Layer::Stability { .. }, _) => "Stability of line of sight in",
-                (_, 1) => "What a UAV sees of",
-                _ => "What the UAVs see of",
-            };
-            unbreakable(&format!("{subject} {}", self.scene.name))
-        });
-        let caption = self.caption(receivers_name);
-        let picture = MapPicture {
-            title: &title,
-            caption: &caption,
-            n_cols: window.n_cols,
-            n_rows: window.n_rows,
-            cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
-            layer,
-            surface_m: Some(&surface),
-            uavs: &marks,
-            receivers_name,
-            others_name,
-        };
-        if as_vectors {
-            render::draw_map_svg(&picture, &self.provenance()).map(String::into_bytes).map_err(undrawable)
-        } else {
-            render::draw_map(&picture, &self.provenance()).map_err(undrawable)
-        }
-    }
-
-    /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.
-    fn window_in_range(&self) -> CellWindow {
-        let grid = self.scene.field.grid();
-        let Some(radius) = self.report.radius_m.map(|r| self.scene.crs_units(r) * 1.1) else { return grid.window() };
-        // Rows count from the north, positions from the south.
-        let span = |low: f64, high: f64, n: usize| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
-            let (low, high) = (low.floor().clamp(0.0, n as f64) as usize, high.ceil().clamp(0.0, n as f64) as usize);
-            (low < high).then_some(low..high)
-        };
-        let union = |a: Option<std::ops::Range<usize>>, b: std::ops::Range<usize>| match a {
-            Some(a) => a.start.min(b.start)..a.end.max(b.end),
-            None => b,
-        };
-        let (mut cols, mut rows) = (None, None);
-        for site in &self.report.sites {
-            let (west, south) = grid.cells_from_world(site.x - radius, site.y - radius);
-            let (east, north) = grid.cells_from_world(site.x + radius, site.y + radius);
-            let height = grid.n_rows() as f64;
-            let found = span(west, east, grid.n_cols()).zip(span(height - north, height - south, grid.n_rows()));
-            if let Some((c, r)) = found {
-                (cols, rows) = (Some(union(cols, c)), Some(union(rows, r)));
-            }
-        }
-        match (cols, rows) {
-            (Some(c), Some(r)) => {
-                CellWindow { row: r.start, col: c.start, n_rows: r.end - r.start, n_cols: c.end - c.start }
-            }
-            _ => grid.window(),
-        }
-    }
-
-    /// The part of a coverage that a picture shows.
-    fn cropped(&self, site: &SiteCoverage, window: CellWindow) -> SiteCoverage {
-        let n_cols = self.scene.field.grid().n_cols();
-        let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
-        SiteCoverage {
-            uav: site.uav.clone(),
-            mask: crop(&site.mask, n_cols, window),
-            margin: part(&site.margin),
-            ceiling: part(&site.ceiling),
-            least_height: part(&site.least_height),
-            stability: site
-                .stability
-                .as_ref()
-                .map(|s| Stability { turns: crop(&s.turns, n_cols, window), ..s.clone() }),
-            tally: site.tally,
-        }
-    }
-
-    /// The layer that a picture of one site shows: the mask, or the first height layer if the mask was not asked for.
-    fn single_layer<'b>(&self, site: &'b SiteCoverage) -> render::Layer<'b> {
-        let mask = &site.mask;
-        let field = |values: &'b Option<Vec<f32>>, name| {
-            values.as_deref().map(|values| render::Layer::Field { values, name, unit: "m", mask })
-        };
-        let wanted = self.layers.iter().find_map(|layer| match layer {
-            Layer::Los | Layer::Count | Layer::Which => Some(render::Layer::Los(mask)),
-            Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
-            Layer::Ceiling => field(&site.ceiling, "Ceiling, above the datum"),
-            Layer::LeastHeight => field(&site.least_height, "Least UAV height, above the datum"),
-            Layer::Stability => site.stability.as_ref().map(|s| render::Layer::Stability { turns: &s.turns, mask }),
-        });
-        wanted.unwrap_or(render::Layer::Los(mask))
-    }
-
-    fn caption(&self, receivers_name: &str) -> Vec<String> {
-        let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
-        let share = |t: &Tally| match t.p_los() {
-            Some(p) => format!(
-                "P_LoS = {p:.4} ({} of {} {receivers_name})",
-                render::grouped(t.los),
-                render::grouped(t.receivers)
-            ),
-            None => format!("P_LoS undefined: {}", t.reason()),
-        };
-        let mut lines: Vec<String> = Vec::new();
-        const MOST_SITES: usize = 4;
-        for s in self.report.sites.iter().take(MOST_SITES) {
-            lines.push(format!("UAV {}: {} at {}, {}", s.id, height_words(s), place(s), share(&s.tally)));
-        }
-        if self.report.sites.len() > MOST_SITES {
-            lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));
-        }
-        if self.report.sites.len() > 1 {
-            lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
-        }
-        let heights = (self.report.rx_height_m, self.report.radius_m);
-        lines.push(setting_line(self.scene, self.args.receivers, heights, self.report.facts.method));
-        lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
-        lines.extend(self.args.attribution.clone().or_else(|| self.scene.attribution.clone()));
-        lines
+        drawing.draw(as_vectors, &self.provenance())
     }
 }
 

@@ -12,6 +12,7 @@ mod info;
 mod interrupt;
 mod link;
 mod map;
+mod map_drawing;
 mod messages;
 mod place;
 mod plan;
@@ -19,6 +20,7 @@ mod plos;
 mod receivers;
 mod sample;
 mod sample_plot;
+mod stress;
 mod tolerance;
 mod track;
 mod words;
@@ -57,6 +59,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Place(args) => in_pool(args.out.threads, || place::run(&args, command)),
         args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
         args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(&args, command)),
+        args::Command::Stress(args) => in_pool(args.out.threads, || stress::run(&args, command)),
         args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
     }
 }
@@ -83,7 +86,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
             &Error::usage(
                 101,
-                "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare` and `place`",
+                "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place` and `stress`",
             )
             .with_hint("skyshed --help"),
         ),

@@ -50,6 +50,13 @@ impl MarginStats {
     }
 }
 
+impl MarginSample {
+    /// How many receivers of the sample are within ± some distance of grazing \[m\].
+    pub fn near(&self, reach_m: f32) -> u64 {
+        self.margins.iter().filter(|(_, margin)| margin.abs() <= reach_m).count() as u64
+    }
+}
+
 impl Mapper<'_> {
     /// Margins of some `most` receivers of a map that this mapper made; of all, if they are fewer.
     pub fn margin_sample(&self, map: &SiteCoverage, most: usize) -> MarginSample {

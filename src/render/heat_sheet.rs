@@ -283,7 +283,7 @@ impl<'a> Plot<'a> {
 }
 
 /// Draws stripes in a box, on the same lines in all boxes.
-fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4], ink: &str) {
+pub(super) fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4], ink: &str) {
     const STEP: f64 = 14.0;
     let (right, bottom) = (left + width, top + height);
     // Stripes are where x + y is a multiple of the step.

@@ -13,6 +13,7 @@
 //! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
 //! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
+//! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
@@ -42,6 +43,7 @@ mod panel_grid;
 mod plot_axis;
 mod plot_frame;
 mod png;
+mod rate_sheet;
 mod sheet;
 mod side_labels;
 mod track_profile;
@@ -61,6 +63,7 @@ pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_lin
 pub use map_picture::{Layer, MapClass, MapPicture, draw_map, draw_map_svg};
 pub use marks::Mark;
 pub use png::{draw_bare, draw_bare_count};
+pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet, draw_rate_sheet_svg};
 pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile, draw_track_profile_svg};
 
 /// Refuses an empty raster and an array that does not fit it.

@@ -8,8 +8,9 @@ mod height_curve;
 mod place;
 mod plos;
 mod sampled;
-mod tolerance;
 mod stability;
+mod stress;
+mod tolerance;
 mod track;
 mod zones;
 
@@ -25,7 +26,8 @@ pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, cur
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};
-pub use tolerance::ToleranceFacts;
 pub use stability::StabilityFacts;
+pub use stress::{NEAR_M, StressReport, StressSceneReport};
+pub use tolerance::ToleranceFacts;
 pub use track::TrackReport;
 pub use zones::zones_geojson;

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::coverage::{Move, Stability, Turned};
+use crate::quantity::counted;
 
 /// What the moves of one UAV turn.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,23 @@ impl StabilityFacts {
     /// The facts without the layer.
     pub fn of(stability: &Stability) -> Self {
         StabilityFacts { moves: stability.moves.clone(), cells: stability.unstable }
+    }
+
+    /// One line: what each move turns, gained and lost.
+    pub fn in_words(&self) -> String {
+        let of = |(which, turned): &(Move, Result<Turned, String>)| {
+            let name = which.name().replace("uav", "UAV").replace('_', " ");
+            match turned {
+                Ok(turned) => format!("{name} +{} −{}", turned.gained, turned.lost),
+                Err(_) => format!("{name} impossible"),
+            }
+        };
+        let moves: Vec<String> = self.moves.iter().map(of).collect();
+        format!(
+            "Gained and lost by one lattice step: {}; in all {} turn",
+            moves.join(", "),
+            counted(self.cells, "receiver", "receivers")
+        )
     }
 
     /// Gained and lost by move, null with a reason where a move cannot be made; and the receivers that any turns.

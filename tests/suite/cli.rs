@@ -89,7 +89,7 @@ fn the_examples_of_the_help_text_run() {
             n_run += 1;
         }
     }
-    assert_eq!(n_run, 6, "{help}");
+    assert_eq!(n_run, 7, "{help}");
 }
 
 #[test]
@@ -122,7 +122,11 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
     let before = folder.files();
     let small = "map itu:urban --size 200 -o out.png";
     let refusals: Vec<Refusal> = vec![
-        ("", 2, "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare` and `place`"),
+        (
+            "",
+            2,
+            "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place` and `stress`",
+        ),
         ("mapp", 2, "error[E101]: unrecognized subcommand 'mapp'"),
         ("map", 2, "error[E101]: the following required arguments were not provided: <SCENE>"),
         ("map itu:urban --no-such-flag", 2, "error[E101]: unexpected argument '--no-such-flag' found"),

@@ -4,17 +4,19 @@
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use rayon::prelude::*;
+use serde_json::Value;
 use skyshed::accuracy::stress::{
     AtRisk, Contender, Effort, FAMILIES, Family, FamilyScore, Outcome, Ready, StressScene, StressSolid, Symmetry,
-    stress, truth,
+    check_exact, stress, truth,
 };
 use skyshed::quantity::{LatticePoint, VOID};
 
 use crate::oracle;
+use crate::program::Folder;
 use crate::support::{Random, slow};
 
 fn contenders(names: &[&str]) -> Vec<Contender> {
-    names.iter().map(|name| Contender::named(name).unwrap()).collect()
+    names.iter().map(|name| Contender::of(name.parse().unwrap())).collect()
 }
 
 /// The answer of the tests' own oracle.
@@ -66,7 +68,7 @@ fn decided(score: &FamilyScore, k: usize) -> Option<u64> {
 
 #[test]
 fn exact_engines_are_right_on_every_family_and_approximate_ones_fail_where_they_should() {
-    let all = contenders(&Contender::ALL);
+    let all = Contender::all();
     let families: Vec<&Family> = FAMILIES.iter().collect();
     let efforts: Vec<Effort> = if slow() {
         (1..=3).map(|seed| Effort { scenes: 160, seed }).collect()
@@ -176,4 +178,200 @@ fn a_wrong_known_answer_is_told() {
     scene.known[0].is_los = !scene.known[0].is_los;
     let error = truth(&scene, &scene.ready().unwrap()).unwrap_err();
     assert_eq!((error.code().as_str(), error.class().exit_code()), ("E601", 6), "{error}");
+}
+
+#[test]
+fn an_exact_method_that_is_wrong_fails_the_check() {
+    let methods = contenders(&["ray", "r2"]);
+    let family = [Family::named("cell-slits").unwrap()];
+    let mut scores = stress(&family, &methods, Effort { scenes: 2, seed: 1 }).unwrap();
+    // An approximate one may be.
+    assert!(decided(&scores[0], 1) > Some(0));
+    check_exact(&methods, &scores).unwrap();
+    scores[0].outcomes.swap(0, 1);
+    let error = check_exact(&methods, &scores).unwrap_err();
+    assert_eq!((error.code().as_str(), error.class().exit_code()), ("E602", 6));
+    assert!(error.to_string().contains("`ray`, which is exact, decides") && error.to_string().contains("cell-slits"));
+}
+
+/// Rows of a table as fields.
+fn fields(table: &str) -> Vec<Vec<String>> {
+    table.lines().skip(1).map(|line| line.split(',').map(str::to_string).collect()).collect()
+}
+
+#[test]
+fn table_document_and_picture_hold_the_same_numbers() {
+    let folder = Folder::new();
+    let line = "stress --scenes 3 --seed 4 -o s.csv -o s.json -o s.png -o s.svg --json";
+    let answer = folder.type_in(line).done();
+    let document = answer.json();
+    assert_eq!(document["schema"], "skyshed/stress/1");
+    assert_eq!((&document["seed"], &document["scenes_per_family"]), (&Value::from(4), &Value::from(3)));
+    let families = document["families"].as_array().unwrap();
+    assert_eq!((families.len(), document["methods"].as_array().unwrap().len()), (FAMILIES.len(), 10));
+    let rows = fields(&folder.text("s.csv"));
+    assert_eq!(rows.len(), FAMILIES.len() * 10);
+    let svg = folder.text("s.svg");
+    for (k, row) in rows.iter().enumerate() {
+        let family = &families[k / 10];
+        let method = &family["methods"][k % 10];
+        assert_eq!(
+            (&family["family"], &method["method"]),
+            (&Value::from(row[0].as_str()), &Value::from(row[1].as_str()))
+        );
+        assert_eq!(family["receivers"].to_string(), row[5]);
+        if row[7].is_empty() {
+            // Prose of a document, and no number anywhere.
+            assert!(method["wrong"].is_null() && method["failure_rate"].is_null(), "{method}");
+            assert_eq!(method["reason"], row[11].as_str());
+            continue;
+        }
+        let [wrong, los, nlos] = ["wrong", "false_los", "false_nlos"].map(|key| method[key].as_u64().unwrap());
+        assert_eq!(
+            (wrong, [wrong, los, nlos].map(|n| n.to_string())),
+            (los + nlos, [row[7].clone(), row[9].clone(), row[10].clone()])
+        );
+        let rate = 100.0 * wrong as f64 / row[5].parse::<f64>().unwrap();
+        let shown = if wrong == 0 {
+            "0".to_string()
+        } else if rate >= 10.0 {
+            format!("{rate:.0}")
+        } else {
+            String::new()
+        };
+        assert!(svg.contains(&format!(">{shown}")), "{row:?}");
+    }
+    assert_eq!(
+        svg.matches(">0</text>").count(),
+        rows.iter().filter(|row| row[7] == "0").count(),
+        "zeros of the picture"
+    );
+    assert!(svg.contains(">Where methods fail<") && svg.contains("seed 4"), "{svg}");
+    // The same run gives the same bytes; the table goes to standard output where no file does.
+    let again = folder.type_in("stress --scenes 3 --seed 4").done();
+    assert_eq!(again.out, folder.text("s.csv"));
+    assert!(
+        again.err.contains("ray: 0 of ") && again.err.contains("step:1: ") && again.err.contains(", worst on cell-")
+    );
+    let quiet = folder.type_in("stress --scenes 3 --seed 4 -q -j 1").done();
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), (folder.text("s.csv").as_str(), ""));
+    assert_eq!(folder.json("s.csv.json")["digest"], document["digest"]);
+}
+
+/// Flags that change the answer: what is run without it, and with it.
+const FLAGS: [(&str, &str); 23] = [
+    ("stress --scenes 2", "--families cell-slits,prism-walls"),
+    ("stress --families cell-slits", "--scenes 3"),
+    ("stress --families cell-slits --scenes 2", "--seed 9"),
+    ("stress --families cell-slits --scenes 2", "--method r2"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--rx-height 0"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--receivers all"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--radius 2"),
+    ("stress dsm.asc --uav 2.5,2.5,9", "--ground 0"),
+    ("stress dsm.asc --uav 2.5,2.5,9", "--terrain low.asc"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--building-threshold 5"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--nodata-as block"),
+    ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--crs EPSG:25832"),
+    ("stress a.geojson --uav 2,2,9", "--height-field tall"),
+    ("stress a.geojson --uav 2,2,9", "--top-field top"),
+    ("stress a.geojson --uav 2,2,9", "--missing levels"),
+    ("stress a.geojson --uav 2,2,9", "--extent 0,0,5,5"),
+    ("stress a.geojson --uav 2,2,9", "--cell 0.5"),
+    ("stress itu:urban --uav 9,9,50", "--size 100"),
+    ("stress a.geojson", "--uav 2,2,9"),
+    ("stress --scenes 1", "--json"),
+    ("stress a.geojson --uav 2,2,9", "--method ray"),
+    ("stress --scenes 1", "--output -"),
+    ("stress --scenes 1", "--threads 0"),
+];
+
+/// Flags that change no answer, and the tests that show what they do.
+const OTHER: [(&str, &str); 8] = [
+    ("--quiet", "table_document_and_picture_hold_the_same_numbers"),
+    ("--hash", "a_large_input_is_hashed_on_request"),
+    ("--overwrite", "what_makes_no_sense_is_refused"),
+    ("--title", "what_makes_no_sense_is_refused"),
+    ("--attribution", "what_makes_no_sense_is_refused"),
+    ("--max-memory", "what_makes_no_sense_is_refused"),
+    ("--help", ""),
+    ("--version", ""),
+];
+
+fn scenes() -> Folder {
+    let folder = Folder::new();
+    let grid =
+        |cells: &str| format!("ncols 5\nnrows 5\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n{cells}");
+    folder.write("dsm.asc", &grid("0 0 0 0 0\n0 3 0 8 0\n0 3 0 -9999 0\n0 0 9 0 0\n0 0 0 0 0\n"));
+    folder.write("low.asc", &grid("0 0 0 0 0\n0 0 0 1 0\n0 0 0 0 0\n0 0 0 0 0\n0 0 0 0 -3\n"));
+    folder.write(
+        "a.geojson",
+        r#"{"type":"FeatureCollection","features":[
+        {"type":"Feature","properties":{"height":5,"tall":8,"top":6},"geometry":{"type":"Polygon",
+        "coordinates":[[[4,4],[6,4],[6,7],[4,7],[4,4]]]}},
+        {"type":"Feature","properties":{"building:levels":2,"tall":3,"top":4},"geometry":{"type":"Polygon",
+        "coordinates":[[[0,8],[9,8],[9,9],[0,9],[0,8]]]}}]}"#,
+    );
+    folder
+}
+
+#[test]
+fn every_flag_of_stress_changes_what_is_answered() {
+    let folder = scenes();
+    for (line, flag) in FLAGS {
+        let (without, with) = (folder.type_in(line), folder.type_in(&format!("{line} {flag}")));
+        // The words of the command itself are no difference.
+        let plain = |answer: &crate::program::Answer| match serde_json::from_str::<Value>(&answer.out) {
+            Ok(mut document) => {
+                document.as_object_mut().unwrap().remove("command");
+                document.as_object_mut().unwrap().remove("timing_s");
+                (document.to_string(), answer.err.clone())
+            }
+            Err(_) => (answer.out.clone(), answer.err.clone()),
+        };
+        assert_ne!(plain(&without), plain(&with), "{line} {flag}");
+    }
+    let help = folder.type_in("stress --help").done().out;
+    assert!(help.contains("[SCENE]") && help.contains("[default: 128]"), "{help}");
+    for line in help.lines().map(str::trim_start).filter(|line| line.starts_with('-')) {
+        let Some(flag) = line.split([' ', ',']).find(|word| word.starts_with("--")) else { continue };
+        let is_known = OTHER.iter().any(|(name, _)| *name == flag)
+            || FLAGS.iter().any(|(_, words)| words.split(' ').any(|word| word == flag));
+        assert!(is_known, "stress {flag}: add it to the flags above");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = scenes();
+    folder.write("old.csv", "mine");
+    for (line, code, first) in [
+        ("stress --uav 1,1,9", 2, "error[E116]: `--uav` has no meaning without a scene"),
+        ("stress --cell 2", 2, "error[E116]: `--cell` has no meaning without a scene"),
+        ("stress --max-memory 1G", 2, "error[E116]: `--max-memory` has no meaning without a scene"),
+        ("stress --radius 5", 2, "error[E116]: `--radius` has no meaning without a scene"),
+        ("stress --attribution me -o a.png", 2, "error[E116]: `--attribution` has no meaning without a scene"),
+        ("stress --title Failures -o a.csv", 2, "error[E116]: `--title` has no meaning without a .png or .svg"),
+        ("stress dsm.asc --uav 1,1,9 --scenes 3", 2, "error[E116]: `--scenes` has no meaning with a scene"),
+        ("stress dsm.asc --uav 1,1,9 --families cell-slits", 2, "error[E116]: `--families` has no meaning with a sce"),
+        ("stress dsm.asc", 2, "error[E108]: no UAV: wanted `--uav X,Y,H`"),
+        ("stress --families cell-slit", 2, "error[E101]: invalid value 'cell-slit' for '--families <NAME,…>': wanted"),
+        ("stress --scenes 0", 2, "error[E101]: invalid value '0' for '--scenes <N>'"),
+        ("stress -o a.tif", 2, "error[E105]: cannot write a.tif: this command does not write that format"),
+        ("stress --scenes 1 -o old.csv", 2, "error[E106]: cannot write old.csv: it exists"),
+        ("stress dsm.asc --ground 0 --uav 1.5,2.5,1", 4, "error[E201]: cannot place UAV `1`"),
+        ("stress dsm.asc --uav 1,1,9 --max-memory 100", 5, "error[E501]: cannot map dsm.asc"),
+        ("stress missing.asc --uav 1,1,9", 3, "error[E301]: "),
+    ] {
+        let before = folder.files();
+        let answer = folder.type_in(line);
+        let lines = answer.refused(code);
+        assert!(lines[0].starts_with(first), "{line}: {lines:?}");
+        assert_eq!(folder.files(), before, "{line}");
+    }
+    folder.type_in("stress --scenes 1 -o old.csv --overwrite -q").done();
+    assert!(folder.text("old.csv").starts_with("family,method,exact,"));
+    folder.type_in("stress --scenes 1 -o t.svg --title Ties -q").done();
+    assert!(folder.text("t.svg").contains(">Ties<"));
+    folder.type_in("stress a.geojson --uav 2,2,9 -o c.svg --attribution Surveyors -q").done();
+    assert!(folder.text("c.svg").contains(">Surveyors<"));
 }

@@ -24,6 +24,6 @@ mod truth_prisms;
 
 pub use families::{AtRisk, FAMILIES, Family};
 pub use scene::{Board, Known, Ready, StressPrism, StressScene, StressSolid};
-pub use score::{Contender, Effort, FamilyScore, Outcome, Wrong, stress};
+pub use score::{Contender, Effort, FamilyScore, Outcome, Wrong, check_exact, stress};
 pub use symmetry::Symmetry;
 pub use truth::truth;

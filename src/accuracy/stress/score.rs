@@ -6,8 +6,8 @@ use super::families::Family;
 use super::scene::{Ready, StressScene};
 use super::truth;
 use crate::coverage::{MapOptions, Mapper};
-use crate::error::{Error, Result};
-use crate::los::{Method, MethodChoice};
+use crate::error::{Error, ErrorClass, Result};
+use crate::los::{Method, MethodChoice, StepLength};
 
 /// A method that is tried.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,16 +19,25 @@ pub struct Contender {
 }
 
 impl Contender {
-    /// The words of all engines, `step:K` at several lengths.
-    pub const ALL: [&'static str; 10] =
-        ["ray", "sweep", "shadow", "step:0.25", "step:0.5", "step:1", "step:2", "step:4", "xdraw", "r2"];
+    /// All engines, `step:K` at several lengths \[cells\].
+    pub fn all() -> Vec<Self> {
+        let steps = [0.25, 0.5, 1.0, 2.0, 4.0].into_iter().filter_map(StepLength::new).map(MethodChoice::Step);
+        let exact = [MethodChoice::Ray, MethodChoice::Sweep, MethodChoice::Shadow];
+        exact.into_iter().chain(steps).chain([MethodChoice::Xdraw, MethodChoice::R2]).map(Contender::of).collect()
+    }
 
-    /// The engine of a word.
-    ///
-    /// # Errors
-    /// What was found, and what was wanted.
-    pub fn named(name: &str) -> std::result::Result<Self, String> {
-        Ok(Contender { name: name.to_string(), choice: name.parse()? })
+    /// The contender of an engine.
+    pub fn of(choice: MethodChoice) -> Self {
+        let name = match choice {
+            MethodChoice::Auto => "auto".into(),
+            MethodChoice::Ray => Method::Ray.name(),
+            MethodChoice::Sweep => Method::Sweep.name(),
+            MethodChoice::Shadow => Method::Shadow.name(),
+            MethodChoice::Step(length) => Method::Step(length).name(),
+            MethodChoice::Xdraw => Method::Xdraw.name(),
+            MethodChoice::R2 => Method::R2.name(),
+        };
+        Contender { name: name.into_owned(), choice }
     }
 
     /// Whether every answer of it must be right.
@@ -120,6 +129,31 @@ pub fn stress(families: &[&Family], methods: &[Contender], effort: Effort) -> Re
             Ok(scores.into_iter().fold(none, together))
         })
         .collect()
+}
+
+/// Refuses scores in which an exact method is wrong.
+///
+/// # Errors
+/// E602, naming the first such receiver.
+pub fn check_exact(methods: &[Contender], scores: &[FamilyScore]) -> Result<()> {
+    for score in scores {
+        for (method, outcome) in methods.iter().zip(&score.outcomes).filter(|(method, _)| method.is_exact()) {
+            if let Outcome::Decided(Wrong { first: Some((scene, row, col)), false_los, false_nlos }) = outcome {
+                let text = format!(
+                    "`{}`, which is exact, decides {} of {} receivers of {} wrongly, first row {row}, column {col} of the \
+                     scene {scene}; wanted 0",
+                    method.name,
+                    false_los + false_nlos,
+                    score.receivers,
+                    score.family
+                );
+                return Err(
+                    Error::new(ErrorClass::Check, 602, text).with_hint("this is a fault of skyshed: please report it")
+                );
+            }
+        }
+    }
+    Ok(())
 }
 
 fn together(a: FamilyScore, b: FamilyScore) -> FamilyScore {

@@ -1,0 +1,52 @@
+//! What can be typed after `skyshed stress`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::accuracy::stress::{FAMILIES, Family};
+use crate::cli::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+
+#[derive(Debug, Args)]
+#[command(mut_arg("scene", |a| a.required(false).default_value("").hide_default_value(true).help(
+    "A scene whose stability is asked for, with `--uav`: generated city (itu:…), raster (.tif, .asc) or footprints \
+     (.geojson). Without one, all methods are tried on families of small scenes where methods fail"
+)))]
+pub(in crate::cli) struct StressArgs {
+    /// Only these families of scenes, separated by commas, such as cell-slits,prism-walls; default all
+    #[arg(long, value_name = "NAME,…", value_parser = family, value_delimiter = ',')]
+    pub(super) families: Vec<&'static str>,
+    /// Scenes of each family
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(super) scenes: u32,
+    /// The UAV over SCENE: x, y in its CRS and height (120, 120agl, 30roof, 150amsl)
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(super) uav: Option<String>,
+    /// Height of the receivers of SCENE above ground or roof [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    pub(super) rx_height: f64,
+    /// Which cells of SCENE hold receivers
+    #[arg(long, value_enum, default_value = "ground")]
+    pub(super) receivers: ReceiversArg,
+    /// File to write, by extension: .png .svg (failure rates by family and method; of SCENE a map of what turns), .csv,
+    /// .json, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(super) output: Vec<PathBuf>,
+    /// Title of the picture
+    #[arg(long, value_name = "TEXT")]
+    pub(super) title: Option<String>,
+    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
+    #[arg(long, value_name = "TEXT")]
+    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(in crate::cli) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    #[command(flatten)]
+    pub(in crate::cli) out: OutputArgs,
+}
+
+fn family(name: &str) -> Result<&'static str, String> {
+    let known = || FAMILIES.iter().map(|family| family.name).collect::<Vec<_>>().join(", ");
+    Family::named(name.trim()).map(|family| family.name).ok_or_else(|| format!("wanted one of {}", known()))
+}
