@@ -1,9 +1,14 @@
 //! What a method costs and how far it errs: approximations, coarser cells and moved inputs against the exact answer.
 
+mod budget;
+mod economy;
 mod paired;
 mod simpler;
 pub mod stress;
 mod tolerance;
+
+pub use budget::{BudgetLine, Part, Uncertain, error_budget};
+pub use economy::{CellEffect, NO_CHANGE, Setup, TerrainEffect, cell_effects, coarsest_unchanged, terrain_effect};
 pub use paired::{FEWEST_POSITIONS, Paired, paired_difference};
 pub use simpler::{CoarseAnswer, Simpler, coarse_answer, moved_to};
 pub use tolerance::{CONFIDENCE, Choice, Measured, Question, Tried, coarsest_within};

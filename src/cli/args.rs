@@ -366,11 +366,30 @@ pub(super) struct CityArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
+    /// A UAV: x, y in the scene's CRS and height; tells what a map from there needs (how coarse its cells may be, whether
+    /// terrain matters, which footprints can hide anyone) and what limits its P_LoS; repeat for more, counted together
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(super) uav: Vec<String>,
+    /// Height of the receivers of that map above ground or roof [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    pub(super) rx_height: f64,
+    /// Which cells hold receivers of that map
+    #[arg(long, value_enum, default_value = "ground")]
+    pub(super) receivers: ReceiversArg,
+    /// How far the UAV may be from where it should be, sideways and in height [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1", allow_hyphen_values = true)]
+    pub(super) uav_error: f64,
+    /// How far the heights of all buildings may be off [m]
+    #[arg(long, value_name = "M", value_parser = number, default_value = "1", allow_hyphen_values = true)]
+    pub(super) height_error: f64,
+    /// Other cities of a generated kind that tell how much one city of many matters
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(2..=1000))]
+    pub(super) cities: u16,
     /// Find the zones of the city, street, crossroad, courtyard and rooftop, and count them
     #[arg(long)]
     pub(super) zones: bool,
     /// File to write, by extension: .json; with `--zones` also a map of them (.png .svg), a raster (.tif) or polygons
-    /// (.geojson); repeat for more
+    /// (.geojson); with `--uav` also the table of what limits P_LoS (.csv); repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// Title of the picture

@@ -32,6 +32,11 @@ impl Expected {
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }
 
+    /// Time that the line of sight will take \[s\].
+    pub(super) fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
     /// What to say before a run that takes longer, or more memory, than one would want to find out.
     pub(super) fn words(&self) -> Option<String> {
         let is_large = self.seconds >= 5.0 || self.bytes >= 1 << 30;

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::args::InfoArgs;
+use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::plan::{
     FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene, refuse_words_without_picture,
 };
@@ -10,7 +11,7 @@ use super::words::pretty;
 use super::zones::ZoneFiles;
 use super::{interrupt, messages};
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{VOID, counted, meters, tidy};
 use crate::raster::Crs;
@@ -19,14 +20,21 @@ use crate::report::RunFacts;
 use crate::scene::{BuiltUp, FootprintFaults, Solids};
 use crate::zones::{Zone, ZoneBasis, ZoneMap};
 
-const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Stdout];
+const FORMATS: [Format; 7] =
+    [Format::Png, Format::Svg, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Csv, Format::Stdout];
 
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let inputs = input_paths(&args.scene);
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
     refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
-    if let Some((path, _)) = outputs.iter().find(|(_, f)| !args.zones && !matches!(f, Format::Json | Format::Stdout)) {
+    refuse_without_uav(args)?;
+    if let Some((path, _)) = outputs.iter().find(|(_, f)| args.uav.is_empty() && *f == Format::Csv) {
+        return Err(Error::usage(116, format!("cannot write {}: it holds what limits a map", path.display()))
+            .with_hint("`--uav X,Y,H` says of which"));
+    }
+    let needs_no_zones = |f: &Format| matches!(f, Format::Json | Format::Csv | Format::Stdout);
+    if let Some((path, _)) = outputs.iter().find(|(_, f)| !args.zones && !needs_no_zones(f)) {
         return Err(Error::usage(116, format!("cannot write {}: it holds zones", path.display()))
             .with_hint("`--zones` finds them"));
     }
@@ -45,9 +53,20 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, .. } => footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect(),
         Solids::Raster { .. } => Vec::new(),
     };
+    let rectangles = match &scene.solids {
+        Solids::Vector { footprints, .. } => Some(Rectangles {
+            rectangles: footprints.iter().filter(|f| f.is_rectangle()).count(),
+            footprints: footprints.len(),
+        }),
+        Solids::Raster { .. } => None,
+    };
     check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
     let field = HeightField::build(&grid, scene.solids, &mut warnings);
     let counts = Counts::of(&field);
+    let needs = match args.uav.is_empty() {
+        true => None,
+        false => Some(Needs::of(args, &field, scene.built_up, rectangles)?),
+    };
     let zones = args.zones.then(|| ZoneMap::of(&field, scene.built_up.as_ref()));
     if zones.as_ref().is_some_and(|zones| zones.basis() == ZoneBasis::Unknown) {
         return Err(Error::usage(117, "`--zones` with a surface model alone: no building is known")
@@ -86,6 +105,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
             "alpha": b.built_up_ratio, "beta_per_km2": b.buildings_per_km2, "gamma_m": b.height_scale,
         })),
         "zones": zones.as_ref().map(|zones| zones_json(zones, unit)),
+        "needs": needs.as_ref().map(Needs::json),
         "faults": faults.map(faults_json),
         "sources": scene.sources.iter().map(|s| json!({"path": s.path, "sha256": s.sha256})).collect::<Vec<_>>(),
         "warnings": warnings.iter().map(|w| json!({"code": w.code(), "text": w.text()})).collect::<Vec<_>>(),
@@ -109,6 +129,11 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     }
     for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {
         batch.add(path, pretty(&document).as_bytes())?;
+    }
+    for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Csv) {
+        let Some(needs) = &needs else { continue };
+        batch.add(path, &encode_table(&needs.table())?)?;
+        batch.add(&with_suffix(path, ".json"), pretty(&document).as_bytes())?;
     }
     batch.commit()?;
     if !args.out.quiet {
@@ -181,6 +206,9 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     }
     if field.is_surface_only() {
         text += "receivers  stand on the surface: no terrain is known\n";
+    }
+    if let Some(needs) = &needs {
+        text += &format!("\n{}", needs.text());
     }
     messages::answer(&text)
 }

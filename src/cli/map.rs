@@ -13,7 +13,7 @@ use super::plan::{
 };
 use super::receivers::{Asked, check_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
-use super::words::{picture_provenance, pretty};
+use super::words::{idle_in_words, picture_provenance, pretty};
 use super::{interrupt, messages};
 use crate::coverage::{
     Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
@@ -120,7 +120,8 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
     let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
-    let mapper = Mapper::new(&scene.field, &options)?;
+    let mut mapper = Mapper::new(&scene.field, &options)?;
+    let idle = mapper.drop_idle(&uavs);
     if !args.out.quiet {
         let grid = scene.field.grid();
         let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
@@ -166,6 +167,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             (overlay, _) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),
         },
         tolerance,
+        idle: (idle.footprints > 0).then_some(idle),
         digest: digest.finish(),
     };
     let curves = curve_plan.make(args, &scene, &coverages, &report)?;
@@ -199,6 +201,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
 
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
+        report.idle.iter().filter(|idle| idle.dropped() > 0).for_each(|idle| messages::note(&idle_in_words(idle)));
         report.tolerance.iter().for_each(|facts| messages::note(&tolerance_in_words(facts)));
         say_results(&report, why, scene.timing, &outputs);
         curves.iter().for_each(|c| c.say(curve_plan.outputs()));

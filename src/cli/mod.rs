@@ -14,6 +14,7 @@ mod link;
 mod map;
 mod map_drawing;
 mod messages;
+mod needs;
 mod place;
 mod plan;
 mod plos;

@@ -1,5 +1,8 @@
 //! Text that several commands share: documents, titles.
 
+use crate::coverage::IdleFootprints;
+use crate::render::grouped;
+
 /// A document as indented text with a final line break.
 pub(super) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")
@@ -43,4 +46,15 @@ mod tests {
         assert_eq!(unbreakable("γ = 8.8 m, 50 maps; 5 m"), "γ\u{a0}=\u{a0}8.8\u{a0}m, 50 maps; 5\u{a0}m");
         assert_eq!(title_of("within 20 m of me"), "Within 20\u{a0}m of me");
     }
+}
+
+/// Which footprints were dropped before work started.
+pub(super) fn idle_in_words(idle: &IdleFootprints) -> String {
+    format!(
+        "{} of {} footprints can hide no receiver and were dropped: {} too low, {} out of reach",
+        grouped(idle.dropped()),
+        grouped(idle.footprints),
+        grouped(idle.too_low),
+        grouped(idle.out_of_reach)
+    )
 }

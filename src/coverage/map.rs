@@ -1,5 +1,6 @@
 //! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use super::range::Range;
 use super::stability::{Decided, ShiftedRoofs};
 use super::{Stability, Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
-use crate::height_field::{GridPositions, HeightField, Place, Station};
+use crate::height_field::{Casters, GridPositions, HeightField, Place, Station};
 use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights, link_los};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, set_bits};
@@ -203,6 +204,13 @@ impl<'a> Mapper<'a> {
         self.options.radius
     }
 
+    /// Casts the shadows of these alone.
+    pub(super) fn cast_only(&mut self, casters: Casters) {
+        let casters = Arc::new(casters);
+        self.engine = self.engine.clone().with_casters(Arc::clone(&casters));
+        self.alone = self.alone.clone().with_casters(casters);
+    }
+
     /// Number of cells of the grid.
     pub(super) fn n_cells(&self) -> usize {
         self.field.grid().n_cells()
@@ -214,7 +222,7 @@ impl<'a> Mapper<'a> {
     }
 
     /// The scene.
-    pub(super) fn field(&self) -> &HeightField {
+    pub(super) fn field(&self) -> &'a HeightField {
         self.field
     }
 

@@ -6,6 +6,7 @@
 mod cell_classes;
 mod elevation;
 mod height_curve;
+mod idle;
 mod layers;
 mod many;
 mod map;
@@ -18,6 +19,7 @@ mod track;
 mod uav;
 
 pub use height_curve::HeightCurve;
+pub use idle::IdleFootprints;
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub use map::{

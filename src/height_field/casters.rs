@@ -68,24 +68,48 @@ impl Casters {
         ready.sort_by_key(|(c, _)| (block_of(c), std::cmp::Reverse(c.top)));
         let mut all = Casters::default();
         let mut last_block = None;
-        for (mut caster, ring) in ready {
-            caster.first = u32::try_from(all.vertices.len()).unwrap_or(u32::MAX);
-            all.vertices.extend(ring);
+        for (caster, ring) in ready {
             let block = block_of(&caster);
             if last_block != Some(block) {
                 last_block = Some(block);
-                let first = u32::try_from(all.casters.len()).unwrap_or(u32::MAX);
-                all.blocks.push(CasterBlock { first, len: 0, max_top: caster.top, bounds: caster.bounds });
+                all.begin_block();
             }
-            if let Some(b) = all.blocks.last_mut() {
-                b.len += 1;
-                b.max_top = b.max_top.max(caster.top);
-                let c = caster.bounds;
-                b.bounds = [b.bounds[0].min(c[0]), b.bounds[1].min(c[1]), b.bounds[2].max(c[2]), b.bounds[3].max(c[3])];
-            }
-            all.casters.push(caster);
+            all.push(caster, &ring);
         }
         all
+    }
+
+    /// Some of the casters, in the same blocks.
+    pub fn kept(&self, keep: impl Fn(&Caster) -> bool) -> Casters {
+        let mut kept = Casters::default();
+        for block in &self.blocks {
+            let mut of_block = self.of_block(block).iter().filter(|c| keep(c)).peekable();
+            if of_block.peek().is_some() {
+                kept.begin_block();
+            }
+            of_block.for_each(|caster| kept.push(*caster, self.ring(caster)));
+        }
+        kept
+    }
+
+    /// Begins a block without casters.
+    fn begin_block(&mut self) {
+        let first = u32::try_from(self.casters.len()).unwrap_or(u32::MAX);
+        let bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+        self.blocks.push(CasterBlock { first, len: 0, max_top: i32::MIN, bounds });
+    }
+
+    /// Adds a caster to the last block.
+    fn push(&mut self, mut caster: Caster, ring: &[[i32; 2]]) {
+        caster.first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        self.vertices.extend(ring);
+        if let Some(b) = self.blocks.last_mut() {
+            b.len += 1;
+            b.max_top = b.max_top.max(caster.top);
+            let c = caster.bounds;
+            b.bounds = [b.bounds[0].min(c[0]), b.bounds[1].min(c[1]), b.bounds[2].max(c[2]), b.bounds[3].max(c[3])];
+        }
+        self.casters.push(caster);
     }
 
     /// The blocks, row by row from the south-west.

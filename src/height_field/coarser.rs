@@ -54,6 +54,34 @@ impl HeightField {
         Some(self.with_receivers_on(&coarser_grid(self.grid(), factor)?))
     }
 
+    /// A vector scene with receivers on cells a `factor`th as large; its solids stay what they are. `None` for a raster scene,
+    /// for `factor` 0, or where the fine grid is not one.
+    pub fn with_finer_receivers(&self, factor: usize) -> Option<HeightField> {
+        self.prisms()?;
+        let grid = self.grid();
+        #[expect(clippy::cast_precision_loss, reason = "a small factor")]
+        let parts = factor as f64;
+        let fine = GeoRef::new(
+            (grid.x_min(), grid.y_max()),
+            (grid.cell_width() / parts, grid.cell_height() / parts),
+            (grid.n_rows().checked_mul(factor)?, grid.n_cols().checked_mul(factor)?),
+            grid.crs().cloned(),
+        )?;
+        Some(self.with_receivers_on(&fine))
+    }
+
+    /// The terrain of a scene without its buildings: every cell is open ground. `None` where the ground is flat, or not known
+    /// apart from the surface.
+    pub fn terrain_alone(&self) -> Option<HeightField> {
+        if self.prisms().is_some() {
+            return self.columns().is_some().then(|| self.without_prisms());
+        }
+        let RasterGround::Terrain { tops, building_threshold } = self.raster_cells()?.ground else { return None };
+        let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
+        let solids = Solids::Raster { surface: terrain(), ground: Ground::Terrain(terrain()), building_threshold };
+        Some(HeightField::build(self.grid(), solids, &mut Vec::new()))
+    }
+
     /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground
     /// there: *approximate*. `None` for a raster scene.
     pub fn rasterized(&self) -> Option<HeightField> {

@@ -172,6 +172,15 @@ impl HeightField {
         field
     }
 
+    /// The same ground without a building.
+    pub(super) fn without_prisms(&self) -> HeightField {
+        let prisms = self.prisms.as_ref().map(|(_, frame)| (Prisms::new(Vec::new()), *frame));
+        let mut field = HeightField { prisms, building_ids: Vec::new(), ..self.clone() };
+        field.roofs = Some(vec![VOID; self.grid.n_cells()]);
+        field.cells = CellSets::of(&field);
+        field
+    }
+
     /// Which cells are open ground and which are buildings.
     pub fn cells(&self) -> &CellSets {
         &self.cells

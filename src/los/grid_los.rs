@@ -1,6 +1,7 @@
 //! One UAV against a whole grid of receivers, by whichever engine the scene calls for.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -8,7 +9,7 @@ use super::{
     ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, link_los, r2_los, shadow_los, shadow_los_relief,
     step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Columns, GridPositions, HeightField, StandsOn, Station};
+use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station};
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Which engine is asked for.
@@ -224,6 +225,11 @@ impl<'a> GridReceivers<'a> {
         i64::from(self.base(cell)) + i64::from(self.above)
     }
 
+    /// Height of the lowest receiver; `None` without any.
+    pub fn lowest(&self) -> Option<i64> {
+        self.cells.words().iter().any(|w| *w != 0).then(|| i64::from(self.range.0) + i64::from(self.above))
+    }
+
     /// The one height of all receivers, if it is one.
     pub fn level(&self) -> Option<i64> {
         (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))
@@ -244,6 +250,8 @@ pub struct GridLos<'a> {
     method: Method,
     positions: GridPositions,
     shadows: Option<ShadowGrid>,
+    /// What casts shadows, if not all prisms do.
+    casters: Option<Arc<Casters>>,
     level: SimdLevel,
     /// Whether shadows are cast in one band of rows, by one thread.
     is_one_band: bool,
@@ -255,7 +263,7 @@ impl<'a> GridLos<'a> {
         let positions = field.positions();
         let shadows =
             field.prisms().map(|_| ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect()));
-        GridLos { field, method, positions, shadows, level: SimdLevel::new(), is_one_band: false }
+        GridLos { field, method, positions, shadows, casters: None, level: SimdLevel::new(), is_one_band: false }
     }
 
     /// The same with other vector instructions: no result depends on them.
@@ -270,6 +278,13 @@ impl<'a> GridLos<'a> {
     #[must_use]
     pub fn in_one_band(mut self) -> Self {
         self.is_one_band = true;
+        self
+    }
+
+    /// The same with shadows of some casters alone, where no other can hide a receiver that will be asked about.
+    #[must_use]
+    pub fn with_casters(mut self, casters: Arc<Casters>) -> Self {
+        self.casters = Some(casters);
         self
     }
 
@@ -365,7 +380,8 @@ impl<'a> GridLos<'a> {
     fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
         let (Some(prisms), Some(grid)) = (self.field.prisms(), &self.shadows) else { return wanted.clone() };
         let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
-        let scene = ShadowScene { prisms, grid, wanted, level: self.level, n_bands };
+        let casters = self.casters.as_deref().unwrap_or(prisms.casters());
+        let scene = ShadowScene { prisms, casters, grid, wanted, level: self.level, n_bands };
         let n_cols = wanted.n_cols();
         match receivers.level() {
             Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,

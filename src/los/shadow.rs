@@ -52,7 +52,7 @@ use rayon::prelude::*;
 use super::prisms_ray::prisms_los;
 use super::shadow_outline::{Ceiling, Outline, Plane, Reach};
 use super::shadow_spans::{LANES, Lanes, as_f64, below_ceiling, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::Prisms;
+use crate::height_field::{Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
@@ -93,8 +93,10 @@ impl ShadowGrid {
 /// Everything about shadows that is the same for many UAVs.
 #[derive(Debug, Clone, Copy)]
 pub struct ShadowScene<'a> {
-    /// What casts shadows.
+    /// What hides receivers.
     pub prisms: &'a Prisms,
+    /// What casts shadows: all casters of the prisms, or those that matter.
+    pub casters: &'a Casters,
     /// Where receivers stand.
     pub grid: &'a ShadowGrid,
     /// The cells to decide, of the same shape as the grid.
@@ -203,7 +205,7 @@ impl Receivers {
 fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers) -> ShadowLos {
     let mut los = scene.wanted.clone();
     let Some(plane) = plane_of(scene, uav) else { return ShadowLos { los, count: 0, asked: 0 } };
-    let blocks = nearest_first(scene.prisms, uav);
+    let blocks = nearest_first(scene.casters, uav);
     let words_per_row = los.words_per_row();
     let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
     let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
@@ -257,10 +259,10 @@ fn plane_of(scene: &ShadowScene<'_>, uav: LatticePoint) -> Option<Plane> {
 }
 
 /// The blocks of casters by their distance from the UAV.
-fn nearest_first(prisms: &Prisms, uav: LatticePoint) -> Vec<u32> {
+fn nearest_first(casters: &Casters, uav: LatticePoint) -> Vec<u32> {
     let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0);
     let mut order: Vec<(u64, u32)> = (0_u32..)
-        .zip(prisms.casters().blocks())
+        .zip(casters.blocks())
         .map(|(k, block)| {
             let [west, south, east, north] = block.bounds;
             let (dx, dy) = (beyond(west, east, uav.x).unsigned_abs(), beyond(south, north, uav.y).unsigned_abs());
@@ -310,7 +312,7 @@ impl BandJob<'_> {
         if let Some((lowest, highest)) = self.heights(&tiles) {
             let mut outline = Outline::default();
             let mut ceiling = Ceiling::default();
-            let casters = self.scene.prisms.casters();
+            let casters = self.scene.casters;
             for &k in self.blocks {
                 let block = &casters.blocks()[k as usize];
                 let Some(reach) = Reach::new(self.plane.uav.z, block.max_top, lowest) else { continue };

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use super::ToleranceFacts;
 use super::features::feature_collection;
 use super::stability::StabilityFacts;
-use crate::coverage::{Placement, SiteCoverage, Tally};
+use crate::coverage::{IdleFootprints, Placement, SiteCoverage, Tally};
 use crate::error::Warning;
 use crate::los::Method;
 use crate::raster::GeoRef;
@@ -148,6 +148,8 @@ pub struct MapReport {
     pub union: Tally,
     /// The same by zone, as those of a site.
     pub union_zones: Option<[Tally; 4]>,
+    /// Footprints that were dropped before work started, in a scene of footprints.
+    pub idle: Option<IdleFootprints>,
     /// What a tolerance led to, where one was given.
     pub tolerance: Option<ToleranceFacts>,
     /// Digest of the masks, see [`digest`].
@@ -244,6 +246,13 @@ impl RunFacts {
     }
 }
 
+/// Footprints, and how many of them can hide no receiver.
+pub fn idle_json(idle: &IdleFootprints) -> Value {
+    json!({
+        "total": idle.footprints, "dropped": idle.dropped(), "too_low": idle.too_low, "out_of_reach": idle.out_of_reach,
+    })
+}
+
 /// Counts with P_LoS, or null and the reason.
 pub(super) fn tally_json(tally: &Tally) -> Map<String, Value> {
     let mut counts = Map::new();
@@ -273,6 +282,7 @@ impl MapReport {
             }
             document.insert("tolerance".into(), tolerance.json());
         }
+        document.extend(self.idle.map(|idle| ("footprints".to_string(), idle_json(&idle))));
         document.insert("rx_height_m".into(), self.rx_height_m.into());
         document.insert("receivers".into(), self.receivers.into());
         document.insert("radius_m".into(), self.radius_m.into());

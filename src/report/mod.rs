@@ -20,7 +20,7 @@ pub use compare::{
     PlacementFacts, group_names, signed,
 };
 pub use documents::{
-    LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, zone_tallies,
+    LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, idle_json, zone_tallies,
 };
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};

@@ -29,6 +29,27 @@ pub struct Footprint {
     pub base: i32,
 }
 
+impl Footprint {
+    /// Whether the outline is one rectangle: four corners, each within a degree of a right angle; vertices on its sides
+    /// count for nothing.
+    pub fn is_rectangle(&self) -> bool {
+        let [polygon] = self.polygons.as_slice() else { return false };
+        let [ring] = polygon.as_slice() else { return false };
+        let edge = |a: [i32; 2], b: [i32; 2]| [0, 1].map(|k| f64::from(b[k]) - f64::from(a[k]));
+        let n = ring.len();
+        // The turn at each vertex: its sine and cosine.
+        let turns = (0..n).map(|k| {
+            let (a, b) = (edge(ring[(k + n - 1) % n], ring[k]), edge(ring[k], ring[(k + 1) % n]));
+            let lengths = a[0].hypot(a[1]) * b[0].hypot(b[1]);
+            ((a[0] * b[1] - a[1] * b[0]) / lengths, (a[0] * b[0] + a[1] * b[1]) / lengths)
+        });
+        const DEGREE: f64 = 0.017_452_406;
+        let corners: Vec<(f64, f64)> = turns.filter(|(sin, cos)| sin.abs() > DEGREE || *cos < 0.0).collect();
+        let turns_alike = corners.iter().all(|c| c.0 > 0.0) || corners.iter().all(|c| c.0 < 0.0);
+        corners.len() == 4 && turns_alike && corners.iter().all(|c| c.1.abs() <= DEGREE)
+    }
+}
+
 /// What to do with footprints whose height is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MissingHeight {

@@ -351,7 +351,10 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 19] = [
+const OTHER_FLAGS: [(&str, &str); 22] = [
+    ("--uav-error", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),
+    ("--height-error", "higher_roofs_are_those_of_a_file_with_higher_buildings"),
+    ("--cities", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),
     ("--tolerance", "the_program_says_what_was_taken_and_writes_coarser_cells"),
     ("--zones", "info_counts_draws_and_outlines_zones"),
     ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),

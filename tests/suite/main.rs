@@ -34,6 +34,7 @@ mod cli_plos; // P_LoS studies as tables, documents and plots
 mod sampled; // P_LoS by zone of the placement, from maps, against the product
 mod compare; // placements side by side: counts by hand, saved masks, intervals, sheets, refusals
 mod compare_page; // their page: pictures, words of users, a browser
+mod economy; // footprints that hide nobody, what a map needs and what limits it, against maps of the changed scenes
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height

@@ -65,7 +65,8 @@ impl Field {
 
     fn cast(&self, prisms: &Prisms, uav: LatticePoint, level: Level, n_bands: usize) -> ShadowLos {
         let grid = ShadowGrid::new(self.xs.clone(), self.ys.clone());
-        let scene = ShadowScene { prisms, grid: &grid, wanted: &self.wanted, level, n_bands };
+        let scene =
+            ShadowScene { prisms, casters: prisms.casters(), grid: &grid, wanted: &self.wanted, level, n_bands };
         match self.level() {
             Some(z) => shadow_los(&scene, uav, z),
             None => shadow_los_relief(&scene, uav, &|row, col| self.height(row, col)),

@@ -194,7 +194,8 @@ fn mapped(
         return Ok((Vec::new(), None));
     }
     let options = asked.options(&scene.field, zones);
-    let mapper = Mapper::new(&scene.field, &options)?;
+    let mut mapper = Mapper::new(&scene.field, &options)?;
+    mapper.drop_idle(uavs);
     let control = Control::default();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {

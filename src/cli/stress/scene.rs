@@ -66,6 +66,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     }
     let map = MapReport {
         tolerance: None,
+        idle: None,
         facts: scene.facts(command, Some(method)),
         rx_height_m: args.rx_height,
         receivers: args.receivers.name(),

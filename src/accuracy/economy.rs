@@ -1,0 +1,153 @@
+//! What a scene needs: how coarse its cells may be, and whether its terrain can hide anyone.
+
+use super::simpler::{Simpler, moved_to};
+use crate::coverage::{MapOptions, Mapper, Uav};
+use crate::error::Result;
+use crate::height_field::HeightField;
+
+/// A change of P_LoS below this is none: a tenth of a percentage point.
+pub const NO_CHANGE: f64 = 0.001;
+
+/// Times that cells are larger, finest first.
+const FACTORS: [usize; 4] = [2, 4, 8, 16];
+
+/// UAVs over a scene and how maps of it are made.
+#[derive(Clone, Copy)]
+pub struct Setup<'a> {
+    /// The scene.
+    pub field: &'a HeightField,
+    /// The UAVs, counted together.
+    pub uavs: &'a [Uav],
+    /// The options of a map of a form of the scene: cells of zones are those of its own grid.
+    pub options: &'a (dyn Fn(&HeightField) -> MapOptions + Sync),
+}
+
+impl std::fmt::Debug for Setup<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Setup").field("uavs", &self.uavs).finish_non_exhaustive()
+    }
+}
+
+impl Setup<'_> {
+    /// Receivers in range of the UAVs and those of them in line of sight, summed over the UAVs.
+    ///
+    /// # Errors
+    /// As [`Mapper::new`].
+    pub fn count(&self) -> Result<(u64, u64)> {
+        let options = (self.options)(self.field);
+        let mapper = Mapper::new(self.field, &options)?;
+        Ok(self.uavs.iter().map(|uav| mapper.count(uav)).fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1)))
+    }
+
+    /// P_LoS of all UAVs together; `None` without a receiver.
+    ///
+    /// # Errors
+    /// As [`Mapper::new`].
+    pub fn p_los(&self) -> Result<Option<f64>> {
+        let (receivers, los) = self.count()?;
+        Ok((receivers > 0).then(|| los as f64 / receivers as f64))
+    }
+
+    /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.
+    ///
+    /// # Errors
+    /// Where the form has a building in which a UAV hovers.
+    pub fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
+        let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
+        Setup { field, uavs: &uavs, options: self.options }.p_los()
+    }
+}
+
+/// What larger cells do to P_LoS.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellEffect {
+    /// The form of the scene.
+    pub form: Simpler,
+    /// Its P_LoS, or why there is none.
+    pub p_los: std::result::Result<f64, String>,
+}
+
+/// What larger cells do to P_LoS, the finest first.
+pub fn cell_effects(setup: &Setup<'_>) -> Vec<CellEffect> {
+    let effect = |form: Simpler| {
+        let p_los = match form.of(setup.field).map(|field| setup.p_los_of(&field)) {
+            Some(Ok(Some(p_los))) => Ok(p_los),
+            Some(Err(why)) => Err(why.to_string()),
+            Some(Ok(None)) | None => Err("no receiver in range".into()),
+        };
+        CellEffect { form, p_los }
+    };
+    Simpler::forms(setup.field, &FACTORS).into_iter().map(effect).collect()
+}
+
+/// The coarsest form up to which no form of its kind changes P_LoS by [`NO_CHANGE`] or more; `None` if the finest already
+/// does.
+pub fn coarsest_unchanged(effects: &[CellEffect], p_los: f64) -> Option<Simpler> {
+    let mut best: Option<Simpler> = None;
+    let mut poolings: Vec<_> = effects.iter().map(|e| e.form.pooling).collect();
+    poolings.dedup();
+    for pooling in poolings {
+        let of_kind = effects.iter().filter(|e| e.form.pooling == pooling);
+        let is_unchanged = |e: &&CellEffect| e.p_los.as_ref().is_ok_and(|p| (p - p_los).abs() < NO_CHANGE);
+        let last = of_kind.take_while(is_unchanged).last();
+        best = best.into_iter().chain(last.map(|e| e.form)).max_by_key(|form| form.factor);
+    }
+    best
+}
+
+/// What the terrain of a scene can do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TerrainEffect {
+    /// The ground is flat, or not known apart from the surface: there is no terrain to hide anyone.
+    None,
+    /// Without buildings it would hide so many of the receivers of all UAVs.
+    Hides {
+        /// Receivers that it hides.
+        hidden: u64,
+        /// Receivers in range.
+        receivers: u64,
+    },
+}
+
+/// What the terrain of a scene hides by itself.
+///
+/// # Errors
+/// As [`Mapper::new`].
+pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
+    let Some(terrain) = setup.field.terrain_alone() else { return Ok(TerrainEffect::None) };
+    // The same receivers as with the buildings, also where a building would stand in the way of none.
+    let options = (setup.options)(setup.field);
+    let cells = Mapper::new(setup.field, &options)?.receiver_cells();
+    let options = MapOptions { within: Some(cells), receivers: crate::coverage::Receivers::Ground, ..options };
+    let mapper = Mapper::new(&terrain, &options)?;
+    let counts = setup.uavs.iter().map(|uav| mapper.count(uav));
+    let (receivers, los) = counts.fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
+    Ok(TerrainEffect::Hides { hidden: receivers - los, receivers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::height_field::Pooling;
+
+    #[test]
+    fn the_coarsest_form_is_the_last_before_p_los_first_changes() {
+        let effect = |factor: usize, pooling, p_los: f64| CellEffect {
+            form: Simpler { factor, pooling: Some(pooling) },
+            p_los: Ok(p_los),
+        };
+        let (mean, maximum) = (Pooling::Mean, Pooling::Maximum);
+        let effects = [
+            effect(2, mean, 0.5005),
+            effect(2, maximum, 0.4996),
+            effect(4, mean, 0.502),
+            effect(4, maximum, 0.4995),
+            // Right by chance, behind one that is not.
+            effect(8, mean, 0.5),
+            effect(8, maximum, 0.48),
+        ];
+        assert_eq!(coarsest_unchanged(&effects, 0.5), Some(Simpler { factor: 4, pooling: Some(maximum) }));
+        assert_eq!(coarsest_unchanged(&effects, 0.6), None);
+        assert_eq!(coarsest_unchanged(&[], 0.6), None);
+    }
+}

@@ -1,0 +1,142 @@
+//! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work starts, and counted.
+//!
+//! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them. So a prism
+//! that is not higher than that blocks none, nor does one whose bounding box lies outside. What is left may still hide nobody,
+//! which only its shadows tell.
+
+use super::Uav;
+use super::map::Mapper;
+use super::range::Range;
+use crate::height_field::{Caster, Prisms, Station};
+
+/// Footprints of a scene, by what they can do to a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct IdleFootprints {
+    /// All of them.
+    pub footprints: u64,
+    /// Not higher than any end of any link.
+    pub too_low: u64,
+    /// Outside the box of all links, or partly that and else too low.
+    pub out_of_reach: u64,
+}
+
+impl IdleFootprints {
+    /// Those that are dropped.
+    pub fn dropped(&self) -> u64 {
+        self.too_low + self.out_of_reach
+    }
+}
+
+/// The box that holds every link of a run, on the lattice of the prisms.
+#[derive(Debug, Clone, Copy)]
+struct LinkBox {
+    west: i64,
+    south: i64,
+    east: i64,
+    north: i64,
+    /// The lowest end of a link \[1/1024 m above the datum\].
+    lowest: i64,
+}
+
+impl LinkBox {
+    const NONE: LinkBox =
+        LinkBox { west: i64::MAX, south: i64::MAX, east: i64::MIN, north: i64::MIN, lowest: i64::MAX };
+
+    fn with_point(self, (x, y): (i64, i64)) -> LinkBox {
+        LinkBox {
+            west: self.west.min(x),
+            south: self.south.min(y),
+            east: self.east.max(x),
+            north: self.north.max(y),
+            ..self
+        }
+    }
+
+    fn is_too_low(&self, top: i32) -> bool {
+        i64::from(top) <= self.lowest
+    }
+
+    /// Whether a bounding box, west, south, east and north, lies outside; one that touches does not.
+    fn is_beyond(&self, bounds: [i32; 4]) -> bool {
+        let [west, south, east, north] = bounds.map(i64::from);
+        east < self.west || west > self.east || north < self.south || south > self.north
+    }
+}
+
+impl Mapper<'_> {
+    /// Drops what cannot hide a receiver from these UAVs; from then on the mapper is for them alone. Counts footprints, of
+    /// which none is there in a raster scene.
+    ///
+    /// Cost: a look at each piece of a footprint.
+    pub fn drop_idle(&mut self, uavs: &[Uav]) -> IdleFootprints {
+        let Some(prisms) = self.field().prisms() else { return IdleFootprints::default() };
+        let links = self.links_of(uavs);
+        let kept = prisms.casters().kept(|c: &Caster| !links.is_too_low(c.top) && !links.is_beyond(c.bounds));
+        self.cast_only(kept);
+        count(prisms, self.field().n_buildings(), &links)
+    }
+
+    fn links_of(&self, uavs: &[Uav]) -> LinkBox {
+        let grid = self.field().grid();
+        let mut links = LinkBox::NONE;
+        for uav in uavs {
+            let place = uav.station.on_prisms();
+            links = links.with_point((place.x, place.y));
+            links.lowest = links.lowest.min(uav.station.z);
+            let window = Range::of(grid, uav, self.radius()).window();
+            if window.n_rows == 0 || window.n_cols == 0 {
+                continue;
+            }
+            for (row, col) in
+                [(window.row, window.col), (window.row + window.n_rows - 1, window.col + window.n_cols - 1)]
+            {
+                let corner = Station { place: self.positions().center(row, col), z: 0 }.on_prisms();
+                links = links.with_point((corner.x, corner.y));
+            }
+        }
+        let lowest = self.receivers().iter().filter_map(|receivers| receivers.lowest()).min();
+        // A lattice step to spare: how stable answers are is found by moving the UAV by one.
+        LinkBox {
+            west: links.west - 1,
+            south: links.south - 1,
+            east: links.east + 1,
+            north: links.north + 1,
+            lowest: links.lowest.min(lowest.unwrap_or(i64::MAX)) - 1,
+        }
+    }
+}
+
+/// Footprints all of whose pieces are idle, by the first reason that any of them leaves.
+fn count(prisms: &Prisms, n_footprints: usize, links: &LinkBox) -> IdleFootprints {
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    enum Role {
+        None,
+        TooLow,
+        Beyond,
+        Busy,
+    }
+    let mut roles = vec![Role::None; n_footprints];
+    for piece in prisms.pieces() {
+        let ring = prisms.ring(piece);
+        let extreme = |k: usize, least: bool| {
+            let values = ring.iter().map(|v| v[k]);
+            if least { values.min() } else { values.max() }.unwrap_or(0)
+        };
+        let bounds = [extreme(0, true), extreme(1, true), extreme(0, false), extreme(1, false)];
+        let role = match (links.is_too_low(piece.top), links.is_beyond(bounds)) {
+            (true, _) => Role::TooLow,
+            (false, true) => Role::Beyond,
+            (false, false) => Role::Busy,
+        };
+        if let Some(of_footprint) = roles.get_mut(piece.building as usize) {
+            *of_footprint = role.max(*of_footprint);
+        }
+    }
+    let n = |role: Role| roles.iter().filter(|r| **r == role).count() as u64;
+    // One without a piece, whose outline has no area on the lattice, hides nothing either.
+    IdleFootprints {
+        footprints: n_footprints as u64,
+        too_low: n(Role::TooLow) + n(Role::None),
+        out_of_reach: n(Role::Beyond),
+    }
+}
