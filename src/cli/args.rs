@@ -69,7 +69,7 @@ pub(super) enum Command {
     Compare(Box<CompareArgs>),
     /// Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed
     Place(Box<PlaceArgs>),
-    /// Where methods fail: all of them on scenes full of ties, or what turns in a scene when it moves by a step
+    /// Where methods fail: all of them on small scenes full of ties, or what in one scene hangs by a lattice step
     Stress(Box<StressArgs>),
 }
 

@@ -70,13 +70,15 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
             };
             let painted = paint_flat(&backing, colors, index_of);
             let receivers: u64 = painted.histogram[..colors.len()].iter().sum();
+            let has_rings = !ringed(picture.layer).is_empty();
             for (k, (color, n)) in colors.iter().zip(&painted.histogram).enumerate().filter(|(_, (_, n))| **n > 0) {
                 let name = match k {
                     0 => "Stable".to_string(),
                     1 => "1 of 8 moves turns it".to_string(),
                     k => format!("{k} of 8 moves turn it"),
                 };
-                let detail = format!("{} · {}", percent(*n, receivers), grouped(*n));
+                let ringed = if k > 0 && has_rings { " · ringed" } else { "" };
+                let detail = format!("{} · {}{ringed}", percent(*n, receivers), grouped(*n));
                 legend.push(furniture::legend_entry(Swatch::Flat(*color), &name, &detail));
             }
             painted
@@ -140,6 +142,17 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         uavs => legend.push(furniture::legend_entry(Swatch::Uav, &format!("{} UAVs", uavs.len()), "id and height")),
     }
     (painted, legend)
+}
+
+/// More cells than this are not overlooked, and their rings would cover the map.
+const MOST_RINGS: usize = 60;
+
+/// The cells that a move turns, where they are so few that they would be overlooked.
+pub(crate) fn ringed(layer: Layer<'_>) -> Vec<usize> {
+    let Layer::Stability { turns, mask } = layer else { return Vec::new() };
+    let turned = (0..turns.len()).filter(|&cell| special(mask[cell], 0).is_none() && turns[cell] > 0.0);
+    let first: Vec<usize> = turned.take(MOST_RINGS + 1).collect();
+    if first.len() > MOST_RINGS { Vec::new() } else { first }
 }
 
 /// How much white the outlines of buildings have under a field of heat.

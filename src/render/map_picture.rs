@@ -3,6 +3,7 @@
 //! The legend stands below the map, or beside it where the map is narrow. Lengths are constants in pixels because a
 //! map has about the same size in every picture, however many cells it has.
 
+use super::colors::INK;
 use super::furniture::{self, TITLE};
 use super::map_layers;
 use super::marks::{Mark, draw_marks};
@@ -149,6 +150,7 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     furniture.place(&title.drawing, left, MARGIN - 6.0);
     furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
     furniture.place(&cell_borders(picture, size), left, top);
+    furniture.place(&rings(picture, px_per_cell), left, top);
     furniture.place(&draw_marks(picture.uavs, size, px_per_cell, picture.cell_m), left, top);
     let mut bottom = top + map_h;
     if narrow {
@@ -204,6 +206,18 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
         }
     }
     picture.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
+}
+
+/// Rings around the few receivers that a move turns.
+fn rings(picture: &MapPicture<'_>, px_per_cell: [f64; 2]) -> Drawing {
+    let mut drawing = Drawing::default();
+    let radius = 0.71 * px_per_cell[0].max(px_per_cell[1]) + 8.0;
+    for cell in map_layers::ringed(picture.layer) {
+        let place = [cell % picture.n_cols, cell / picture.n_cols];
+        let [x, y] = [0, 1].map(|k| (place[k] as f64 + 0.5) * px_per_cell[k]);
+        drawing.circle([x, y], radius, &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"2\""));
+    }
+    drawing
 }
 
 /// Thin lines between cells where these are large enough to be counted.

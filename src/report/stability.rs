@@ -30,11 +30,8 @@ impl StabilityFacts {
             }
         };
         let moves: Vec<String> = self.moves.iter().map(of).collect();
-        format!(
-            "Gained and lost by one lattice step: {}; in all {} turn",
-            moves.join(", "),
-            counted(self.cells, "receiver", "receivers")
-        )
+        let turn = counted(self.cells, "receiver turns", "receivers turn");
+        format!("Gained and lost by one lattice step: {}; in all {turn}", moves.join(", "))
     }
 
     /// Gained and lost by move, null with a reason where a move cannot be made; and the receivers that any turns.
