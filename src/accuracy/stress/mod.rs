@@ -3,7 +3,7 @@
 //! Random cities hardly ever hold a tie, so a method that gets ties wrong looks right on them. The scenes here hold
 //! little else: rays that touch roofs exactly, pass through the one point where two towers touch, run along shared
 //! walls; UAVs on borders, at roof height, kilometers up. A [`Family`] makes any number of them, each a function of the
-//! seed and its number. [`truth`] decides every receiver from the definition, by integers and without any code of the
+//! seed and its number. [`truth()`] decides every receiver from the definition, by integers and without any code of the
 //! engines; where an answer is known by construction, it must agree. [`stress`] counts what each method gets wrong.
 //!
 //! `cells_known` and `prisms_known` make scenes with answers that are known, `cells_drawn` and `prisms_drawn` those without;

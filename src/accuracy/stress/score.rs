@@ -107,7 +107,7 @@ pub struct FamilyScore {
 
 /// Tries methods on the scenes of some families.
 ///
-/// Cost: mostly that of the [`truth`], shared by all threads; scenes are small. The result depends on the effort alone.
+/// Cost: mostly that of the [`truth()`], shared by all threads; scenes are small. The result depends on the effort alone.
 ///
 /// # Errors
 /// E601 if an answer that is known by construction is not the truth; E902 for a scene that cannot be built, or whose
