@@ -199,9 +199,10 @@ impl Needs {
         for line in &self.budget {
             let change = match &line.change {
                 Ok(change) => format!("{change:+.5}"),
-                Err(why) => format!("unknown: {why}"),
+                Err(_) => "unknown".into(),
             };
-            text += &format!("  {:<width$}  {change:<9} {}\n", line.part.name(), line.changed);
+            let why = line.change.as_ref().err().map_or(String::new(), |why| format!(": {why}"));
+            text += &format!("  {:<width$}  {change:<9} {}{why}\n", line.part.name(), line.changed);
         }
         text
     }
