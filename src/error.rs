@@ -20,6 +20,7 @@
 //! | E401–E403 | an output cannot be written, encoded, drawn |
 //! | E501–E502 | memory, extent |
 //! | E601–E602 | a stress scene: its truth is not what is known of it, an exact method is wrong |
+//! | E603 | a chart: two exact engines differ |
 //! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |

@@ -1,8 +1,14 @@
 //! What a method costs and how far it errs: approximations, coarser cells and moved inputs against the exact answer.
+//!
+//! Nothing here reads a clock: who runs a contestant times it.
 
 mod budget;
+pub mod chart;
+pub mod comparison;
 mod economy;
+pub mod front;
 mod paired;
+pub mod plos_cost;
 mod simpler;
 pub mod stress;
 mod tolerance;

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use super::chart::ChartArgs;
 use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
@@ -28,6 +29,7 @@ Examples:
   skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html
   skyshed place itu:urban --height 60,100 --step 50 -o hover.png
   skyshed stress --scenes 4 -o failures.png
+  skyshed chart itu:urban --size 300 --uav 150,150,100 --time 0.05 -o chart.png
 
 Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
 6 a check failed, 130 interrupted.")]
@@ -71,6 +73,8 @@ pub(super) enum Command {
     Place(Box<PlaceArgs>),
     /// Where methods fail: all of them on small scenes full of ties, or what in one scene hangs by a lattice step
     Stress(Box<StressArgs>),
+    /// Speed against accuracy of every method on a scene, timed with one thread unless `-j` says otherwise
+    Chart(Box<ChartArgs>),
 }
 
 impl Command {
@@ -84,6 +88,7 @@ impl Command {
             Command::Compare(args) => &mut args.scene,
             Command::Place(args) => &mut args.scene,
             Command::Stress(args) => &mut args.scene,
+            Command::Chart(args) => &mut args.scene,
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files, so that
-//! no temporary file is left.
+//! no temporary file is left. Work in pieces stops between two of them, and what is done by then is written.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -7,35 +7,63 @@ use std::sync::{Mutex, PoisonError};
 use super::messages;
 use crate::error::{Error, ErrorClass, Result};
 
-/// Whether files are being written.
-static WRITING: Mutex<bool> = Mutex::new(false);
-/// Whether the user wants to stop while they are.
+/// What an interrupt does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// It ends the program.
+    Working,
+    /// It is noted, and the work stops after the piece at hand; a second one ends the program.
+    InPieces,
+    /// It is noted, and ends the program between two files.
+    Writing,
+}
+
+/// What is being done.
+static PHASE: Mutex<Phase> = Mutex::new(Phase::Working);
+/// Whether the user wants to stop.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 fn interrupted() -> Error {
     Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
+fn enter(phase: Phase) {
+    *PHASE.lock().unwrap_or_else(PoisonError::into_inner) = phase;
+}
+
 /// Starts to listen. A process may run several commands, and each begins without writing.
 pub(super) fn listen() {
-    *WRITING.lock().unwrap_or_else(PoisonError::into_inner) = false;
+    enter(Phase::Working);
     let handler = || {
         // Held while the program ends, so that no file is begun meanwhile.
-        let writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-        if *writing {
-            STOP.store(true, Ordering::Release);
-        } else {
-            messages::error(&interrupted());
-            std::process::exit(i32::from(ErrorClass::Interrupted.exit_code()));
+        let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_first = !STOP.swap(true, Ordering::AcqRel);
+        match *phase {
+            Phase::InPieces if is_first => messages::note("interrupted: what is done will be written; again: nothing"),
+            Phase::Writing => {}
+            Phase::Working | Phase::InPieces => {
+                messages::error(&interrupted());
+                std::process::exit(i32::from(ErrorClass::Interrupted.exit_code()));
+            }
         }
     };
     // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
     let _ = ctrlc::set_handler(handler);
 }
 
+/// From here on [`wants_to_stop`] says when to begin no further piece.
+pub(super) fn begin_pieces() {
+    enter(Phase::InPieces);
+}
+
+/// Whether the user wants no further piece of work.
+pub(super) fn wants_to_stop() -> bool {
+    STOP.load(Ordering::Acquire)
+}
+
 /// From here on [`check`] says when to stop.
 pub(super) fn begin_writing() {
-    *WRITING.lock().unwrap_or_else(PoisonError::into_inner) = true;
+    enter(Phase::Writing);
 }
 
 /// Whether writing may go on.
@@ -43,5 +71,5 @@ pub(super) fn begin_writing() {
 /// # Errors
 /// If the user interrupted it.
 pub(super) fn check() -> Result<()> {
-    if STOP.load(Ordering::Acquire) { Err(interrupted()) } else { Ok(()) }
+    if wants_to_stop() { Err(interrupted()) } else { Ok(()) }
 }

@@ -4,6 +4,7 @@
 //! said on standard error, `interrupt` what Ctrl-C does.
 
 mod args;
+mod chart;
 mod city;
 mod compare;
 mod expected;
@@ -61,6 +62,7 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
         args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
         args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(&args, command)),
         args::Command::Stress(args) => in_pool(args.out.threads, || stress::run(&args, command)),
+        args::Command::Chart(args) => in_pool(args.out.threads, || chart::run(&args, command)),
         args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
     }
 }
@@ -87,7 +89,7 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => fail(
             &Error::usage(
                 101,
-                "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place` and `stress`",
+                "no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place`, `chart` and `stress`",
             )
             .with_hint("skyshed --help"),
         ),

@@ -37,17 +37,6 @@ pub(super) fn unbreakable(text: &str) -> String {
     joined + rest
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equations_and_lengths_stay_together() {
-        assert_eq!(unbreakable("γ = 8.8 m, 50 maps; 5 m"), "γ\u{a0}=\u{a0}8.8\u{a0}m, 50 maps; 5\u{a0}m");
-        assert_eq!(title_of("within 20 m of me"), "Within 20\u{a0}m of me");
-    }
-}
-
 /// Which footprints were dropped before work started.
 pub(super) fn idle_in_words(idle: &IdleFootprints) -> String {
     format!(
@@ -57,4 +46,15 @@ pub(super) fn idle_in_words(idle: &IdleFootprints) -> String {
         grouped(idle.too_low),
         grouped(idle.out_of_reach)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equations_and_lengths_stay_together() {
+        assert_eq!(unbreakable("γ = 8.8 m, 50 maps; 5 m"), "γ\u{a0}=\u{a0}8.8\u{a0}m, 50 maps; 5\u{a0}m");
+        assert_eq!(title_of("within 20 m of me"), "Within 20\u{a0}m of me");
+    }
 }

@@ -18,13 +18,15 @@ pub struct Mark<'a> {
 }
 
 /// A rectangle: left, top, right, bottom \[px\].
-type Bounds = [f64; 4];
+pub(crate) type Bounds = [f64; 4];
 
-fn overlap(a: &Bounds, b: &Bounds) -> bool {
+/// Whether two rectangles have more than a border in common.
+pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-fn within(inner: &Bounds, outer: &Bounds) -> bool {
+/// Whether one rectangle lies in another.
+pub(crate) fn within(inner: &Bounds, outer: &Bounds) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
@@ -119,26 +121,29 @@ fn arrow(drawing: &mut Drawing, [x, y]: [f64; 2], [dx, dy]: [f64; 2], radius: f6
 }
 
 /// Top left corners for a label around a mark, best first.
-fn candidates(mark: &Placed, radius: f64, [w, h]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-    let [x, y] = mark.at;
+fn candidates(mark: &Placed, radius: f64, size: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let inset = if mark.outward.is_some() { 1.4 * radius } else { 0.0 };
-    [6.0, 20.0, 45.0, 80.0, 130.0].into_iter().flat_map(move |gap| {
-        let reach = radius * 1.15 + inset + gap;
-        let (east, west) = (x + reach, x - reach - w);
-        let (above, below) = (y - reach - h, y + reach);
-        let (middle_x, middle_y) = (x - w / 2.0, y - h / 2.0);
-        let near = 0.7 * reach;
-        [
-            [east, middle_y],
-            [west, middle_y],
-            [middle_x, above],
-            [middle_x, below],
-            [x + near, y - near - h],
-            [x - near - w, y - near - h],
-            [x + near, y + near],
-            [x - near - w, y + near],
-        ]
-    })
+    [6.0, 20.0, 45.0, 80.0, 130.0]
+        .into_iter()
+        .flat_map(move |gap| spots_around(mark.at, radius * 1.15 + inset + gap, size))
+}
+
+/// Top left corners for a label of a size around a place, `reach` from it, best first \[px\].
+pub(crate) fn spots_around([x, y]: [f64; 2], reach: f64, [w, h]: [f64; 2]) -> [[f64; 2]; 8] {
+    let (east, west) = (x + reach, x - reach - w);
+    let (above, below) = (y - reach - h, y + reach);
+    let (middle_x, middle_y) = (x - w / 2.0, y - h / 2.0);
+    let near = 0.7 * reach;
+    [
+        [east, middle_y],
+        [west, middle_y],
+        [middle_x, above],
+        [middle_x, below],
+        [x + near, y - near - h],
+        [x - near - w, y - near - h],
+        [x + near, y + near],
+        [x - near - w, y + near],
+    ]
 }
 
 /// A label: a name and a detail on a white plate.

@@ -14,6 +14,7 @@
 //! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
+//! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
@@ -43,10 +44,13 @@ mod panel_grid;
 mod plot_axis;
 mod plot_frame;
 mod png;
+mod point_labels;
 mod rate_sheet;
 mod sheet;
 mod side_labels;
 mod track_profile;
+mod tradeoff;
+mod tradeoff_rows;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
@@ -65,6 +69,7 @@ pub use marks::Mark;
 pub use png::{draw_bare, draw_bare_count};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet, draw_rate_sheet_svg};
 pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile, draw_track_profile_svg};
+pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff, draw_tradeoff_svg};
 
 /// Refuses an empty raster and an array that does not fit it.
 fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {

@@ -1,5 +1,7 @@
 //! What is reported: versioned JSON documents, tables, captions.
 
+mod chart;
+mod chart_plos;
 mod city;
 mod compare;
 mod documents;
@@ -14,6 +16,8 @@ mod tolerance;
 mod track;
 mod zones;
 
+pub use chart::{CHART_SCHEMA, ChartReport, ChartRow, Cost};
+pub use chart_plos::{PlosChartReport, PlosChartRow};
 pub use city::city_geojson;
 pub use compare::{
     CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,

@@ -89,7 +89,7 @@ fn the_examples_of_the_help_text_run() {
             n_run += 1;
         }
     }
-    assert_eq!(n_run, 7, "{help}");
+    assert_eq!(n_run, 8, "{help}");
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         (
             "",
             2,
-            "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place` and `stress`",
+            "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place`, `chart` and `stress`",
         ),
         ("mapp", 2, "error[E101]: unrecognized subcommand 'mapp'"),
         ("map", 2, "error[E101]: the following required arguments were not provided: <SCENE>"),

@@ -38,6 +38,8 @@ mod economy; // footprints that hide nobody, what a map needs and what limits it
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
 mod height_curve; // P_LoS against the UAV's height, exact at every height
+mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads
+mod cli_chart; // its command: the picture from its table, interrupts, peers, flags
 mod placement; // where to hover: against brute force, optima and linear searches; its command
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files

@@ -1,0 +1,316 @@
+//! Speed against accuracy on one scene: who competes, on which cells, and what the exact answer is.
+//!
+//! A contestant is an engine on the scene itself, on coarser cells, or, where the scene is of footprints, on its raster. What
+//! it sees is compared with `ray` on the scene; the exact engines compete like all others, so that their zero is counted,
+//! not assumed.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use super::comparison::Comparison;
+use super::{Simpler, moved_to};
+use crate::coverage::{MapOptions, Mapper, Seen, Uav};
+use crate::error::{Error, ErrorClass, Result};
+use crate::height_field::{HeightField, Pooling};
+use crate::los::{Method, MethodChoice, StepLength};
+use crate::raster::BitGrid;
+
+/// Kinds of contestants, as legends tell them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Exact engines on the scene itself.
+    Exact,
+    /// Samples along a ray.
+    Step,
+    /// Slopes handed on from neighbor to neighbor, or rays to the perimeter alone.
+    Neighbors,
+    /// An exact engine on coarser cells.
+    Coarser,
+    /// An exact engine on the raster of a scene of footprints.
+    Raster,
+    /// Another program.
+    Peer,
+}
+
+impl Family {
+    /// All families in the order of legends.
+    pub const ALL: [Family; 6] =
+        [Family::Exact, Family::Step, Family::Neighbors, Family::Coarser, Family::Raster, Family::Peer];
+
+    /// The word for it in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Exact => "exact",
+            Family::Step => "step",
+            Family::Neighbors => "neighbors",
+            Family::Coarser => "coarser",
+            Family::Raster => "raster",
+            Family::Peer => "peer",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Family::Exact => "Exact engines",
+            Family::Step => "Samples along the ray",
+            Family::Neighbors => "Interpolated, nearest ray",
+            Family::Coarser => "Exact, coarser cells",
+            Family::Raster => "Exact, raster of the scene",
+            Family::Peer => "Other programs",
+        }
+    }
+}
+
+/// Which cells a contestant decides on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ground {
+    /// The scene itself.
+    Scene,
+    /// Larger cells of a raster, or fewer receivers over the same footprints.
+    Simpler(Simpler),
+    /// The raster of the footprints, on the receivers' own cells.
+    Raster,
+}
+
+impl Ground {
+    /// How many times as large its cells are.
+    pub fn factor(self) -> usize {
+        match self {
+            Ground::Scene | Ground::Raster => 1,
+            Ground::Simpler(form) => form.factor,
+        }
+    }
+}
+
+/// An engine and the cells that it decides on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Contestant {
+    /// The engine; on other cells the exact one for them may be another.
+    pub method: Method,
+    /// What it decides on.
+    pub ground: Ground,
+}
+
+/// Steps of the sampled rays \[cells\].
+const STEPS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+/// Times that cells are enlarged.
+const FACTORS: [usize; 3] = [2, 4, 8];
+
+impl Contestant {
+    /// Those who compete on a scene, the exact ones first; `more` joins them if it is another engine.
+    ///
+    /// # Errors
+    /// E118 if `more` cannot decide the scene.
+    pub fn all(field: &HeightField, more: MethodChoice) -> Result<Vec<Contestant>> {
+        let on = |ground: Ground| move |method: Method| Contestant { method, ground };
+        let own = Method::choose(field, MethodChoice::Auto).map_or(Method::Ray, |(method, _)| method);
+        let is_vector = field.prisms().is_some();
+        let approximate = STEPS.into_iter().filter_map(StepLength::new).map(Method::Step);
+        let approximate = approximate.chain([Method::Xdraw, Method::R2]);
+        let mut all: Vec<Contestant> = [Method::Ray, own].map(on(Ground::Scene)).to_vec();
+        if is_vector {
+            all.push(on(Ground::Raster)(Method::Sweep));
+            all.extend(approximate.map(on(Ground::Raster)));
+        } else {
+            all.extend(approximate.map(on(Ground::Scene)));
+        }
+        let mut forms = Simpler::forms(field, &FACTORS);
+        forms.sort_by_key(|form| form.pooling.map(Pooling::name));
+        all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(own)));
+        let more = match (more, is_vector) {
+            // Approximations of a vector scene are those of its raster.
+            (MethodChoice::Step(length), true) => on(Ground::Raster)(Method::Step(length)),
+            (MethodChoice::Xdraw, true) => on(Ground::Raster)(Method::Xdraw),
+            (MethodChoice::R2, true) => on(Ground::Raster)(Method::R2),
+            (MethodChoice::Sweep, true) => on(Ground::Raster)(Method::Sweep),
+            (choice, _) => {
+                let method = Method::choose(field, choice).map_err(|wrong| {
+                    Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
+                        .with_hint(format!("`{}` can", wrong.instead.name()))
+                })?;
+                on(Ground::Scene)(method.0)
+            }
+        };
+        if !all.contains(&more) {
+            all.push(more);
+        }
+        Ok(all)
+    }
+
+    /// Which kind it is.
+    pub fn family(&self) -> Family {
+        match (self.method, self.ground) {
+            (Method::Step(_), _) => Family::Step,
+            (Method::Xdraw | Method::R2, _) => Family::Neighbors,
+            (_, Ground::Scene) => Family::Exact,
+            (_, Ground::Raster) => Family::Raster,
+            (_, Ground::Simpler(_)) => Family::Coarser,
+        }
+    }
+
+    /// What it decides on, in tables; empty for the scene itself.
+    pub fn parameters(&self) -> String {
+        match self.ground {
+            Ground::Scene => String::new(),
+            Ground::Simpler(Simpler { factor, pooling: Some(pooling) }) => {
+                format!("cells {factor}x {}", pooling.name())
+            }
+            Ground::Simpler(Simpler { factor, pooling: None }) => format!("receivers {factor}x"),
+            Ground::Raster => "raster".to_string(),
+        }
+    }
+
+    /// A short name for pictures.
+    pub fn label(&self) -> String {
+        match self.ground {
+            Ground::Scene => self.method.to_string(),
+            Ground::Simpler(Simpler { factor, pooling: Some(pooling) }) => {
+                format!("{factor}× cells, {}", pooling.name())
+            }
+            Ground::Simpler(Simpler { factor, pooling: None }) => format!("{factor}× receivers"),
+            Ground::Raster => format!("{} on raster", self.method),
+        }
+    }
+
+    /// Makes the cells that it decides on and puts the UAVs over them, at their own places and heights above the datum.
+    ///
+    /// # Errors
+    /// Why it cannot compete: such cells cannot be made, or a UAV is inside a building that grew.
+    pub fn prepare<'a>(
+        &self,
+        field: &'a HeightField,
+        uavs: &[Uav],
+        options: &MapOptions,
+    ) -> std::result::Result<Prepared<'a>, String> {
+        let field = match self.ground {
+            Ground::Scene => Cow::Borrowed(field),
+            Ground::Simpler(form) => Cow::Owned(form.of(field).ok_or("the scene has no larger cells")?),
+            Ground::Raster => Cow::Owned(field.rasterized().ok_or("the scene has no raster")?),
+        };
+        let uavs = match self.ground {
+            Ground::Scene => uavs.to_vec(),
+            Ground::Simpler(_) | Ground::Raster => {
+                uavs.iter().map(|uav| moved_to(uav, &field)).collect::<Result<_>>().map_err(|e| e.to_string())?
+            }
+        };
+        let options = MapOptions { method: self.choice(), ..options.clone() };
+        Ok(Prepared { field, uavs, options })
+    }
+
+    /// The engine as it is asked for.
+    fn choice(&self) -> MethodChoice {
+        match self.method {
+            Method::Ray => MethodChoice::Ray,
+            Method::Sweep | Method::Shadow | Method::ShadowSweep | Method::ShadowRay => MethodChoice::Auto,
+            Method::Step(length) => MethodChoice::Step(length),
+            Method::Xdraw => MethodChoice::Xdraw,
+            Method::R2 => MethodChoice::R2,
+        }
+    }
+}
+
+/// A contestant's cells, UAVs and options.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    field: Cow<'a, HeightField>,
+    uavs: Vec<Uav>,
+    options: MapOptions,
+}
+
+impl Prepared<'_> {
+    /// Makes ready what does not depend on the UAV.
+    ///
+    /// # Errors
+    /// As [`Mapper::new`].
+    pub fn mapper(&self) -> Result<Mapper<'_>> {
+        Mapper::new(&self.field, &self.options)
+    }
+
+    /// What each UAV sees, one after the other: this is what is timed. A shadow is cast by one thread.
+    pub fn answer(&self, mapper: &Mapper<'_>) -> Vec<Seen> {
+        self.uavs.iter().map(|uav| mapper.seen(uav)).collect()
+    }
+}
+
+/// Links up to which `ray` decides all of them for the exact answer: some ten seconds of one core.
+pub const MOST_RAYS: u64 = 1 << 26;
+
+/// The exact answer.
+#[derive(Debug, Clone)]
+pub struct Truth {
+    /// What each UAV sees.
+    pub seen: Vec<Seen>,
+    /// Which engine says so.
+    pub method: Method,
+    /// Links of a sample that `ray` decided, too, with the same result, where another engine answers.
+    pub checked: Option<u64>,
+}
+
+impl Truth {
+    /// The answer of `ray`; where that is more than `most_rays` links, of the engine for the scene, compared with `ray` on
+    /// evenly spread cells.
+    ///
+    /// # Errors
+    /// As [`Mapper::new`]; E603 if the two engines differ.
+    pub fn of(field: &HeightField, uavs: &[Uav], options: &MapOptions, most_rays: u64) -> Result<Truth> {
+        let exact = |method: MethodChoice| MapOptions { method, ..options.clone() };
+        let see = |options: &MapOptions| -> Result<(Vec<Seen>, Method)> {
+            let mapper = Mapper::new(field, options)?;
+            Ok((uavs.par_iter().map(|uav| mapper.seen(uav)).collect(), mapper.method().0))
+        };
+        let cells = Mapper::new(field, &exact(MethodChoice::Ray))?.receiver_cells();
+        let n_links = cells.count().saturating_mul(uavs.len() as u64);
+        if n_links <= most_rays {
+            let (seen, method) = see(&exact(MethodChoice::Ray))?;
+            return Ok(Truth { seen, method, checked: None });
+        }
+        let (seen, method) = see(&exact(MethodChoice::Auto))?;
+        let sample = every_nth(&cells, usize::try_from(n_links / most_rays.max(1) + 1).unwrap_or(usize::MAX));
+        let (by_ray, _) = see(&MapOptions { within: Some(sample.clone()), ..exact(MethodChoice::Ray) })?;
+        for (uav, (all, by_ray)) in uavs.iter().zip(seen.iter().zip(&by_ray)) {
+            if all.los.clone().and(&sample) != by_ray.los {
+                let text = format!("cannot chart: `{method}` and `ray` differ for UAV `{}`", uav.id);
+                return Err(Error::new(ErrorClass::Check, 603, text));
+            }
+        }
+        let checked = by_ray.iter().map(|seen| seen.receivers.count()).sum();
+        Ok(Truth { seen, method, checked: Some(checked) })
+    }
+
+    /// Receivers of all UAVs.
+    pub fn receivers(&self) -> u64 {
+        self.seen.iter().map(|seen| seen.receivers.count()).sum()
+    }
+
+    /// Those in line of sight.
+    pub fn los(&self) -> u64 {
+        self.seen.iter().map(|seen| seen.los.count()).sum()
+    }
+
+    /// The exact P_LoS of all UAVs together; `None` without a receiver.
+    pub fn p_los(&self) -> Option<f64> {
+        let receivers = self.receivers();
+        (receivers > 0).then(|| self.los() as f64 / receivers as f64)
+    }
+
+    /// Compares an answer for the same UAVs, on cells so many times as large.
+    pub fn compare(&self, answer: &[Seen], factor: usize) -> Comparison {
+        let pairs = answer.iter().zip(&self.seen).map(|(answer, exact)| Comparison::of(answer, exact, factor));
+        pairs.fold(Comparison::default(), Comparison::plus)
+    }
+
+    /// P_LoS of an answer, over its own receivers, less the exact one.
+    pub fn p_los_error(&self, counts: &Comparison) -> Option<f64> {
+        Some(counts.p_los()? - self.p_los()?)
+    }
+}
+
+/// Every `n`th cell of a set in row order.
+fn every_nth(cells: &BitGrid, n: usize) -> BitGrid {
+    let mut some = BitGrid::new(cells.n_rows(), cells.n_cols());
+    let all = (0..cells.n_rows()).flat_map(|row| crate::raster::set_bits(cells.row(row)).map(move |col| (row, col)));
+    all.step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));
+    some
+}

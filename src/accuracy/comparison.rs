@@ -1,0 +1,150 @@
+//! An answer held against the exact one, receiver by receiver.
+
+use super::{CoarseAnswer, coarse_answer};
+use crate::coverage::Seen;
+use crate::raster::set_bits;
+
+/// Counts of an answer against the exact one, summed over UAVs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Comparison {
+    /// Receivers that both answer.
+    pub receivers: u64,
+    /// Those in sight by the answer and not in truth.
+    pub false_los: u64,
+    /// Those in sight in truth and not by the answer.
+    pub false_nlos: u64,
+    /// Receivers of the exact answer for which the other has none.
+    pub unanswered: u64,
+    /// Receivers of the answer itself: its cells may be larger, and others may be open ground.
+    pub own_receivers: u64,
+    /// Those of them that it takes to be in sight.
+    pub own_los: u64,
+}
+
+impl Comparison {
+    /// Receivers that are decided wrongly.
+    pub fn wrong(&self) -> u64 {
+        self.false_los + self.false_nlos
+    }
+
+    /// The share of the receivers that are decided wrongly; `None` without a receiver.
+    pub fn wrong_share(&self) -> Option<f64> {
+        share(self.wrong(), self.receivers)
+    }
+
+    /// P_LoS over the answer's own receivers; `None` without one.
+    pub fn p_los(&self) -> Option<f64> {
+        share(self.own_los, self.own_receivers)
+    }
+
+    /// The sum of both.
+    #[must_use]
+    pub fn plus(self, other: Comparison) -> Comparison {
+        Comparison {
+            receivers: self.receivers + other.receivers,
+            false_los: self.false_los + other.false_los,
+            false_nlos: self.false_nlos + other.false_nlos,
+            unanswered: self.unanswered + other.unanswered,
+            own_receivers: self.own_receivers + other.own_receivers,
+            own_los: self.own_los + other.own_los,
+        }
+    }
+
+    /// Compares an answer with the exact one of the same UAV.
+    ///
+    /// The cells of the answer are `factor` (at least 1) times as large in both directions, from the same north-west corner,
+    /// and cover the others.
+    /// A receiver takes the answer of the cell that holds its center: center c + 1/2 of `factor`-fold cells lies in cell
+    /// ⌊c / factor⌋, so this is integers, too.
+    pub fn of(answer: &Seen, exact: &Seen, factor: usize) -> Comparison {
+        let mut counts = Comparison {
+            own_receivers: answer.receivers.count(),
+            own_los: answer.los.count_in(&answer.receivers),
+            ..Comparison::default()
+        };
+        for row in 0..exact.receivers.n_rows() {
+            let truth = [exact.receivers.row(row), exact.los.row(row)];
+            if factor == 1 {
+                counts.add_words(truth, [answer.receivers.row(row), answer.los.row(row)]);
+            } else {
+                counts.add_cells(truth, answer, (row, factor));
+            }
+        }
+        counts
+    }
+
+    /// Adds a row of the same cells.
+    fn add_words(&mut self, [receivers, los]: [&[u64]; 2], [answered, said]: [&[u64]; 2]) {
+        let count = |word: u64| u64::from(word.count_ones());
+        for (k, receivers) in receivers.iter().enumerate() {
+            let both = receivers & answered[k];
+            self.receivers += count(both);
+            self.unanswered += count(receivers & !answered[k]);
+            self.false_los += count(both & said[k] & !los[k]);
+            self.false_nlos += count(both & !said[k] & los[k]);
+        }
+    }
+
+    /// Adds a row whose cells are found in larger ones.
+    fn add_cells(&mut self, [receivers, los]: [&[u64]; 2], answer: &Seen, (row, factor): (usize, usize)) {
+        for col in set_bits(receivers) {
+            let said = coarse_answer(&answer.receivers, &answer.los, factor, (row, col));
+            self.receivers += u64::from(said != CoarseAnswer::None);
+            match (said, los[col / 64] >> (col % 64) & 1 == 1) {
+                (CoarseAnswer::None, _) => self.unanswered += 1,
+                (CoarseAnswer::Los, false) => self.false_los += 1,
+                (CoarseAnswer::Nlos, true) => self.false_nlos += 1,
+                _ => {}
+            }
+        }
+    }
+}
+
+fn share(part: u64, whole: u64) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::BitGrid;
+
+    /// Cells from rows of letters: `L` in sight, `N` not, `.` no receiver.
+    fn seen(rows: &[&str]) -> Seen {
+        let none = || BitGrid::new(rows.len(), rows[0].len());
+        let mut seen = Seen { receivers: none(), los: none() };
+        for (row, letters) in rows.iter().enumerate() {
+            for (col, letter) in letters.chars().enumerate().filter(|(_, letter)| *letter != '.') {
+                seen.receivers.insert(row, col);
+                if letter == 'L' {
+                    seen.los.insert(row, col);
+                }
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn the_same_cells_are_compared_one_by_one() {
+        let counts = Comparison::of(&seen(&["LLN.", "NNLL"]), &seen(&["LNL.", ".NNL"]), 1);
+        let by_hand =
+            Comparison { receivers: 6, false_los: 2, false_nlos: 1, unanswered: 0, own_receivers: 7, own_los: 4 };
+        assert_eq!(counts, by_hand);
+        assert_eq!((counts.wrong(), counts.wrong_share(), counts.p_los()), (3, Some(0.5), Some(4.0 / 7.0)));
+    }
+
+    #[test]
+    fn a_receiver_takes_the_answer_of_the_larger_cell_that_holds_its_center() {
+        // 2 × 2 cells become one; the last column is alone in its larger cells, which are no receivers, as is one more.
+        let exact = seen(&["LLNNL", "LNLLL", "NNLLL", "NNLLL"]);
+        let counts = Comparison::of(&seen(&["LN.", "N.."]), &exact, 2);
+        let by_hand =
+            Comparison { receivers: 12, false_los: 1, false_nlos: 2, unanswered: 8, own_receivers: 3, own_los: 1 };
+        assert_eq!(counts, by_hand);
+    }
+
+    #[test]
+    fn nothing_compared_is_no_share() {
+        assert_eq!((Comparison::default().wrong_share(), Comparison::default().p_los()), (None, None));
+    }
+}

@@ -1,0 +1,138 @@
+//! Labels beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
+
+use super::furniture::DETAIL;
+use super::lettering;
+use super::line_look::MARKER;
+use super::marks::{Bounds, overlap, spots_around, within};
+use super::sheet::{Drawing, Type};
+
+/// Words of a label.
+const WORDS: Type = Type { size: 21.0, ..DETAIL };
+/// A label farther from its point than this has a line to it \[px\].
+const NEAR: f64 = 20.0;
+/// How far labels may be from their marks, nearest first \[px\].
+const GAPS: [f64; 9] = [5.0, 14.0, 30.0, 50.0, 75.0, 105.0, 140.0, 180.0, 230.0];
+
+/// A point that has a name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LabeledPoint<'a> {
+    /// Where it is \[px\].
+    pub(crate) at: [f64; 2],
+    /// Its name.
+    pub(crate) label: &'a str,
+    /// Color of its name.
+    pub(crate) color: &'static str,
+}
+
+/// A label that has found its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Label<'a> {
+    point: LabeledPoint<'a>,
+    bounds: Bounds,
+}
+
+/// Finds a place for each label within a plot of this size \[px\], apart from what is `taken`. A label that finds none is left
+/// out; its point has a row beside the plot.
+pub(crate) fn place<'a>(points: &[LabeledPoint<'a>], size: [f64; 2], mut taken: Vec<Bounds>) -> Vec<Label<'a>> {
+    let plot = [4.0, 4.0, size[0] - 4.0, size[1] - 4.0];
+    taken.extend(words_and_marks(&[], points));
+    // The most crowded points choose first.
+    let crowd = |point: &LabeledPoint<'_>| {
+        let distance = |other: &LabeledPoint<'_>| (other.at[0] - point.at[0]).hypot(other.at[1] - point.at[1]);
+        points.iter().map(|other| 1.0 / (30.0 + distance(other))).sum::<f64>()
+    };
+    let mut order: Vec<&LabeledPoint<'a>> = points.iter().collect();
+    order.sort_by(|a, b| crowd(b).total_cmp(&crowd(a)));
+    let mut labels: Vec<Label<'a>> = Vec::new();
+    for point in order {
+        let box_size = [lettering::width(point.label, WORDS.size, WORDS.weight) + 4.0, 1.1 * WORDS.size];
+        let spots = || {
+            let corners = GAPS.iter().flat_map(|gap| spots_around(point.at, 1.1 * MARKER + gap, box_size));
+            corners.map(|[x, y]| [x, y, x + box_size[0], y + box_size[1]])
+        };
+        let is_free = |bounds: &Bounds| within(bounds, &plot) && !taken.iter().any(|other| overlap(bounds, other));
+        // A line may begin among marks, and cross other lines where there is no better place, but no words.
+        let crosses = |bounds: &Bounds| {
+            let over = |part: &Bounds| labels.iter().any(|other: &Label<'_>| overlap(part, &other.bounds));
+            leader(point.at, bounds).iter().any(over)
+        };
+        let spot = spots().filter(|bounds| is_free(bounds)).find(|bounds| !crosses(bounds)).or_else(|| {
+            let is_apart = |bounds: &Bounds| !words_and_marks(&labels, points).any(|other| overlap(bounds, &other));
+            spots().find(|bounds| within(bounds, &plot) && is_apart(bounds) && !crosses(bounds))
+        });
+        if let Some(bounds) = spot {
+            taken.push(bounds);
+            taken.extend(leader(point.at, &bounds));
+            labels.push(Label { point: *point, bounds });
+        }
+    }
+    labels
+}
+
+/// What labels and marks take.
+fn words_and_marks<'a>(labels: &'a [Label<'_>], points: &'a [LabeledPoint<'_>]) -> impl Iterator<Item = Bounds> + 'a {
+    const REACH: f64 = 1.4 * MARKER;
+    let mark = |p: &LabeledPoint<'_>| [p.at[0] - REACH, p.at[1] - REACH, p.at[0] + REACH, p.at[1] + REACH];
+    points.iter().map(mark).chain(labels.iter().map(|label| label.bounds))
+}
+
+/// Where the line from a point to a label ends, if there is to be one.
+fn leader_end([x, y]: [f64; 2], [left, top, right, bottom]: &Bounds) -> Option<[f64; 2]> {
+    let nearest = [x.clamp(*left, *right), y.clamp(*top, *bottom)];
+    ((nearest[0] - x).hypot(nearest[1] - y) > NEAR).then_some(nearest)
+}
+
+/// What the line from a point to a label takes.
+fn leader(at: [f64; 2], bounds: &Bounds) -> Vec<Bounds> {
+    leader_end(at, bounds).map_or(Vec::new(), |end| along(at, end).collect())
+}
+
+/// Small boxes along a line, so that no label lies across it.
+pub(crate) fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Bounds> {
+    const STEPS: u32 = 60;
+    (0..=STEPS).map(move |k| {
+        let t = f64::from(k) / f64::from(STEPS);
+        let [x, y] = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+        [x - 2.0, y - 2.0, x + 2.0, y + 2.0]
+    })
+}
+
+/// Draws thin lines from points to labels that are not beside them.
+pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label<'_>]) {
+    for Label { point, bounds } in labels {
+        if let Some(end) = leader_end(point.at, bounds) {
+            drawing.line(point.at, end, &format!("stroke=\"{}\" stroke-width=\"1.2\"", point.color));
+        }
+    }
+}
+
+/// Draws the words.
+pub(crate) fn words(drawing: &mut Drawing, labels: &[Label<'_>]) {
+    for Label { point, bounds: [left, top, ..] } in labels {
+        let baseline = top + 0.86 * WORDS.size;
+        drawing.text(left + 2.0, baseline, Type { color: point.color, ..WORDS }, point.label);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_crowded_points_keep_apart() {
+        let point = |k: u32| LabeledPoint {
+            at: [400.0 + 9.0 * f64::from(k), 300.0 + f64::from(k % 3)],
+            label: "step:0.25",
+            color: "#000000",
+        };
+        let points: Vec<LabeledPoint<'_>> = (0..12).map(point).collect();
+        let wall = [0.0, 0.0, 800.0, 200.0];
+        let labels = place(&points, [800.0, 600.0], vec![wall]);
+        // Half of such a crowd at least; lines to the rest would cross words.
+        assert!(labels.len() >= 6, "{}", labels.len());
+        for (k, label) in labels.iter().enumerate() {
+            assert!(within(&label.bounds, &[0.0, 0.0, 800.0, 600.0]) && !overlap(&label.bounds, &wall));
+            assert!(labels[k + 1..].iter().all(|other| !overlap(&label.bounds, &other.bounds)));
+        }
+    }
+}

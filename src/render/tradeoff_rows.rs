@@ -1,0 +1,111 @@
+//! The signed bias of each contestant in a row of its own, which is the legend of their marks, too.
+
+use super::colors::{INK, MUTED};
+use super::furniture::{self, Block, DETAIL};
+use super::lettering::{self, number};
+use super::plot_axis::{Direction, Span};
+use super::plot_frame;
+use super::sheet::{Anchor, Drawing, Type};
+use super::tradeoff::{Tradeoff, TradeoffPoint, mark};
+
+/// Width of the plot of biases \[px\].
+const WIDTH: f64 = 430.0;
+/// Highest row \[px\].
+const ROW: f64 = 40.0;
+/// Room for the numbers to its right \[px\].
+const NUMBERS: f64 = 124.0;
+
+/// A row: the heading of a family, or a contestant.
+#[derive(Clone, Copy, Debug)]
+enum Row<'a> {
+    Family(&'a str),
+    Point(&'a TradeoffPoint<'a>),
+}
+
+/// Draws the rows within `height` \[px\].
+pub(crate) fn rows(plot: &Tradeoff<'_>, height: f64) -> Block {
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    let mut family = "";
+    for point in plot.points {
+        if point.family != family {
+            family = point.family;
+            rows.push(Row::Family(family));
+        }
+        rows.push(Row::Point(point));
+    }
+    let step = (height / rows.len().max(1) as f64).min(ROW);
+    let size = DETAIL.size.min(0.72 * step);
+    let words = Type { size, color: INK, ..DETAIL };
+    let heading = Type { color: MUTED, ..words };
+    let width_of = |row: &Row<'_>| match row {
+        Row::Family(name) => lettering::width(name, size, heading.weight),
+        Row::Point(point) => 42.0 + lettering::width(point.label, size, words.weight),
+    };
+    let left = (rows.iter().map(width_of).fold(0.0, f64::max) + 22.0).ceil();
+    let reach = plot.points.iter().filter_map(|p| p.bias).map(f64::abs).fold(0.0, f64::max).max(1e-3) * 1.12;
+    let span = Span { ends: [-reach, reach], is_log: false };
+    let frame = [WIDTH, step * rows.len() as f64];
+    let x = span.axis(plot.bias_name, Direction::Across, WIDTH);
+    let y = Span { ends: [0.0, 1.0], is_log: false }.axis_at("", Direction::Up, frame[1], Vec::new());
+
+    let mut framed = plot_frame::axes(frame, &x, &y);
+    let zero = WIDTH / 2.0;
+    framed.line([zero, 0.0], [zero, frame[1]], &format!("stroke=\"{INK}\" stroke-width=\"1.6\""));
+    for (k, row) in rows.iter().enumerate() {
+        let middle = step * (k as f64 + 0.5);
+        let baseline = middle + 0.36 * size;
+        match row {
+            Row::Family(name) => {
+                framed.text(-left, baseline, heading, name);
+                framed.line([-left, middle + step / 2.0], [0.0, middle + step / 2.0], &furniture::hairline());
+            }
+            Row::Point(point) => {
+                let style = mark(point.look);
+                style.draw_marker(&mut framed, [-left + 14.0, middle]);
+                framed.text(-left + 34.0, baseline, words, point.label);
+                let right = WIDTH + NUMBERS - 4.0;
+                let number_type = Type { anchor: Anchor::End, ..words };
+                let Some(bias) = point.bias else {
+                    framed.text(right, baseline, Type { color: MUTED, ..number_type }, "no answer");
+                    continue;
+                };
+                let at = [WIDTH * span.share(bias), middle];
+                framed.line([zero, middle], at, &format!("stroke=\"{}\" stroke-width=\"5\"", style.color));
+                style.draw_marker(&mut framed, at);
+                framed.text(right, baseline, number_type, &signed(bias));
+            }
+        }
+    }
+    plot_frame::frame(&mut framed, frame);
+    let mut drawing = Drawing::default();
+    drawing.place(&framed, left, 0.0);
+    Block { width: left + WIDTH + NUMBERS, height: frame[1] + x.name_at + 8.0, drawing }
+}
+
+/// A number with its sign and as many decimals as its size calls for; 0 has none.
+fn signed(value: f64) -> String {
+    let decimals = match value.abs() {
+        v if v >= 10.0 => 1,
+        v if v >= 0.1 => 2,
+        v if v >= 0.01 => 3,
+        _ => 4,
+    };
+    let text = number(value, decimals);
+    match text.as_str() {
+        "0" if value > 0.0 => "> 0".to_string(),
+        "0" if value < 0.0 => "< 0".to_string(),
+        _ if value > 0.0 => format!("+{text}"),
+        _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_tell_their_sign_and_never_round_a_bias_to_none() {
+        let texts = [2.345, -0.0871, 0.0, 1e-7, -1e-7, -12.34].map(signed);
+        assert_eq!(texts, ["+2.35", "−0.087", "0", "> 0", "< 0", "−12.3"]);
+    }
+}
