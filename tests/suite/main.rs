@@ -26,6 +26,7 @@ mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer
+mod fuzz; // damaged files of every kind, and footprints at random
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents

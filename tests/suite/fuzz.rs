@@ -1,0 +1,244 @@
+//! Damaged files of every kind that is read: each must be refused or mapped within seconds and 1 GB, without a panic, and
+//! leave nothing half written. And footprints at random: triangulated and mapped, each engine as the oracle says.
+//!
+//! Inputs are made by mutation from good files: bits turned, numbers replaced by extremes, pieces cut, repeated, moved and
+//! nested. Some hundred of each kind in CI; `SKYSHED_SLOW=1` runs many thousands. What was found stands in `regressions`.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use crate::program::{Folder, run_in};
+use crate::support::{Random, slow};
+
+/// A kind of file, a good one of it, and the command that reads it; `{}` stands for its name.
+struct Target {
+    name: &'static str,
+    good: Vec<u8>,
+    line: &'static str,
+}
+
+const FOOTPRINTS: &str = r#"{"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:25832"}},
+"features": [
+ {"type": "Feature", "id": 1, "properties": {"height": 12.5}, "geometry": {"type": "Polygon", "coordinates":
+  [[[10, 10], [30, 10], [30, 25], [10, 25], [10, 10]], [[15, 14], [15, 20], [22, 20], [22, 14], [15, 14]]]}},
+ {"type": "Feature", "properties": {"height": "8,5", "building:levels": 3}, "geometry": {"type": "MultiPolygon",
+  "coordinates": [[[[40, 10], [50, 12.25], [44, 30], [40, 10]]], [[[5, 40], [20, 41], [12, 50], [5, 40]]]]}}
+]}"#;
+
+const SITES: &str = "# places\nid,x,y,h,h_above\na,5,5,60,ground\nb,35.5,30,90,amsl\n\"c d\",12,12,20,roof\n";
+
+const POINTS: &str = r#"{"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:25832"}}, "features": [
+ {"type": "Feature", "properties": {"h": 60, "id": "a"}, "geometry": {"type": "Point", "coordinates": [5, 5]}}]}"#;
+
+fn grid(sep: &str) -> String {
+    let rows = (0..12).map(|r| {
+        (0..16).map(|c| if (4..7).contains(&c) && r > 3 { "14.25" } else { "2" }).collect::<Vec<_>>().join(sep)
+    });
+    let head = "ncols 16\nnrows 12\nxllcorner 100\nyllcorner -50.5\ncellsize 2.5\nNODATA_value -9999\n";
+    head.to_string() + &rows.collect::<Vec<_>>().join("\n") + "\n"
+}
+
+/// A small GeoTIFF and a saved mask, as this program writes them.
+fn made(folder: &Folder, line: &str, file: &str) -> Vec<u8> {
+    folder.type_in(line).done();
+    folder.read(file)
+}
+
+fn targets() -> Vec<Target> {
+    let folder = Folder::new();
+    let text = |t: &str| t.as_bytes().to_vec();
+    vec![
+        Target { name: "grid.asc", good: text(&grid(" ")), line: "map {} --ground 2 --uav 101,-45,40 -o out.json" },
+        Target {
+            name: "surface.tif",
+            good: made(&folder, "city itu:urban --size 60 -o surface.tif", "surface.tif"),
+            line: "map {} --ground 0 --uav 5,5,80 -o out.json",
+        },
+        Target {
+            name: "plain.tif",
+            good: made(
+                &folder,
+                "map itu:urban --size 60 --uav 5,5,80 --layers margin --tif-layout plain -o plain.tif",
+                "plain.tif",
+            ),
+            line: "map {} --uav 5,5,80amsl -o out.json",
+        },
+        Target { name: "city.geojson", good: text(FOOTPRINTS), line: "map {} --uav 5,5,60 -o out.json" },
+        Target { name: "sites.csv", good: text(SITES), line: "map city.geojson --uavs {} -o out.json" },
+        Target { name: "sites.geojson", good: text(POINTS), line: "map city.geojson --uavs {} -o out.json" },
+        Target {
+            name: "walk.csv",
+            good: text("x,y\n1,1\n20,5\n45.5,30\n"),
+            line: "link city.geojson --uav 5,5,60 --track {} -o out.json",
+        },
+        Target {
+            name: "area.geojson",
+            good: text(FOOTPRINTS),
+            line: "place city.geojson --height 60 --step 20 --goal p_los(area) --area {} -o out.json",
+        },
+        Target {
+            name: "curve.csv",
+            good: text("theta_deg,p_los\n5,0.1\n45,0.6\n90,1\n"),
+            line: "plos itu:urban --theta 30,60 --method itu --curve mine={} -o out.json",
+        },
+        Target {
+            name: "mask.tif",
+            good: made(&folder, "map itu:urban --size 60 --uav 5,5,80 -o mask.tif", "mask.tif"),
+            line: "compare itu:urban --size 60 --uav 5,5,70 --mask {} -o out.json",
+        },
+    ]
+}
+
+/// Numbers that parsers and arithmetic stumble over.
+const NUMBERS: [&str; 16] = [
+    "0",
+    "-0",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "nan",
+    "inf",
+    "-inf",
+    "99999999999999999999",
+    "1,5",
+    "0x10",
+    "",
+    "--1",
+    "1e",
+    "4294967296",
+    "-32769",
+];
+
+/// A damaged copy.
+fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for _ in 0..random.index(1, 4) {
+        if bytes.is_empty() {
+            break;
+        }
+        let at = random.below(bytes.len());
+        let n = random.index(1, 40).min(bytes.len() - at);
+        match random.below(10) {
+            0 => bytes[at] ^= 1 << random.below(8),
+            1 => bytes.truncate(at),
+            2 => drop(bytes.drain(at..at + n)),
+            3 => {
+                let piece = bytes[at..at + n].to_vec();
+                let to = random.below(bytes.len());
+                let times = random.choose(&[1, 1, 2, 500]);
+                (0..times).for_each(|_| drop(bytes.splice(to..to, piece.iter().copied())));
+            }
+            4 => {
+                let value = random.choose(&[0_u64, 1, 0x7FFF, 0xFFFF, 0x7FFF_FFFF, 0xFFFF_FFFF, u64::MAX, 1 << 40]);
+                let width = random.choose(&[1, 2, 4, 8]).min(bytes.len() - at);
+                bytes[at..at + width].copy_from_slice(&value.to_le_bytes()[..width]);
+            }
+            5 => drop(bytes.splice(
+                at..at,
+                random.choose(&[&b"{"[..], b"[", b"]", b"}", b"\"", b",", b"\0", b"\xff\xfe", b"\n"]).iter().copied(),
+            )),
+            6 => drop(bytes.splice(at..at, vec![b'['; random.choose(&[3, 200, 20_000])])),
+            _ => replace_a_number(&mut bytes, at, random),
+        }
+    }
+    bytes
+}
+
+/// Replaces the number nearest behind a place, if there is one.
+fn replace_a_number(bytes: &mut Vec<u8>, from: usize, random: &mut Random) {
+    let is_digit = |b: &u8| b.is_ascii_digit() || b".-".contains(b);
+    let Some(start) = bytes[from..].iter().position(is_digit).map(|k| from + k) else { return };
+    let end = bytes[start..].iter().position(|b| !is_digit(b)).map_or(bytes.len(), |k| start + k);
+    bytes.splice(start..end, random.choose(&NUMBERS).bytes());
+}
+
+#[test]
+fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
+    let n = if slow() { 4000 } else { 60 };
+    let (n_done, n_refused) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    for (kind, target) in targets().iter().enumerate() {
+        (0..n).into_par_iter().for_each(|k: u64| {
+            let mut random = Random(1000 * kind as u64 + k);
+            let bytes = damaged(&target.good, &mut random);
+            let folder = Folder::new();
+            folder.write("city.geojson", FOOTPRINTS);
+            std::fs::write(folder.join(target.name), &bytes).unwrap();
+            let line = target.line.replace("{}", target.name);
+            let answer = run_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+            let keep = || {
+                let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("found-{k}-{}", target.name));
+                let _ = std::fs::write(&path, &bytes);
+                format!("`{line}` on {}: {answer:?}", path.display())
+            };
+            let code = answer.status.code();
+            assert!(code.is_some_and(|c| [0, 2, 3, 4, 5].contains(&c)), "{}", keep());
+            let mut expected = vec!["city.geojson".to_string(), target.name.to_string()];
+            if code == Some(0) {
+                expected.push("out.json".into());
+                n_done.fetch_add(1, Ordering::Relaxed);
+            } else {
+                assert!(answer.err.starts_with("error[E"), "{}", keep());
+                n_refused.fetch_add(1, Ordering::Relaxed);
+            }
+            expected.sort();
+            expected.dedup();
+            assert_eq!(folder.files(), expected, "{}", keep());
+        });
+    }
+    let (n_done, n_refused) = (n_done.into_inner(), n_refused.into_inner());
+    assert!(n_done > n_refused / 20 && n_refused > n_done / 20, "{n_done} mapped, {n_refused} refused");
+}
+
+/// A ring of random corners on a coarse lattice or a step off it: it may cross itself, touch itself and turn back.
+fn ring(random: &mut Random) -> Vec<[f64; 2]> {
+    let coordinate = |random: &mut Random| {
+        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+        let on_the_lattice = random.within(0, 24) as f64 * 2.0;
+        on_the_lattice + random.choose(&[0.0, 0.0, 0.0, 1.0 / 1024.0, -1.0 / 1024.0, 0.3])
+    };
+    let mut corners: Vec<[f64; 2]> =
+        (0..random.index(3, 9)).map(|_| [coordinate(random), coordinate(random)]).collect();
+    if random.chance(20) {
+        let k = random.below(corners.len());
+        corners.insert(k, corners[k]);
+    }
+    corners.push(corners[0]);
+    corners
+}
+
+#[test]
+fn footprints_at_random_are_mapped_as_rays_say() {
+    let n: u64 = if slow() { 3000 } else { 40 };
+    let n_seen = AtomicUsize::new(0);
+    (0..n).into_par_iter().for_each(|k| {
+        let mut random = Random(77_000 + k);
+        let heights = [0.0, 3.0, 3.0, 9.5, 9.5, 20.0];
+        let feature = |random: &mut Random| {
+            let rings: Vec<Vec<[f64; 2]>> = (0..random.choose(&[1, 1, 2, 3])).map(|_| ring(random)).collect();
+            serde_json::json!({
+                "type": "Feature", "properties": {"height": random.choose(&heights)},
+                "geometry": {"type": "Polygon", "coordinates": rings},
+            })
+        };
+        let features: Vec<_> = (0..random.index(1, 12)).map(|_| feature(&mut random)).collect();
+        let folder = Folder::new();
+        let document = serde_json::json!({"type": "FeatureCollection", "features": features});
+        folder.write("city.geojson", &document.to_string());
+        let place = format!("{},{}", random.within(0, 50), random.within(0, 50));
+        let height = random.choose(&["25", "20", "9.5", "60amsl", "3"]);
+        let line = |method: &str| {
+            format!(
+                "map city.geojson --extent -2,-2,52,52 --uav {place},{height} --receivers all --method {method} --json"
+            )
+        };
+        let fast = folder.type_in(&line("auto"));
+        if fast.status.code() == Some(4) {
+            return;
+        }
+        let (fast, slow) = (fast.done().json(), folder.type_in(&line("ray")).done().json());
+        assert_eq!(fast["digest"], slow["digest"], "{document} seen from {place},{height}");
+        n_seen.fetch_add(1, Ordering::Relaxed);
+    });
+    assert!(n_seen.into_inner() as u64 > n / 4);
+}
