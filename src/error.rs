@@ -25,7 +25,7 @@
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
-//! | W350–W360 | footprints: what was mended or left out |
+//! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
 
 use std::fmt;
 

@@ -109,12 +109,22 @@ pub(super) struct SceneArgs {
     /// A cell whose surface is more than this above the ground is a building [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "0.25", allow_hyphen_values = true)]
     pub(super) building_threshold: f64,
-    /// Property that holds a footprint's height above ground [m]
-    #[arg(long, value_name = "NAME", default_value = "height")]
-    pub(super) height_field: String,
-    /// Property that holds the height of a footprint's top above the datum [m], instead
+    /// Property that holds a footprint's height above ground; default `height`, of CityJSON the highest point. Text may
+    /// name its unit: 12.5 m, 40 ft, 39'4"
+    #[arg(long, value_name = "NAME")]
+    pub(super) height_field: Option<String>,
+    /// Property that holds the height of a footprint's top above the datum, instead
     #[arg(long, value_name = "NAME", conflicts_with = "height_field")]
     pub(super) top_field: Option<String>,
+    /// Unit of heights of footprints that name none
+    #[arg(long, value_enum, default_value = "m")]
+    pub(super) height_unit: HeightUnitArg,
+    /// Property that holds a footprint's number of storeys, for `--missing levels`
+    #[arg(long, value_name = "NAME", default_value = "building:levels")]
+    pub(super) levels_field: String,
+    /// Table of a GeoPackage, where it has several
+    #[arg(long, value_name = "NAME")]
+    pub(super) layer: Option<String>,
     /// What to do with footprints without a usable height
     #[arg(long, value_enum, default_value = "drop")]
     pub(super) missing: Missing,
@@ -150,10 +160,18 @@ pub(super) enum Missing {
     Fail,
     /// Leave the footprint out and say so
     Drop,
-    /// 3 m for each of building:levels
+    /// 3 m for each storey
     Levels,
     /// The median of the known heights
     Median,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum HeightUnitArg {
+    /// Meters
+    M,
+    /// International feet
+    Ft,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -283,6 +283,7 @@ fn faults_json(f: FootprintFaults) -> Value {
     json!({
         "not_areas": f.not_areas, "repaired": f.repaired, "unclosed": f.unclosed, "degenerate": f.degenerate,
         "missing_height": f.missing_height, "negative_height": f.negative_height, "decimal_comma": f.decimal_comma,
-        "no_ground": f.no_ground, "too_far": f.too_far,
+        "no_ground": f.no_ground, "too_far": f.too_far, "from_levels": f.from_levels, "not_buildings": f.not_buildings,
+        "floating": f.floating, "parts": f.parts,
     })
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{Missing, Nodata, SceneArgs};
+use super::args::{HeightUnitArg, Missing, Nodata, SceneArgs};
 use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs};
@@ -13,8 +13,8 @@ use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions,
-    read_footprints, read_surface,
+    BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions,
+    VectorFormat, read_footprints, read_surface,
 };
 use crate::zones::{ZoneBasis, ZoneMap};
 
@@ -42,8 +42,8 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             seed: args.seed,
             ground_m: args.ground.unwrap_or(0.0),
         };
-        let of_files =
-            ["terrain", "extent", "crs", "building_threshold", "height_field", "top_field", "missing", "nodata_as"];
+        let of_files = ["terrain", "extent", "crs", "building_threshold", "nodata_as"];
+        refuse_flags(args, "a generated city", &OF_FOOTPRINTS)?;
         refuse_flags(args, "a generated city", &of_files)?;
         return city.scene();
     }
@@ -55,38 +55,20 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         Nodata::Clear => NodataAs::Clear,
     };
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "geojson" | "json" => {
-            refuse_flags(args, "footprints", &["size", "building_threshold"])?;
-            if args.terrain.is_none() {
-                refuse_flags(args, "footprints without `--terrain`", &["nodata_as"])?;
+    match VectorFormat::of_extension(&extension) {
+        Some(format) => {
+            if format != VectorFormat::GeoPackage {
+                refuse_flags(args, "a file that is no GeoPackage", &["layer"])?;
             }
-            let options = FootprintOptions {
-                height_field: args.height_field.clone(),
-                top_field: args.top_field.clone(),
-                missing: match args.missing {
-                    Missing::Fail => MissingHeight::Fail,
-                    Missing::Drop => MissingHeight::Drop,
-                    Missing::Levels => MissingHeight::Levels,
-                    Missing::Median => MissingHeight::Median,
-                },
-                terrain: args.terrain.clone(),
-                ground_m: args.ground,
-                extent: args.extent,
-                cell_m: args.cell,
-                crs,
-                nodata_as,
-                always_hash: args.hash,
-            };
-            read_footprints(path, &options, warnings)
+            read_footprints(path, &footprint_options(args, crs, nodata_as)?, warnings)
         }
-        "shp" | "fgb" | "gpkg" | "obj" | "ply" => Err(Error::file(
+        None if ["obj", "ply"].contains(&extension.as_str()) => Err(Error::file(
             304,
             format!("cannot read {}: `.{extension}` files are not read, wanted .geojson, .tif or .asc", path.display()),
-        )
-        .with_hint(format!("ogr2ogr -f GeoJSON buildings.geojson {}", path.display()))),
-        _ => {
-            refuse_flags(args, "a raster", &["extent", "cell", "size", "height_field", "top_field", "missing"])?;
+        )),
+        None => {
+            refuse_flags(args, "a raster", &["extent", "cell", "size"])?;
+            refuse_flags(args, "a raster", &OF_FOOTPRINTS)?;
             if args.terrain.is_none() && args.ground.is_none() {
                 refuse_flags(args, "a raster without `--terrain` or `--ground`", &["building_threshold"])?;
             }
@@ -101,6 +83,43 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             read_surface(path, &options, warnings)
         }
     }
+}
+
+/// Flags that only footprints can use.
+const OF_FOOTPRINTS: [&str; 6] = ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer"];
+
+/// How footprints are to be read.
+fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> Result<FootprintOptions> {
+    refuse_flags(args, "footprints", &["size", "building_threshold"])?;
+    if args.terrain.is_none() {
+        refuse_flags(args, "footprints without `--terrain`", &["nodata_as"])?;
+    }
+    if args.missing != Missing::Levels {
+        refuse_flags(args, "footprints without `--missing levels`", &["levels_field"])?;
+    }
+    Ok(FootprintOptions {
+        height_field: args.height_field.clone(),
+        top_field: args.top_field.clone(),
+        height_unit: match args.height_unit {
+            HeightUnitArg::M => HeightUnit::Meters,
+            HeightUnitArg::Ft => HeightUnit::Feet,
+        },
+        levels_field: args.levels_field.clone(),
+        missing: match args.missing {
+            Missing::Fail => MissingHeight::Fail,
+            Missing::Drop => MissingHeight::Drop,
+            Missing::Levels => MissingHeight::Levels,
+            Missing::Median => MissingHeight::Median,
+        },
+        layer: args.layer.clone(),
+        terrain: args.terrain.clone(),
+        ground_m: args.ground,
+        extent: args.extent,
+        cell_m: args.cell,
+        crs,
+        nodata_as,
+        always_hash: args.hash,
+    })
 }
 
 /// An ignored input is an error, never silence.

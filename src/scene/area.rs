@@ -1,9 +1,10 @@
-//! Areas: polygons that say where, from GeoJSON: where UAVs may hover, where not, and whom they are to see.
+//! Areas: polygons that say where, from files of vector data: where UAVs may hover, where not, and whom they are to see.
 
 use std::path::Path;
 
-use super::geojson_file::read_raw_footprints;
+use super::building::{bounds, opened};
 use super::sites::in_scene;
+use super::vector::{Selection, read_features};
 use crate::error::{Error, Result};
 use crate::raster::{BitGrid, Crs, GeoRef};
 
@@ -79,7 +80,7 @@ fn first_center(grid: &GeoRef, x: f64) -> usize {
     col
 }
 
-/// Reads an area from the polygons of a GeoJSON file.
+/// Reads an area from the polygons of a file of vector data.
 ///
 /// Positions are longitude and latitude (RFC 7946) unless a `crs` member says otherwise; those that no degrees can be
 /// are taken for the scene's own coordinates, as those of sites are.
@@ -88,24 +89,27 @@ fn first_center(grid: &GeoRef, x: f64) -> usize {
 /// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
 /// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
 pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
-    let raw = read_raw_footprints(path, "height", None)?;
-    if raw.footprints.is_empty() {
+    let set = read_features(path, Selection::default())?;
+    let named = set.crs?;
+    let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
+    if areas.is_empty() {
         let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
         return Err(Error::file(308, text));
     }
-    let is_degrees =
-        raw.bounds().is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
-    let from = match raw.crs {
+    let is_degrees = bounds(areas.iter().flat_map(|(_, f)| &f.polygons))
+        .is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
+    let from = match named {
         Some(crs) => Some(crs),
         // Without a CRS of its own a scene is in local coordinates, and so is what is drawn over it.
         None if is_degrees && grid.crs().is_some() => Some(Crs::from_epsg(4326)?),
         None => None,
     };
     let mut polygons = Vec::new();
-    for footprint in raw.footprints {
-        let place = format!("polygon `{}`: ", footprint.id);
+    for (number, feature) in areas {
+        let id = feature.id.or_else(|| feature.properties.iter().find(|(n, _)| n == "id").and_then(|(_, v)| v.text()));
+        let place = format!("polygon `{}`: ", id.unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| in_scene(path, &place, (p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
-        for polygon in footprint.polygons {
+        for polygon in opened(feature.polygons).0 {
             let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
             polygons.push(polygon.into_iter().map(ring).collect::<Result<Vec<_>>>()?);
         }

@@ -2,19 +2,23 @@
 //!
 //! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
 //! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
-//! left-out thing is counted in [`FootprintFaults`] and reported.
+//! left-out thing is counted in [`FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
+//! feature says of a building is read in `building.rs`.
 
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::geojson_file::{FoundHeight, RawFootprints, read_raw_footprints};
+use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
+use super::faults::{FootprintFaults, HeightWords};
 use super::outline::{Shaped, polygon_area, shape};
+use super::receivers_grid::receivers_grid;
 use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
+use super::vector::{Selection, read_features};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, counted, height_steps, meters};
-use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, height_steps, meters, tidy};
+use crate::raster::{Crs, GeoRef, InputKind};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,7 +62,8 @@ pub enum MissingHeight {
     /// Leave the footprint out, and say so.
     #[default]
     Drop,
-    /// Three meters for each of `building:levels`; left out where that is missing too.
+    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
+    /// is missing too.
     Levels,
     /// The median of the known heights.
     Median,
@@ -67,12 +72,18 @@ pub enum MissingHeight {
 /// How footprints are read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootprintOptions {
-    /// Property that holds the height above ground \[m\].
-    pub height_field: String,
-    /// Property that holds the absolute height of the top \[m above the datum\], instead.
+    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
+    pub height_field: Option<String>,
+    /// Property that holds the absolute height of the top above the datum, instead.
     pub top_field: Option<String>,
+    /// Unit of heights that name none.
+    pub height_unit: HeightUnit,
+    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
+    pub levels_field: String,
     /// Policy for missing heights.
     pub missing: MissingHeight,
+    /// Table of a GeoPackage; needed where it has several.
+    pub layer: Option<String>,
     /// Terrain model, in the same CRS.
     pub terrain: Option<PathBuf>,
     /// Height of flat ground \[m above the datum\], 0 by default.
@@ -90,12 +101,15 @@ pub struct FootprintOptions {
 }
 
 impl Default for FootprintOptions {
-    /// Heights in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
+    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
     fn default() -> Self {
         FootprintOptions {
-            height_field: "height".into(),
+            height_field: None,
             top_field: None,
+            height_unit: HeightUnit::default(),
+            levels_field: "building:levels".into(),
             missing: MissingHeight::default(),
+            layer: None,
             terrain: None,
             ground_m: None,
             extent: None,
@@ -107,103 +121,23 @@ impl Default for FootprintOptions {
     }
 }
 
-/// What was mended or left out while reading footprints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct FootprintFaults {
-    /// Features that are not areas (points, lines, no geometry): left out.
-    pub not_areas: usize,
-    /// Polygons whose rings crossed or touched themselves: repaired by the even-odd rule.
-    pub repaired: usize,
-    /// Rings whose last point was not the first: closed.
-    pub unclosed: usize,
-    /// Polygons without area: left out.
-    pub degenerate: usize,
-    /// Footprints without a usable height: treated by the [`MissingHeight`] policy.
-    pub missing_height: usize,
-    /// Footprints with a negative height: left out.
-    pub negative_height: usize,
-    /// Heights written with a decimal comma: read as such.
-    pub decimal_comma: usize,
-    /// Footprints over terrain cells that are all nodata: left out.
-    pub no_ground: usize,
-    /// Footprints farther than 65 536 m from the grid's corner: left out.
-    pub too_far: usize,
-}
-
-impl FootprintFaults {
-    fn warn(&self, path: &Path, missing: MissingHeight, missing_area_share: f64, warnings: &mut Vec<Warning>) {
-        let treated = match missing {
-            MissingHeight::Fail => "refused".to_string(),
-            MissingHeight::Drop => {
-                format!(
-                    "left out, {:.1} % of the footprint area (`--missing levels|median|fail`)",
-                    missing_area_share * 100.0
-                )
-            }
-            MissingHeight::Levels => "3 m for each of `building:levels`, left out without that".to_string(),
-            MissingHeight::Median => "given the median height".to_string(),
-        };
-        let found = [
-            (350, self.not_areas, ["feature that is no polygon", "features that are no polygons"], "left out"),
-            (
-                351,
-                self.repaired,
-                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"],
-                "repaired by the even-odd rule",
-            ),
-            (
-                352,
-                self.unclosed,
-                ["ring that does not end where it begins", "rings that do not end where they begin"],
-                "closed",
-            ),
-            (353, self.degenerate, ["polygon without area", "polygons without area"], "left out"),
-            (
-                354,
-                self.missing_height,
-                ["footprint without a usable height", "footprints without a usable height"],
-                treated.as_str(),
-            ),
-            (
-                355,
-                self.negative_height,
-                ["footprint with a negative height", "footprints with a negative height"],
-                "left out",
-            ),
-            (
-                356,
-                self.decimal_comma,
-                ["height with a decimal comma", "heights with a decimal comma"],
-                "the comma is read as a point",
-            ),
-            (357, self.no_ground, ["footprint over nodata terrain", "footprints over nodata terrain"], "left out"),
-            (
-                358,
-                self.too_far,
-                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"],
-                "left out",
-            ),
-        ];
-        for (code, count, [one, many], done) in found {
-            if count > 0 {
-                let what = counted(count as u64, one, many);
-                warnings.push(Warning::new(code, format!("{}: {what}: {done}", path.display())));
-            }
-        }
-    }
-}
-
-/// Reads footprints from GeoJSON.
+/// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, told apart by their extension.
 ///
 /// # Errors
-/// File errors for malformed GeoJSON (with line or feature), degrees, or a CRS that differs from the terrain's; usage
-/// errors for bad numbers; limit errors for huge grids.
+/// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
+/// errors for bad numbers and layers; limit errors for huge grids.
 pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let raw = read_raw_footprints(path, &options.height_field, options.top_field.as_deref())?;
+    let selection = Selection { layer: options.layer.as_deref(), bounds: options.extent.map(grown) };
+    let mut set = read_features(path, selection)?;
     let mut sources = vec![Source::of(path, options.always_hash)?];
+    let file_crs = match &options.crs {
+        Some(crs) => Some(crs.clone()),
+        None => std::mem::replace(&mut set.crs, Ok(None))?,
+    };
+    let attribution = set.attribution.take();
+    let raw = Buildings::of(path, set, options)?;
     let bounds = raw.bounds();
-    let file_crs = options.crs.clone().or_else(|| raw.crs.clone());
-    check_degrees(path, &raw, file_crs.as_ref(), bounds)?;
+    check_degrees(path, file_crs.as_ref(), bounds)?;
 
     let terrain = match &options.terrain {
         None => None,
@@ -240,7 +174,7 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
-    let attribution = raw.attribution.clone();
+    warn_of_the_ground(path, &raw, &ground, warnings);
     let (footprints, faults) = build(path, raw, options, &ground, frame, warnings)?;
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
     Ok(Scene {
@@ -253,8 +187,34 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
     })
 }
 
+/// An extent with all that can cast a shadow into it: a UAV is at most [`MAX_EXTENT_UNITS`] from any cell that it sees.
+fn grown([west, south, east, north]: [f64; 4]) -> [f64; 4] {
+    [west - MAX_EXTENT_UNITS, south - MAX_EXTENT_UNITS, east + MAX_EXTENT_UNITS, north + MAX_EXTENT_UNITS]
+}
+
+/// Warns where solids stand on another height than the flat ground of the scene.
+fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
+    let Ground::Flat(z) = ground else { return };
+    let lowest: Vec<f64> = raw.footprints.iter().filter_map(|f| f.lowest).collect();
+    let range = lowest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(*z), r.1.max(*z)));
+    let Some(middle) = median(lowest) else { return };
+    if (range.0..=range.1).contains(&meters(*z)) {
+        return;
+    }
+    let text = format!(
+        "{}: the ground is at {} m, but the buildings begin at {} to {} m above the datum (`--terrain FILE`, or `--ground \
+         {}`, the median)",
+        path.display(),
+        tidy(meters(*z)),
+        tidy(range.0),
+        tidy(range.1),
+        tidy(middle)
+    );
+    warnings.push(Warning::new(366, text));
+}
+
 /// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
-fn check_degrees(path: &Path, raw: &RawFootprints, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let Some(bounds) = bounds else { return Ok(()) };
     if let Some(crs) = crs {
         return refuse_degrees(path, crs, bounds, InputKind::Vector);
@@ -262,98 +222,39 @@ fn check_degrees(path: &Path, raw: &RawFootprints, crs: Option<&Crs>, bounds: Op
     // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
     let [west, south, east, north] = bounds;
     let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
-    if on_earth && east - west < 1.0 && north - south < 1.0 && !raw.footprints.is_empty() {
+    if on_earth && east - west < 1.0 && north - south < 1.0 {
         return refuse_degrees(path, &Crs::from_epsg(4326)?, bounds, InputKind::Vector);
     }
     Ok(())
 }
 
-fn receivers_grid(
-    path: &Path,
-    options: &FootprintOptions,
-    terrain: Option<&Raster<i32>>,
-    bounds: Option<[f64; 4]>,
-    crs: Option<&Crs>,
-) -> Result<GeoRef> {
-    if let Some(cell) = options.cell_m
-        && !(cell > 0.0 && cell.is_finite())
-    {
-        return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
-    }
-    let meters_per_unit = match crs.map(Crs::kind) {
-        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
-        _ => 1.0,
-    };
-    let cell = options.cell_m.unwrap_or(1.0) / meters_per_unit;
-    let [west, south, east, north] = match (options.extent, terrain, bounds) {
-        (Some(extent), _, _) => {
-            let [west, south, east, north] = extent;
-            if !(extent.iter().all(|v| v.is_finite()) && west < east && south < north) {
-                return Err(Error::usage(
-                    114,
-                    format!("`--extent` is `{west},{south},{east},{north}`, wanted west < east and south < north"),
-                ));
-            }
-            extent
-        }
-        (None, Some(terrain), _) if options.cell_m.is_none() => return Ok(terrain.georef().clone()),
-        (None, Some(terrain), _) => {
-            let g = terrain.georef();
-            [g.x_min(), g.y_min(), g.x_max(), g.y_max()]
-        }
-        (None, None, Some([west, south, east, north])) => [
-            (west / cell).floor() * cell,
-            (south / cell).floor() * cell,
-            (east / cell).ceil() * cell,
-            (north / cell).ceil() * cell,
-        ],
-        (None, None, None) => {
-            return Err(Error::file(
-                308,
-                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", path.display()),
-            )
-            .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
-        }
-    };
-    let cells = |length: f64| (length / cell - 1e-9).ceil().max(1.0);
-    let (n_cols, n_rows) = (cells(east - west), cells(north - south));
-    if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
-        return Err(Error::limit(
-            502,
-            format!(
-                "cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side",
-                path.display()
-            ),
-        )
-        .with_hint("give `--extent W,S,E,N`, or a larger `--cell`"));
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
-    let (n_cols, n_rows) = (n_cols as usize, n_rows as usize);
-    GeoRef::new((west, south + cell * n_rows as f64), (cell, cell), (n_rows, n_cols), None)
-        .ok_or_else(|| Error::usage(114, format!("no grid fits extent {west},{south},{east},{north}")))
-}
-
 /// Positions to the lattice, repair, heights.
 fn build(
     path: &Path,
-    raw: RawFootprints,
+    raw: Buildings,
     options: &FootprintOptions,
     ground: &Ground,
     frame: Frame,
     warnings: &mut Vec<Warning>,
 ) -> Result<(Vec<Footprint>, FootprintFaults)> {
-    let mut faults = FootprintFaults { not_areas: raw.not_areas, ..FootprintFaults::default() };
+    let mut faults = FootprintFaults {
+        not_areas: raw.not_areas,
+        not_buildings: raw.not_buildings,
+        parts: raw.parts,
+        ..FootprintFaults::default()
+    };
     let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, ground, frame)).collect();
 
     let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
     let known: Vec<f64> = shaped
         .iter()
         .filter_map(|s| match s.raw.height {
-            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || options.top_field.is_some() => Some(m),
+            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || s.raw.above_datum => Some(m),
             _ => None,
         })
         .collect();
     let median = median(known);
+    let height_words = HeightWords::of(options, raw.other_names);
     let (mut missing_area, mut total_area) = (0.0, 0.0);
     let mut footprints = Vec::with_capacity(shaped.len());
     for shaped in shaped {
@@ -368,9 +269,10 @@ fn build(
         if shaped.polygons.is_empty() {
             continue;
         }
+        faults.floating += usize::from(shaped.raw.floats);
         faults.decimal_comma += usize::from(matches!(shaped.raw.height, FoundHeight::DecimalComma(_)));
         // Storeys are counted from the ground, whatever the property would have been measured from.
-        let mut above_datum = options.top_field.is_some();
+        let mut above_datum = shaped.raw.above_datum;
         let height = match shaped.raw.height {
             FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
             FoundHeight::Missing => {
@@ -384,7 +286,7 @@ fn build(
                                 "cannot use {}: feature `{}` has no usable `{}`",
                                 path.display(),
                                 shaped.raw.id,
-                                options.top_field.as_ref().unwrap_or(&options.height_field)
+                                height_words.property
                             ),
                         )
                         .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
@@ -392,6 +294,7 @@ fn build(
                     MissingHeight::Drop => None,
                     MissingHeight::Levels => {
                         above_datum = false;
+                        faults.from_levels += usize::from(shaped.raw.levels.is_some());
                         shaped.raw.levels.map(|levels| levels * METERS_PER_LEVEL)
                     }
                     MissingHeight::Median => median,
@@ -423,12 +326,9 @@ fn build(
         footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
     }
     let share = if total_area > 0.0 { missing_area / total_area } else { 0.0 };
-    faults.warn(path, options.missing, share, warnings);
+    faults.warn(path, &height_words, share, warnings);
     Ok((footprints, faults))
 }
-
-/// Meters that stand for one storey where only `building:levels` is known (the default of OpenStreetMap renderers).
-const METERS_PER_LEVEL: f64 = 3.0;
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     if values.is_empty() {

@@ -1,4 +1,4 @@
-//! Reads polygons with heights from GeoJSON text.
+//! GeoJSON text: its document, its CRS, its features.
 //!
 //! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
 //! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
@@ -8,49 +8,9 @@ use std::path::Path;
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
+use super::vector::{self, FeatureSet, Polygon, Property};
 use crate::error::{Error, Result};
 use crate::raster::Crs;
-
-/// The polygons of a file, as found.
-#[derive(Debug, Clone, Default)]
-pub(super) struct RawFootprints {
-    pub(super) crs: Option<Crs>,
-    /// The document's `attribution` member: whom a picture must credit.
-    pub(super) attribution: Option<String>,
-    pub(super) footprints: Vec<RawFootprint>,
-    /// Features that are not polygons.
-    pub(super) not_areas: usize,
-}
-
-/// One feature with areas.
-#[derive(Debug, Clone)]
-pub(super) struct RawFootprint {
-    pub(super) id: String,
-    /// Polygons of rings of positions, last point dropped if it repeats the first.
-    pub(super) polygons: Vec<Vec<Vec<[f64; 2]>>>,
-    pub(super) unclosed: usize,
-    pub(super) height: FoundHeight,
-    pub(super) levels: Option<f64>,
-}
-
-/// What a height property held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FoundHeight {
-    Meters(f64),
-    DecimalComma(f64),
-    Missing,
-}
-
-impl RawFootprints {
-    /// West, south, east, north of all positions; `None` if there is none.
-    pub(super) fn bounds(&self) -> Option<[f64; 4]> {
-        let points = self.footprints.iter().flat_map(|f| f.polygons.iter().flatten().flatten());
-        points.fold(None, |bounds, &[x, y]| {
-            let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-            Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-        })
-    }
-}
 
 /// Parses a GeoJSON document.
 ///
@@ -108,8 +68,6 @@ pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
             Ok(vec![Value::Object(feature)])
         }
         "" => Err(wrong("an object without `type`".into())),
-        "CityJSON" => Err(wrong("type `CityJSON`".into())
-            .with_hint("convert its footprints, with their heights as a property, to GeoJSON")),
         other => Err(wrong(format!("type `{other}`"))),
     }
 }
@@ -127,116 +85,68 @@ pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
     })
 }
 
-/// Reads the polygons of a file with their heights from property `height_field`, or `top_field` if given.
-pub(super) fn read_raw_footprints(path: &Path, height_field: &str, top_field: Option<&str>) -> Result<RawFootprints> {
-    let document = read_document(path)?;
+/// The features of a GeoJSON document.
+pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
     let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
-    let mut raw = RawFootprints { crs: named_crs(path, &document)?, attribution, ..RawFootprints::default() };
+    let crs = named_crs(path, &document);
+    let mut found = Vec::new();
     for (number, value) in features(path, document)?.into_iter().enumerate() {
-        let number = number + 1;
         let refuse = |found: String| {
-            Error::file(
-                302,
-                format!("cannot read {}: feature {number}: {found}, wanted a GeoJSON feature", path.display()),
-            )
+            let text =
+                format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", path.display(), number + 1);
+            Error::file(302, text)
         };
         let feature: Feature = serde_json::from_value(value).map_err(|e| refuse(e.to_string()))?;
-        let Some(footprint) = footprint(&feature, number, height_field, top_field).map_err(refuse)? else {
-            raw.not_areas += 1;
-            continue;
-        };
-        if let Some(bad) = footprint.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite()) {
-            return Err(refuse(format!("found coordinate `{bad}`")));
-        }
-        raw.footprints.push(footprint);
+        found.push(feature_of(feature).map_err(refuse)?);
     }
-    Ok(raw)
+    Ok(FeatureSet { crs, attribution, name_limit: None, features: found })
 }
 
-/// The areas of a feature with their height, `None` if it has none; the error says what is wrong with its positions.
-fn footprint(
-    feature: &Feature,
-    number: usize,
-    height_field: &str,
-    top_field: Option<&str>,
-) -> std::result::Result<Option<RawFootprint>, String> {
+/// A feature with its areas; the error says what is wrong with its positions.
+fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> {
     let mut polygons = Vec::new();
-    let mut unclosed = 0;
     if let Some(geometry) = &feature.geometry {
-        collect_polygons(&geometry.value, &mut polygons, &mut unclosed)?;
+        collect_polygons(&geometry.value, &mut polygons)?;
     }
-    if polygons.is_empty() {
-        return Ok(None);
-    }
-    let property = |name: &str| feature.properties.as_ref().and_then(|p| p.get(name)).filter(|v| !v.is_null());
-    let as_text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_string);
-    let id = match &feature.id {
-        Some(geojson::feature::Id::String(s)) => s.clone(),
-        Some(geojson::feature::Id::Number(n)) => n.to_string(),
-        None => property("id").map_or_else(|| number.to_string(), as_text),
-    };
-    let height = property(top_field.unwrap_or(height_field)).map_or(FoundHeight::Missing, found_height);
-    let levels = property("building:levels").and_then(|v| match found_height(v) {
-        FoundHeight::Meters(n) if n > 0.0 => Some(n),
-        _ => None,
+    let id = feature.id.map(|id| match id {
+        geojson::feature::Id::String(text) => text,
+        geojson::feature::Id::Number(number) => number.to_string(),
     });
-    Ok(Some(RawFootprint { id, polygons, unclosed, height, levels }))
+    let properties = feature.properties.into_iter().flatten();
+    let properties = properties.map(|(name, value)| (name, Property::of_json(&value))).collect();
+    Ok(vector::Feature { id, properties, polygons, heights: None })
 }
 
-fn collect_polygons(
-    geometry: &GeometryValue,
-    polygons: &mut Vec<Vec<Vec<[f64; 2]>>>,
-    unclosed: &mut usize,
-) -> std::result::Result<(), String> {
+fn collect_polygons(geometry: &GeometryValue, polygons: &mut Vec<Polygon>) -> std::result::Result<(), String> {
     let plane = |p: &geojson::Position| match p.as_slice() {
         [x, y, ..] => Ok([*x, *y]),
         [_] => Err("found a position with one number".to_string()),
         [] => Err("found a position without a number".to_string()),
     };
     let mut add = |rings: &Vec<Vec<geojson::Position>>| {
-        let mut polygon = Vec::with_capacity(rings.len());
-        for ring in rings {
-            let mut points = ring.iter().map(plane).collect::<std::result::Result<Vec<[f64; 2]>, String>>()?;
-            if points.len() > 1 && points.first() == points.last() {
-                points.pop();
-            } else {
-                *unclosed += usize::from(!points.is_empty());
-            }
-            polygon.push(points);
-        }
-        polygons.push(polygon);
+        let ring = |ring: &Vec<geojson::Position>| ring.iter().map(plane).collect();
+        polygons.push(rings.iter().map(ring).collect::<std::result::Result<Polygon, String>>()?);
         Ok(())
     };
     match geometry {
         GeometryValue::Polygon { coordinates } => add(coordinates),
         GeometryValue::MultiPolygon { coordinates } => coordinates.iter().try_for_each(add),
         GeometryValue::GeometryCollection { geometries } => {
-            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons, unclosed))
+            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons))
         }
         _ => Ok(()),
     }
 }
 
-/// A height from a JSON value: a number of meters, or text such as `12`, `12.5 m`, `40 ft`, `12,5`.
-fn found_height(value: &Value) -> FoundHeight {
-    let text = match value {
-        Value::Number(n) => return n.as_f64().map_or(FoundHeight::Missing, FoundHeight::Meters),
-        Value::String(s) => s.trim(),
-        _ => return FoundHeight::Missing,
-    };
-    let (number, meters_per_unit) = [("ft", 0.3048), ("'", 0.3048), ("m", 1.0)]
-        .iter()
-        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|n| (n.trim_end(), *factor)))
-        .unwrap_or((text, 1.0));
-    if let Ok(v) = number.parse::<f64>() {
-        return if v.is_finite() { FoundHeight::Meters(v * meters_per_unit) } else { FoundHeight::Missing };
-    }
-    // One comma and no point: a decimal comma, not a thousands separator followed by three digits.
-    match number.split_once(',') {
-        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => format!("{whole}.{decimals}")
-            .parse::<f64>()
-            .map_or(FoundHeight::Missing, |v| FoundHeight::DecimalComma(v * meters_per_unit)),
-        _ => FoundHeight::Missing,
+impl Property {
+    /// A JSON value as a property; lists and objects are none.
+    pub(super) fn of_json(value: &Value) -> Property {
+        match value {
+            Value::Number(n) => n.as_f64().map_or(Property::Null, Property::Number),
+            Value::String(text) => Property::Text(text.clone()),
+            Value::Bool(yes) => Property::Text(if *yes { "yes" } else { "no" }.into()),
+            Value::Null | Value::Array(_) | Value::Object(_) => Property::Null,
+        }
     }
 }
 
@@ -248,23 +158,5 @@ fn kind_of(value: &Value) -> &'static str {
         Value::String(_) => "a string",
         Value::Array(_) => "an array",
         Value::Object(_) => "an object",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn heights_are_read_with_their_units_and_nonsense_is_missing() {
-        let read = |text: &str| found_height(&Value::String(text.into()));
-        assert_eq!(read("12 m"), FoundHeight::Meters(12.0));
-        assert_eq!(read("12.5"), FoundHeight::Meters(12.5));
-        assert_eq!(read("100 ft"), FoundHeight::Meters(30.48));
-        assert_eq!(read("12,5"), FoundHeight::DecimalComma(12.5));
-        assert_eq!(read("1,200"), FoundHeight::Missing);
-        assert_eq!(read("tall"), FoundHeight::Missing);
-        assert_eq!(read("inf"), FoundHeight::Missing);
-        assert_eq!(found_height(&Value::Bool(true)), FoundHeight::Missing);
     }
 }

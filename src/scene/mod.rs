@@ -4,23 +4,30 @@
 //! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
 
 mod area;
+mod building;
 mod built_up;
+mod faults;
 mod footprints;
 mod geojson_file;
 mod outline;
+mod receivers_grid;
 mod sites;
 mod surface;
 mod table;
 mod track;
+mod vector;
 
 pub use area::{Area, read_area};
+pub use building::HeightUnit;
 pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
-pub use footprints::{Footprint, FootprintFaults, FootprintOptions, MissingHeight, read_footprints};
+pub use faults::FootprintFaults;
+pub use footprints::{Footprint, FootprintOptions, MissingHeight, read_footprints};
 pub use outline::even_odd;
 pub use sites::{Site, read_sites};
 pub use surface::{SurfaceOptions, read_surface};
 pub(crate) use table::line_of;
 pub use track::read_track;
+pub use vector::VectorFormat;
 
 use std::path::Path;
 

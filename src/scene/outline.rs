@@ -6,7 +6,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 use super::Ground;
-use super::geojson_file::RawFootprint;
+use super::building::RawFootprint;
 use crate::quantity::{Frame, VOID};
 use crate::raster::Raster;
 

@@ -231,7 +231,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         // Input files.
         ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `nowhere.tif`: no such file"),
         ("map nowhere.geojson --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.geojson: "),
-        ("map city.shp --uav 10,10,50 -o out.png", 3, "error[E304]: cannot read city.shp: `.shp` files are not read"),
+        ("map city.shp --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read city.shp: "),
         ("map . --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `.`: it is a folder, wanted a file"),
         ("SMALL --uavs nowhere.csv", 3, "error[E301]: cannot read nowhere.csv: "),
         // Sites.
@@ -329,11 +329,13 @@ fn plan(folder: &Folder, line: &str) -> Value {
 }
 
 /// Flags of `map` that change its document: a scene and a UAV without it, the flag, and where the documents differ.
-const PLAN_FLAGS: [(&str, &str, &str); 18] = [
+const PLAN_FLAGS: [(&str, &str, &str); 20] = [
     ("city.geojson --uav 2,2,50", "--ground 5", "/sites/0/height_amsl_m"),
     ("city.geojson --uav 2,2,50", "--height-field tall", "/digest"),
     ("city.geojson --uav 2,2,50", "--top-field z_top", "/digest"),
     ("city.geojson --uav 2,2,50", "--missing levels", "/digest"),
+    ("city.geojson --uav 2,2,50", "--height-unit ft", "/digest"),
+    ("city.geojson --uav 2,2,50 --missing levels", "--levels-field tall", "/digest"),
     ("city.geojson --uav 2,2,50", "--extent 0,0,50,50", "/scene/cols"),
     ("city.geojson --uav 2,2,50", "--cell 0.5", "/scene/cell_m/0"),
     ("city.geojson --uav 2,2,50", "--crs EPSG:25832", "/scene/crs"),
@@ -351,7 +353,8 @@ const PLAN_FLAGS: [(&str, &str, &str); 18] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 22] = [
+const OTHER_FLAGS: [(&str, &str); 23] = [
+    ("--layer", "one_table_of_several_is_read_when_it_is_named"),
     ("--uav-error", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),
     ("--height-error", "higher_roofs_are_those_of_a_file_with_higher_buildings"),
     ("--cities", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use rayon::prelude::*;
 use skyshed::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
-use skyshed::scene::{FootprintOptions, MissingHeight, NodataAs, Scene, Solids, even_odd, read_footprints};
+use skyshed::scene::{FootprintOptions, MissingHeight, Scene, Solids, even_odd, read_footprints};
 
 use crate::shapes::{doubled_area, rectangle, star};
 use crate::support::{Random, slow};
@@ -243,16 +243,10 @@ fn read(features: &[String], name: &str) -> Scene {
     let text = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, features.join(","));
     std::fs::write(&path, text).unwrap();
     let options = FootprintOptions {
-        height_field: "height".into(),
-        top_field: None,
         missing: MissingHeight::Fail,
-        terrain: None,
-        ground_m: None,
         extent: Some([0.0, 0.0, 130.0, 130.0]),
         cell_m: Some(10.0),
-        crs: None,
-        nodata_as: NodataAs::Clear,
-        always_hash: false,
+        ..FootprintOptions::default()
     };
     read_footprints(&path, &options, &mut Vec::new()).unwrap()
 }

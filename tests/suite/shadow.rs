@@ -18,7 +18,7 @@ use skyshed::height_field::{CellKind, HeightField, Prisms};
 use skyshed::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
 use skyshed::quantity::{LatticePoint, VOID};
 use skyshed::raster::BitGrid;
-use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, NodataAs, read_footprints};
+use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, read_footprints};
 
 use crate::oracle::Prism;
 use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};
@@ -374,16 +374,11 @@ fn shadow_equals_ray_on_cells_of_odd_size() {
 fn munich(terrain: bool) -> HeightField {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     let options = FootprintOptions {
-        height_field: "height".into(),
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
         terrain: terrain.then(|| maps.join("munich_terrain.tif")),
         ground_m: (!terrain).then_some(0.0),
-        extent: None,
-        cell_m: None,
-        crs: None,
-        nodata_as: NodataAs::Clear,
-        always_hash: false,
+        ..FootprintOptions::default()
     };
     let scene = read_footprints(&maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())

@@ -9,8 +9,8 @@ use skyshed::height_field::{HeightField, Pooling};
 use skyshed::quantity::Height;
 use skyshed::raster::{BitGrid, GeoRef, Raster};
 use skyshed::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, Ground, MissingHeight, NodataAs, Scene, Site, Solids, SurfaceOptions,
-    read_footprints, read_surface,
+    BuiltUp, BuiltUpCity, FootprintOptions, Ground, NodataAs, Scene, Site, Solids, SurfaceOptions, read_footprints,
+    read_surface,
 };
 
 use crate::program::Folder;
@@ -38,18 +38,7 @@ fn raster(dsm: &Path, terrain: &Path) -> HeightField {
 }
 
 fn footprints(buildings: &Path, terrain: &Path) -> HeightField {
-    let options = FootprintOptions {
-        height_field: "height".into(),
-        top_field: None,
-        missing: MissingHeight::Drop,
-        terrain: Some(terrain.to_path_buf()),
-        ground_m: None,
-        extent: None,
-        cell_m: None,
-        crs: None,
-        nodata_as: NodataAs::Clear,
-        always_hash: false,
-    };
+    let options = FootprintOptions { terrain: Some(terrain.to_path_buf()), ..FootprintOptions::default() };
     built(read_footprints(buildings, &options, &mut Vec::new()).unwrap())
 }
 

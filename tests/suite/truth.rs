@@ -51,16 +51,10 @@ fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> Scene
 
 fn footprint_scene(buildings: &Path, terrain: &Path) -> Scene {
     let options = FootprintOptions {
-        height_field: "height".into(),
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
         terrain: Some(terrain.to_path_buf()),
-        ground_m: None,
-        extent: None,
-        cell_m: None,
-        crs: None,
-        nodata_as: NodataAs::Clear,
-        always_hash: false,
+        ..FootprintOptions::default()
     };
     read_footprints(buildings, &options, &mut Vec::new()).unwrap()
 }

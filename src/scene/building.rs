@@ -1,0 +1,309 @@
+//! What a feature says of a building: whether it is one, how high it is and in which unit.
+//!
+//! Names and meanings are those of OpenStreetMap, which most tables of buildings borrow: `height` above the ground,
+//! `building:levels` without the storeys under the roof, which `roof:levels` counts; `min_height` where a part begins
+//! above the ground; `building:part` for parts of different heights inside an outline. A prism here is solid from the
+//! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
+//! counts beside its parts. Both are counted.
+
+use std::path::Path;
+
+use super::footprints::FootprintOptions;
+use super::vector::{Feature, FeatureSet, Polygon, Property};
+use crate::error::{Error, Result};
+
+/// The unit of heights that name none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HeightUnit {
+    /// Meters.
+    #[default]
+    Meters,
+    /// International feet, 0.3048 m.
+    Feet,
+}
+
+impl HeightUnit {
+    /// Length of the unit \[m\].
+    pub fn meters(self) -> f64 {
+        match self {
+            HeightUnit::Meters => 1.0,
+            HeightUnit::Feet => METERS_PER_FOOT,
+        }
+    }
+}
+
+const METERS_PER_FOOT: f64 = 0.3048;
+
+/// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
+pub(super) const METERS_PER_LEVEL: f64 = 3.0;
+
+/// The property of a height where none is named.
+const HEIGHT: &str = "height";
+
+/// The areas of a file with what is known of their heights.
+#[derive(Debug, Default)]
+pub(super) struct Buildings {
+    pub(super) footprints: Vec<RawFootprint>,
+    /// Features that are not areas.
+    pub(super) not_areas: usize,
+    /// Areas that say that they are no building.
+    pub(super) not_buildings: usize,
+    /// Parts inside outlines.
+    pub(super) parts: usize,
+    /// Names of properties, where none is the one that heights are read from.
+    pub(super) other_names: Vec<String>,
+}
+
+/// One feature with areas.
+#[derive(Debug, Clone)]
+pub(super) struct RawFootprint {
+    pub(super) id: String,
+    /// Polygons of rings of positions, last point dropped if it repeats the first.
+    pub(super) polygons: Vec<Polygon>,
+    pub(super) unclosed: usize,
+    pub(super) height: FoundHeight,
+    /// Whether the height is that of the top above the datum.
+    pub(super) above_datum: bool,
+    /// Storeys, those under the roof included.
+    pub(super) levels: Option<f64>,
+    /// Whether it begins above the ground.
+    pub(super) floats: bool,
+    /// Lowest point of a solid \[m above the datum\].
+    pub(super) lowest: Option<f64>,
+}
+
+/// What a height property held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum FoundHeight {
+    Meters(f64),
+    DecimalComma(f64),
+    Missing,
+}
+
+impl Buildings {
+    /// The buildings among the features of a file.
+    ///
+    /// # Errors
+    /// E302 for a coordinate that is not finite.
+    pub(super) fn of(path: &Path, set: FeatureSet, options: &FootprintOptions) -> Result<Buildings> {
+        let mut buildings = Buildings { other_names: other_names(&set, options), ..Buildings::default() };
+        for (number, feature) in set.features.into_iter().enumerate() {
+            if feature.polygons.is_empty() {
+                buildings.not_areas += 1;
+                continue;
+            }
+            let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
+            if let Some(bad) = bad {
+                let (path, number) = (path.display(), number + 1);
+                let text = format!("cannot read {path}: feature {number}: found coordinate `{bad}`, wanted a number");
+                return Err(Error::file(302, text));
+            }
+            let says = Says { feature: &feature, name_limit: set.name_limit, options };
+            if says.is_no_building() {
+                buildings.not_buildings += 1;
+                continue;
+            }
+            buildings.parts += usize::from(says.is_part());
+            buildings.footprints.push(says.footprint(number + 1));
+        }
+        Ok(buildings)
+    }
+
+    /// West, south, east, north of all positions; `None` if there is none.
+    pub(super) fn bounds(&self) -> Option<[f64; 4]> {
+        bounds(self.footprints.iter().flat_map(|f| &f.polygons))
+    }
+}
+
+/// West, south, east, north of polygons; `None` if they have no position.
+pub(super) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
+    polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
+        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
+        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
+    })
+}
+
+/// Rings without the last point where it repeats the first, and how many do not end where they begin.
+pub(super) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
+    let mut unclosed = 0;
+    for ring in polygons.iter_mut().flatten() {
+        if ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        } else {
+            unclosed += usize::from(!ring.is_empty());
+        }
+    }
+    (polygons, unclosed)
+}
+
+/// A few names of properties, where no feature has the one that heights are read from.
+fn other_names(set: &FeatureSet, options: &FootprintOptions) -> Vec<String> {
+    let name = options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT);
+    let is_known = |feature: &Feature| feature.heights.is_some() || feature.property(name, set.name_limit).is_some();
+    if set.features.iter().any(is_known) {
+        return Vec::new();
+    }
+    const MOST: usize = 12;
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in set.features.iter().take(100).flat_map(|f| &f.properties) {
+        if names.len() < MOST && !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
+/// A feature and how it is read.
+struct Says<'a> {
+    feature: &'a Feature,
+    name_limit: Option<usize>,
+    options: &'a FootprintOptions,
+}
+
+impl Says<'_> {
+    fn property(&self, name: &str) -> Option<&Property> {
+        self.feature.property(name, self.name_limit)
+    }
+
+    fn word(&self, name: &str) -> Option<String> {
+        self.property(name).and_then(Property::text).map(|text| text.trim().to_lowercase())
+    }
+
+    fn is_no_building(&self) -> bool {
+        self.word("building").is_some_and(|word| word == "no" || word == "demolished")
+    }
+
+    fn is_part(&self) -> bool {
+        self.word("building:part").is_some_and(|word| word != "no" && !word.is_empty())
+    }
+
+    /// Whether a number other than zero is given.
+    fn is_above_zero(&self, name: &str) -> bool {
+        let found = self.property(name).map(|value| found_height(value, HeightUnit::Meters));
+        matches!(found, Some(FoundHeight::Meters(v) | FoundHeight::DecimalComma(v)) if v > 0.0)
+    }
+
+    fn levels(&self) -> Option<f64> {
+        let number = |name: &str| match found_height(self.property(name)?, HeightUnit::Meters) {
+            FoundHeight::Meters(n) | FoundHeight::DecimalComma(n) => Some(n),
+            FoundHeight::Missing => None,
+        };
+        let levels = number(&self.options.levels_field).filter(|n| *n > 0.0)?;
+        Some(levels + number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
+    }
+
+    /// The height, and whether it is above the datum: from the property that is named, else from the solid itself, else
+    /// from `height`.
+    fn height(&self) -> (FoundHeight, bool) {
+        let options = self.options;
+        let of = |name: &str| {
+            self.property(name).map_or(FoundHeight::Missing, |value| found_height(value, options.height_unit))
+        };
+        match (&options.top_field, &options.height_field, self.feature.heights) {
+            (Some(name), _, _) => (of(name), true),
+            (None, Some(name), _) => (of(name), false),
+            (None, None, Some([_, highest])) => (FoundHeight::Meters(highest), true),
+            (None, None, None) => (of(HEIGHT), false),
+        }
+    }
+
+    fn footprint(&self, number: usize) -> RawFootprint {
+        let (polygons, unclosed) = opened(self.feature.polygons.clone());
+        let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
+        let (height, above_datum) = self.height();
+        RawFootprint {
+            id: id.unwrap_or_else(|| number.to_string()),
+            polygons,
+            unclosed,
+            height,
+            above_datum,
+            levels: self.levels(),
+            floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
+            lowest: self.feature.heights.map(|[lowest, _]| lowest),
+        }
+    }
+}
+
+/// A height from a property: a number, or text such as `12`, `12.5 m`, `40 ft`, `39'4"`, `12,5`; `unit` is that of
+/// numbers without one.
+pub(super) fn found_height(value: &Property, unit: HeightUnit) -> FoundHeight {
+    let text = match value {
+        Property::Number(n) if n.is_finite() => return FoundHeight::Meters(n * unit.meters()),
+        Property::Number(_) | Property::Null => return FoundHeight::Missing,
+        Property::Text(text) => text.trim(),
+    };
+    if let Some((feet, inches)) = text.split_once('\'') {
+        return feet_and_inches(feet, inches).map_or(FoundHeight::Missing, FoundHeight::Meters);
+    }
+    const UNITS: [(&str, f64); 8] = [
+        ("ft", METERS_PER_FOOT),
+        ("feet", METERS_PER_FOOT),
+        ("foot", METERS_PER_FOOT),
+        ("meters", 1.0),
+        ("metres", 1.0),
+        ("meter", 1.0),
+        ("metre", 1.0),
+        ("m", 1.0),
+    ];
+    let named = UNITS.iter().find_map(|(name, meters)| text.strip_suffix(name).map(|n| (n.trim_end(), *meters)));
+    let (number, meters) = named.unwrap_or((text, unit.meters()));
+    if let Ok(v) = number.parse::<f64>() {
+        return if v.is_finite() { FoundHeight::Meters(v * meters) } else { FoundHeight::Missing };
+    }
+    // One comma and no point: a decimal comma, not a thousands separator followed by three digits.
+    match number.split_once(',') {
+        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => format!("{whole}.{decimals}")
+            .parse::<f64>()
+            .map_or(FoundHeight::Missing, |v| FoundHeight::DecimalComma(v * meters)),
+        _ => FoundHeight::Missing,
+    }
+}
+
+/// `39` and `4"` as meters, the inches left out or below 12.
+fn feet_and_inches(feet: &str, inches: &str) -> Option<f64> {
+    let feet: f64 = feet.trim().parse().ok().filter(|v: &f64| v.is_finite())?;
+    let inches = inches.trim().trim_end_matches(['"', '\'']).trim();
+    let inches: f64 = if inches.is_empty() { 0.0 } else { inches.parse().ok()? };
+    (0.0..12.0).contains(&inches).then_some((feet + inches / 12.0) * METERS_PER_FOOT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_are_read_with_their_units_and_nonsense_is_missing() {
+        let read = |text: &str| found_height(&Property::Text(text.into()), HeightUnit::Meters);
+        assert_eq!(read("12 m"), FoundHeight::Meters(12.0));
+        assert_eq!(read("12.5m"), FoundHeight::Meters(12.5));
+        assert_eq!(read("12.5"), FoundHeight::Meters(12.5));
+        assert_eq!(read("100 ft"), FoundHeight::Meters(30.48));
+        assert_eq!(read("100'"), FoundHeight::Meters(30.48));
+        // 39 feet and 4 inches are 472 inches of 25.4 mm.
+        let FoundHeight::Meters(mixed) = read("39'4\"") else { panic!("no height") };
+        assert!((mixed - 472.0 * 0.0254).abs() < 1e-12, "{mixed}");
+        assert_eq!(read("12,5"), FoundHeight::DecimalComma(12.5));
+        for nonsense in ["1,200", "tall", "inf", "", "m", "39'14\"", "39'x", "nan ft"] {
+            assert_eq!(read(nonsense), FoundHeight::Missing, "{nonsense}");
+        }
+        assert_eq!(found_height(&Property::Number(100.0), HeightUnit::Feet), FoundHeight::Meters(30.48));
+        assert_eq!(found_height(&Property::Text("100 m".into()), HeightUnit::Feet), FoundHeight::Meters(100.0));
+        assert_eq!(found_height(&Property::Number(f64::NAN), HeightUnit::Meters), FoundHeight::Missing);
+    }
+
+    #[test]
+    fn storeys_under_the_roof_are_added_and_rings_are_opened() {
+        let word = |name: &str, text: &str| (name.to_string(), Property::Text(text.into()));
+        let feature = Feature {
+            properties: vec![word("building:levels", "4"), word("roof:levels", "1"), word("building:part", "yes")],
+            ..Feature::default()
+        };
+        let options = FootprintOptions::default();
+        let says = Says { feature: &feature, name_limit: None, options: &options };
+        assert_eq!(says.levels(), Some(5.0));
+        assert!(says.is_part() && !says.is_no_building());
+        let ring = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let closed: Vec<[f64; 2]> = ring.iter().copied().chain([[0.0, 0.0]]).collect();
+        assert_eq!(opened(vec![vec![closed, ring.clone(), vec![]]]), (vec![vec![ring.clone(), ring, vec![]]], 1));
+    }
+}

@@ -1,0 +1,74 @@
+//! The grid of receivers over footprints: what was asked for, else the terrain's, else the footprints' bounding box.
+
+use std::path::Path;
+
+use super::footprints::FootprintOptions;
+use crate::error::{Error, Result};
+use crate::quantity::MAX_EXTENT_UNITS;
+use crate::raster::{Crs, CrsKind, GeoRef, Raster};
+
+/// The grid for `bounds`, those of the footprints, without its CRS.
+pub(super) fn receivers_grid(
+    path: &Path,
+    options: &FootprintOptions,
+    terrain: Option<&Raster<i32>>,
+    bounds: Option<[f64; 4]>,
+    crs: Option<&Crs>,
+) -> Result<GeoRef> {
+    if let Some(cell) = options.cell_m
+        && !(cell > 0.0 && cell.is_finite())
+    {
+        return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
+    }
+    let meters_per_unit = match crs.map(Crs::kind) {
+        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
+        _ => 1.0,
+    };
+    let cell = options.cell_m.unwrap_or(1.0) / meters_per_unit;
+    let [west, south, east, north] = match (options.extent, terrain, bounds) {
+        (Some(extent), _, _) => {
+            let [west, south, east, north] = extent;
+            if !(extent.iter().all(|v| v.is_finite()) && west < east && south < north) {
+                return Err(Error::usage(
+                    114,
+                    format!("`--extent` is `{west},{south},{east},{north}`, wanted west < east and south < north"),
+                ));
+            }
+            extent
+        }
+        (None, Some(terrain), _) if options.cell_m.is_none() => return Ok(terrain.georef().clone()),
+        (None, Some(terrain), _) => {
+            let g = terrain.georef();
+            [g.x_min(), g.y_min(), g.x_max(), g.y_max()]
+        }
+        (None, None, Some([west, south, east, north])) => [
+            (west / cell).floor() * cell,
+            (south / cell).floor() * cell,
+            (east / cell).ceil() * cell,
+            (north / cell).ceil() * cell,
+        ],
+        (None, None, None) => {
+            return Err(Error::file(
+                308,
+                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", path.display()),
+            )
+            .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
+        }
+    };
+    let cells = |length: f64| (length / cell - 1e-9).ceil().max(1.0);
+    let (n_cols, n_rows) = (cells(east - west), cells(north - south));
+    if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
+        return Err(Error::limit(
+            502,
+            format!(
+                "cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side",
+                path.display()
+            ),
+        )
+        .with_hint("give `--extent W,S,E,N`, or a larger `--cell`"));
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
+    let (n_cols, n_rows) = (n_cols as usize, n_rows as usize);
+    GeoRef::new((west, south + cell * n_rows as f64), (cell, cell), (n_rows, n_cols), None)
+        .ok_or_else(|| Error::usage(114, format!("no grid fits extent {west},{south},{east},{north}")))
+}

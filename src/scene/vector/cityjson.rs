@@ -1,0 +1,263 @@
+//! CityJSON 1.0, 1.1 and 2.0: buildings and their parts as solids or surfaces.
+//!
+//! A prism knows one top. Of each building and building part the geometry with the highest level of detail counts: its
+//! footprint is the union of its ground surfaces, or, where none is marked as such, of all its surfaces as seen from
+//! above; its top is the highest point of that geometry, so a pitched roof is as high as its ridge. Walls, being
+//! vertical, cover no ground. A building without a geometry of its own is that of its parts.
+//!
+//! # References
+//! CityJSON Specifications 2.0.1, sections 3 to 5.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use super::rings::doubled_area;
+use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use crate::error::{Error, Result};
+
+/// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
+const LEAST_FLATNESS: f64 = 1e-3;
+
+/// A JSON document of type CityJSON.
+pub(super) fn is_cityjson(document: &Value) -> bool {
+    document.get("type").and_then(Value::as_str) == Some("CityJSON")
+}
+
+/// The buildings of a document.
+pub(super) fn features(path: &Path, document: &Value) -> Result<FeatureSet> {
+    let wrong = |found: &str| malformed(path, found, "a CityJSON document of version 1.0, 1.1 or 2.0");
+    let version = document.get("version").and_then(Value::as_str).unwrap_or_default();
+    if !["1.0", "1.1", "2.0"].iter().any(|known| version == *known || version.starts_with(&format!("{known}."))) {
+        return Err(wrong(&format!("CityJSON version `{version}`")));
+    }
+    let vertices = vertices(document).map_err(|found| wrong(&found))?;
+    let Some(objects) = document.get("CityObjects").and_then(Value::as_object) else {
+        return Err(wrong("no `CityObjects`"));
+    };
+    if objects.is_empty() {
+        let text = format!("cannot use {}: its `CityObjects` are empty", path.display());
+        return Err(
+            Error::file(308, text).with_hint("a file of one object a line holds them further down: `cjseq collect`")
+        );
+    }
+    let mut features = Vec::new();
+    for (id, object) in objects {
+        let kind = object.get("type").and_then(Value::as_str).unwrap_or_default();
+        if !["Building", "BuildingPart"].contains(&kind) {
+            continue;
+        }
+        let shape = most_detailed(object).map(|geometry| Shape::of(geometry, &vertices)).transpose();
+        let shape = shape.map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
+        // A building whose parts have the geometry is no feature of its own.
+        let Some(shape) = shape else { continue };
+        features.push(Feature {
+            id: Some(id.clone()),
+            properties: object.get("attributes").and_then(Value::as_object).map(properties).unwrap_or_default(),
+            heights: shape.heights,
+            polygons: shape.polygons,
+        });
+    }
+    let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
+    Ok(FeatureSet { crs: crs_of(path, &reference_system(system)), attribution: None, name_limit: None, features })
+}
+
+/// `https://www.opengis.net/def/crs/EPSG/0/7415` and `urn:ogc:def:crs:EPSG::7415` as `EPSG:7415`.
+fn reference_system(name: &str) -> String {
+    match name.rsplit_once('/') {
+        Some((_, code)) if name.contains("/EPSG/") => format!("EPSG:{code}"),
+        _ => name.to_string(),
+    }
+}
+
+/// All vertices in coordinates of the reference system: integers are scaled and shifted by `transform`.
+fn vertices(document: &Value) -> std::result::Result<Vec<[f64; 3]>, String> {
+    let triple = |value: &Value| -> Option<[f64; 3]> {
+        let [x, y, z] = value.as_array()?.as_slice() else { return None };
+        Some([x.as_f64()?, y.as_f64()?, z.as_f64()?])
+    };
+    let (scale, shift) = match document.get("transform") {
+        None => ([1.0; 3], [0.0; 3]),
+        Some(transform) => {
+            let part = |name: &str| transform.get(name).and_then(triple);
+            part("scale").zip(part("translate")).ok_or("a `transform` without three numbers each")?
+        }
+    };
+    let list = document.get("vertices").and_then(Value::as_array).ok_or("no `vertices`")?;
+    let vertex = |(k, value): (usize, &Value)| {
+        let v = triple(value).ok_or_else(|| format!("vertex {k}, which is not three numbers"))?;
+        let v = [0, 1, 2].map(|i| v[i] * scale[i] + shift[i]);
+        if v.iter().all(|c| c.is_finite()) { Ok(v) } else { Err(format!("vertex {k}, which is not finite")) }
+    };
+    list.iter().enumerate().map(vertex).collect()
+}
+
+/// The geometry with the highest level of detail; `None` without one.
+fn most_detailed(object: &Value) -> Option<&Value> {
+    // 1.0 writes a number, later versions text.
+    let detail = |geometry: &Value| match geometry.get("lod") {
+        Some(Value::Number(n)) => n.as_f64().unwrap_or(0.0),
+        Some(Value::String(text)) => text.parse().unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let is_surfaces = |geometry: &&Value| {
+        let kind = geometry.get("type").and_then(Value::as_str).unwrap_or_default();
+        shells_above(kind).is_some()
+    };
+    let geometries = object.get("geometry").and_then(Value::as_array)?;
+    geometries.iter().filter(is_surfaces).max_by(|a, b| detail(a).total_cmp(&detail(b)))
+}
+
+/// How many lists hold the surfaces of a type of geometry, beyond the one of a surface list.
+fn shells_above(kind: &str) -> Option<usize> {
+    match kind {
+        "MultiSurface" | "CompositeSurface" => Some(0),
+        "Solid" => Some(1),
+        "MultiSolid" | "CompositeSolid" => Some(2),
+        _ => None,
+    }
+}
+
+/// What a geometry covers, and from where to where it reaches.
+struct Shape {
+    polygons: Vec<Polygon>,
+    heights: Option<[f64; 2]>,
+}
+
+impl Shape {
+    fn of(geometry: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Shape, String> {
+        let depth = geometry.get("type").and_then(Value::as_str).and_then(shells_above).unwrap_or(0);
+        let mut surfaces = Vec::new();
+        let boundaries = geometry.get("boundaries").ok_or("a geometry without `boundaries`")?;
+        collect(boundaries, geometry.pointer("/semantics/values"), depth, &mut surfaces)?;
+        let semantics = geometry.pointer("/semantics/surfaces").and_then(Value::as_array);
+        let is_ground = |semantic: Option<u64>| {
+            let surface = semantic.and_then(|k| semantics?.get(usize::try_from(k).ok()?));
+            surface.and_then(|s| s.get("type")).and_then(Value::as_str) == Some("GroundSurface")
+        };
+        let (mut ground, mut all) = (Vec::new(), Vec::new());
+        let mut heights: Option<[f64; 2]> = None;
+        for (rings, semantic) in surfaces {
+            let rings: Vec<Vec<[f64; 3]>> = rings_of(rings, vertices)?;
+            for [_, _, z] in rings.iter().flatten() {
+                let [low, high] = heights.unwrap_or([*z, *z]);
+                heights = Some([low.min(*z), high.max(*z)]);
+            }
+            if rings.first().is_none_or(|shell| is_wall(shell)) {
+                continue;
+            }
+            let polygon: Polygon = rings.iter().map(|ring| ring.iter().map(|p| [p[0], p[1]]).collect()).collect();
+            if is_ground(semantic) { ground.push(polygon) } else { all.push(polygon) }
+        }
+        let polygons = if ground.is_empty() { all } else { ground };
+        Ok(Shape { polygons, heights })
+    }
+}
+
+/// A surface as its rings, and the number of its semantic surface.
+type Surface<'a> = (&'a Value, Option<u64>);
+
+/// The surfaces `depth` lists further down, each with the number that stands at the same place of `values`.
+fn collect<'a>(
+    boundaries: &'a Value,
+    values: Option<&'a Value>,
+    depth: usize,
+    surfaces: &mut Vec<Surface<'a>>,
+) -> std::result::Result<(), String> {
+    let parts = boundaries.as_array().ok_or("`boundaries` that are no lists")?;
+    for (k, part) in parts.iter().enumerate() {
+        let value = values.and_then(|v| v.get(k));
+        match depth {
+            0 => surfaces.push((part, value.and_then(Value::as_u64))),
+            _ => collect(part, value, depth - 1, surfaces)?,
+        }
+    }
+    Ok(())
+}
+
+fn rings_of(surface: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Vec<Vec<[f64; 3]>>, String> {
+    let vertex = |index: &Value| {
+        let vertex = index.as_u64().and_then(|k| vertices.get(usize::try_from(k).ok()?));
+        vertex.copied().ok_or_else(|| format!("vertex number {index}, of {} vertices", vertices.len()))
+    };
+    let ring = |ring: &Value| {
+        let indices = ring.as_array().ok_or("a ring that is no list")?;
+        indices.iter().map(vertex).collect()
+    };
+    surface.as_array().ok_or("a surface that is no list")?.iter().map(ring).collect()
+}
+
+/// Whether hardly any of a surface faces up or down.
+fn is_wall(ring: &[[f64; 3]]) -> bool {
+    let seen_along = |i: usize, j: usize| {
+        let plane: Vec<[f64; 2]> = ring.iter().map(|p| [p[i], p[j]]).collect();
+        doubled_area(&plane).abs()
+    };
+    seen_along(0, 1) <= LEAST_FLATNESS * seen_along(1, 2).hypot(seen_along(0, 2))
+}
+
+fn properties(attributes: &Map<String, Value>) -> Vec<(String, Property)> {
+    attributes.iter().map(|(name, value)| (name.clone(), Property::of_json(value))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A house of 10 × 6 m from (100, 200, 50) with its ridge at 59 m, integers of a millimeter.
+    fn house(version: &str, lod: Value, semantics: bool) -> Value {
+        let mut geometry = serde_json::json!({
+            "type": "Solid", "lod": lod,
+            "boundaries": [[
+                [[0, 3, 2, 1]], [[0, 1, 5, 4]], [[2, 3, 7, 6]], [[1, 2, 6, 9, 5]], [[3, 0, 4, 8, 7]],
+                [[4, 5, 9, 8]], [[8, 9, 6, 7]]
+            ]],
+        });
+        if semantics {
+            let kinds = [("type", "GroundSurface"), ("type", "WallSurface"), ("type", "RoofSurface")];
+            let surfaces: Vec<Value> = kinds.iter().map(|(k, v)| serde_json::json!({*k: *v})).collect();
+            geometry["semantics"] = serde_json::json!({"surfaces": surfaces, "values": [[0, 1, 1, 1, 1, 2, 2]]});
+        }
+        serde_json::json!({
+            "type": "CityJSON", "version": version,
+            "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/7415"},
+            "transform": {"scale": [0.001, 0.001, 0.001], "translate": [100.0, 200.0, 50.0]},
+            "vertices": [
+                [0, 0, 0], [10000, 0, 0], [10000, 6000, 0], [0, 6000, 0],
+                [0, 0, 6000], [10000, 0, 6000], [10000, 6000, 6000], [0, 6000, 6000],
+                [0, 3000, 9000], [10000, 3000, 9000]
+            ],
+            "CityObjects": {"h": {"type": "Building", "attributes": {"storeys": 2}, "geometry": [geometry]}},
+        })
+    }
+
+    #[test]
+    fn a_house_is_as_high_as_its_ridge_and_covers_its_ground_surface() {
+        for (version, lod) in [("1.0", serde_json::json!(2)), ("1.1", serde_json::json!("2.2"))] {
+            let set = features(Path::new("h.city.json"), &house(version, lod, true)).expect("a house");
+            assert_eq!(set.crs.expect("known").and_then(|c| c.epsg()), Some(28992));
+            let [house] = set.features.as_slice() else { panic!("{:?}", set.features) };
+            assert_eq!(house.heights, Some([50.0, 59.0]));
+            assert_eq!(house.polygons, [vec![vec![[100.0, 200.0], [100.0, 206.0], [110.0, 206.0], [110.0, 200.0]]]]);
+            assert_eq!(house.property("storeys", None), Some(&Property::Number(2.0)));
+        }
+    }
+
+    #[test]
+    fn without_semantics_all_surfaces_but_walls_cover_ground() {
+        let set = features(Path::new("h.json"), &house("2.0", "1.3".into(), false)).expect("a house");
+        assert_eq!(set.features[0].polygons.len(), 3);
+        let area: f64 = set.features[0].polygons.iter().map(|p| doubled_area(&p[0]).abs() / 2.0).sum();
+        assert!((area - 120.0).abs() < 1e-6, "{area}");
+    }
+
+    #[test]
+    fn a_vertex_that_is_not_there_is_named() {
+        let mut document = house("2.0", "2".into(), true);
+        document["CityObjects"]["h"]["geometry"][0]["boundaries"][0][0][0][1] = 10.into();
+        let error = features(Path::new("h.json"), &document).expect_err("no vertex 10");
+        assert!(error.to_string().contains("object `h`: vertex number 10, of 10 vertices"), "{error}");
+        document["version"] = "3.0".into();
+        assert!(features(Path::new("h.json"), &document).is_err_and(|e| e.to_string().contains("version `3.0`")));
+    }
+}

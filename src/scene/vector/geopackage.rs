@@ -1,0 +1,192 @@
+//! GeoPackage: an SQLite database with a table of features.
+//!
+//! The file is opened as one that nobody changes, so that nothing is written beside it. Only plain tables are read: a
+//! view can compute without end.
+//!
+//! # References
+//! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
+
+use std::path::Path;
+
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
+
+use super::wkb::polygons_of;
+use super::{Feature, FeatureSet, Property, crs_of, malformed, unreadable};
+use crate::error::{Error, Result};
+use crate::raster::Crs;
+
+/// Reads the features of a table, of the only one where no `layer` is named.
+pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
+    let length = std::fs::metadata(path).map_err(|e| unreadable(path, &e))?.len();
+    refuse_open_changes(path)?;
+    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let database = Connection::open_with_flags(uri(path), flags).map_err(broken)?;
+    database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
+    let layers = layers(&database).map_err(broken)?;
+    let layer = chosen(path, layer, &layers)?;
+    let table = Table::of(&database, layer).map_err(broken)?;
+    let Some(table) = table else {
+        let text = format!("cannot read {}: layer `{layer}` is no table with a geometry column", path.display());
+        return Err(Error::file(304, text)
+            .with_hint(format!("write a view as a table: `ogr2ogr table.gpkg {} {layer}`", path.display())));
+    };
+    let features = table.features(path, &database, length)?;
+    let crs = crs(path, &database, table.srs);
+    Ok(FeatureSet { crs, attribution: None, name_limit: None, features })
+}
+
+/// A database that another program holds open keeps its last changes in a file beside it.
+fn refuse_open_changes(path: &Path) -> Result<()> {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push("-wal");
+    let has_changes = std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0);
+    if has_changes {
+        let beside = Path::new(&beside).display();
+        let text = format!("cannot read {}: {beside} holds changes that are not in it yet", path.display());
+        return Err(Error::file(304, text).with_hint("close the program that has it open"));
+    }
+    Ok(())
+}
+
+/// A path as SQLite takes it, with the promise that the file does not change.
+fn uri(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let escaped: String = text
+        .chars()
+        .map(|c| match c {
+            '%' => "%25".to_string(),
+            '?' => "%3f".to_string(),
+            '#' => "%23".to_string(),
+            '\\' if cfg!(windows) => "/".to_string(),
+            other => other.to_string(),
+        })
+        .collect();
+    format!("file:{escaped}?immutable=1")
+}
+
+/// The tables of features, in the order of the file.
+fn layers(database: &Connection) -> rusqlite::Result<Vec<String>> {
+    let mut query = database.prepare("SELECT table_name FROM gpkg_contents WHERE data_type = 'features' LIMIT 1000")?;
+    query.query_map([], |row| row.get(0))?.collect()
+}
+
+fn chosen<'a>(path: &Path, asked: Option<&'a str>, layers: &'a [String]) -> Result<&'a str> {
+    let listed = || layers.iter().map(|l| format!("`{l}`")).collect::<Vec<_>>().join(", ");
+    match (asked, layers) {
+        (Some(asked), layers) if layers.iter().any(|l| l == asked) => Ok(asked),
+        (_, []) => Err(Error::file(308, format!("cannot use {}: it holds no table of features", path.display()))),
+        (Some(asked), _) => {
+            let text = format!("cannot read {}: it has no layer `{asked}`, wanted one of {}", path.display(), listed());
+            Err(Error::usage(108, text))
+        }
+        (None, [only]) => Ok(only),
+        (None, _) => {
+            let text = format!("cannot choose a layer of {}: it has {}", path.display(), listed());
+            Err(Error::usage(108, text).with_hint("`--layer NAME` says which"))
+        }
+    }
+}
+
+/// A table of features.
+struct Table<'a> {
+    name: &'a str,
+    geometry: String,
+    key: Option<String>,
+    srs: i64,
+}
+
+impl<'a> Table<'a> {
+    /// What the database says of a table; `None` where it is a view or has no geometry.
+    fn of(database: &Connection, name: &'a str) -> rusqlite::Result<Option<Table<'a>>> {
+        let is_plain = "SELECT 1 FROM sqlite_master WHERE name = ?1 AND type = 'table' AND rootpage > 0";
+        if !database.prepare(is_plain)?.exists([name])? {
+            return Ok(None);
+        }
+        let geometry = "SELECT column_name, srs_id FROM gpkg_geometry_columns WHERE table_name = ?1";
+        let found = database.query_row(geometry, [name], |row| Ok((row.get(0)?, row.get(1)?))).optional()?;
+        let key = "SELECT name FROM pragma_table_info(?1) WHERE pk = 1";
+        let key = database.query_row(key, [name], |row| row.get(0)).optional()?;
+        Ok(found.map(|(geometry, srs)| Table { name, geometry, key, srs }))
+    }
+
+    fn features(&self, path: &Path, database: &Connection, file_bytes: u64) -> Result<Vec<Feature>> {
+        let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+        let quoted = self.name.replace('"', "\"\"");
+        let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(broken)?;
+        let columns: Vec<String> = query.column_names().into_iter().map(str::to_string).collect();
+        let mut rows = query.query([]).map_err(broken)?;
+        let mut features = Vec::new();
+        while let Some(row) = rows.next().map_err(broken)? {
+            // Damaged pages may lead in circles; a row takes more than a byte.
+            if features.len() as u64 > file_bytes {
+                return Err(malformed(path, "more rows than bytes", "a GeoPackage"));
+            }
+            let number = features.len() + 1;
+            let feature = self.feature(row, &columns);
+            features
+                .push(feature.map_err(|found| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage"))?);
+        }
+        Ok(features)
+    }
+
+    fn feature(&self, row: &Row<'_>, columns: &[String]) -> std::result::Result<Feature, String> {
+        let mut feature = Feature::default();
+        for (k, name) in columns.iter().enumerate() {
+            let value = row.get_ref(k).map_err(|e| e.to_string())?;
+            if name.eq_ignore_ascii_case(&self.geometry) {
+                if let ValueRef::Blob(blob) = value {
+                    polygons_of(geometry(blob)?, &mut feature.polygons)?;
+                }
+                continue;
+            }
+            feature.properties.push((name.clone(), property(value)));
+        }
+        if feature.property("id", None).is_none() {
+            let key = self.key.as_ref().and_then(|key| feature.property(key, None));
+            feature.id = key.and_then(Property::text);
+        }
+        Ok(feature)
+    }
+}
+
+/// The well-known binary inside a geometry of a GeoPackage.
+fn geometry(blob: &[u8]) -> std::result::Result<&[u8], String> {
+    let [b'G', b'P', _, flags, ..] = blob else { return Err("a geometry that does not begin with `GP`".into()) };
+    if flags & 0x20 != 0 {
+        return Err("a geometry of an extended type".into());
+    }
+    let envelope = match (flags >> 1) & 7 {
+        0 => 0,
+        1 => 32,
+        2 | 3 => 48,
+        4 => 64,
+        other => return Err(format!("a geometry with the unknown envelope {other}")),
+    };
+    blob.get(8 + envelope..).ok_or_else(|| "a geometry that ends too early".to_string())
+}
+
+fn property(value: ValueRef<'_>) -> Property {
+    match value {
+        #[expect(clippy::cast_precision_loss, reason = "identifiers are told as numbers, heights are far below 2^53")]
+        ValueRef::Integer(n) => Property::Number(n as f64),
+        ValueRef::Real(v) => Property::Number(v),
+        ValueRef::Text(text) => Property::Text(String::from_utf8_lossy(text).into_owned()),
+        ValueRef::Null | ValueRef::Blob(_) => Property::Null,
+    }
+}
+
+fn crs(path: &Path, database: &Connection, srs: i64) -> Result<Option<Crs>> {
+    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+    let query = "SELECT organization, organization_coordsys_id, definition FROM gpkg_spatial_ref_sys WHERE srs_id = ?1";
+    let columns = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get::<_, i64>(1)?, row.get::<_, String>(2)?));
+    let found = database.query_row(query, [srs], columns).optional().map_err(broken)?;
+    match found {
+        Some((organization, code, _)) if organization.eq_ignore_ascii_case("EPSG") => {
+            crs_of(path, &format!("EPSG:{code}"))
+        }
+        Some((_, _, definition)) if definition != "undefined" => crs_of(path, &definition),
+        _ => Ok(None),
+    }
+}

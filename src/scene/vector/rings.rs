@@ -1,0 +1,76 @@
+//! Rings into polygons, for formats that tell shells from holes by nothing but their sense of rotation.
+
+use super::Polygon;
+
+/// Twice the area of a ring, positive where it runs counterclockwise, relative to its first point so that large
+/// coordinates lose nothing.
+pub(super) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
+    let Some(origin) = ring.first() else { return 0.0 };
+    let from_origin = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
+    let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
+    pairs.map(|(a, b)| (from_origin(a), from_origin(b))).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
+}
+
+/// Polygons of shells and holes in any order: each hole goes to the smallest shell around it, a hole that no shell
+/// surrounds is a shell itself, written in the wrong sense.
+pub(super) fn assembled(shells: Vec<Vec<[f64; 2]>>, holes: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
+    let mut polygons: Vec<Polygon> = shells.into_iter().map(|shell| vec![shell]).collect();
+    let measured: Vec<(f64, [f64; 4])> = polygons.iter().map(|p| (doubled_area(&p[0]).abs(), bounds(&p[0]))).collect();
+    let mut alone = Vec::new();
+    for hole in holes {
+        let box_of_hole = bounds(&hole);
+        let surrounds = |k: &usize| {
+            let outer = measured[*k].1;
+            let within = (0..2).all(|i| outer[i] <= box_of_hole[i] && outer[i + 2] >= box_of_hole[i + 2]);
+            within && mostly_inside(&hole, &polygons[*k][0])
+        };
+        let smallest = (0..measured.len()).filter(surrounds).min_by(|a, b| measured[*a].0.total_cmp(&measured[*b].0));
+        match smallest {
+            Some(k) => polygons[k].push(hole),
+            None => alone.push(vec![hole]),
+        }
+    }
+    polygons.extend(alone);
+    polygons
+}
+
+/// West, south, east, north of a ring.
+fn bounds(ring: &[[f64; 2]]) -> [f64; 4] {
+    const NOWHERE: [f64; 4] = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    ring.iter().fold(NOWHERE, |b, p| [b[0].min(p[0]), b[1].min(p[1]), b[2].max(p[0]), b[3].max(p[1])])
+}
+
+/// Whether more points of a ring are inside another than outside: holes may touch their shell.
+fn mostly_inside(ring: &[[f64; 2]], shell: &[[f64; 2]]) -> bool {
+    let n_inside = ring.iter().filter(|point| contains(shell, **point)).count();
+    2 * n_inside > ring.len()
+}
+
+fn contains(ring: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+    let crossed = edges.filter(|(a, b)| (a[1] <= y) != (b[1] <= y));
+    crossed.filter(|(a, b)| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) <= x).count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(from: f64, to: f64) -> Vec<[f64; 2]> {
+        vec![[from, from], [to, from], [to, to], [from, to]]
+    }
+
+    #[test]
+    fn a_hole_goes_to_the_smallest_shell_around_it() {
+        let polygons =
+            assembled(vec![square(0.0, 90.0), square(20.0, 60.0)], vec![square(30.0, 40.0), square(10.0, 70.0)]);
+        assert_eq!(polygons[0], [square(0.0, 90.0), square(10.0, 70.0)]);
+        assert_eq!(polygons[1], [square(20.0, 60.0), square(30.0, 40.0)]);
+    }
+
+    #[test]
+    fn a_hole_without_a_shell_is_one() {
+        assert_eq!(assembled(vec![square(0.0, 1.0)], vec![square(5.0, 6.0)]).len(), 2);
+        assert!(doubled_area(&square(1e7, 1e7 + 2.0)) > 7.9);
+    }
+}

@@ -1,0 +1,149 @@
+//! Shapefiles: `.shp` with its index `.shx` and its table `.dbf`; the CRS from `.prj`, the code page from `.cpg`.
+//!
+//! # References
+//! ESRI Shapefile Technical Description (1998).
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use shapefile::dbase::encoding::{DynEncoding, UnicodeLossy};
+use shapefile::dbase::{FieldValue, ReaderBuilder, Record};
+use shapefile::record::polygon::GenericPolygon;
+use shapefile::record::traits::HasXY;
+use shapefile::{PolygonRing, Shape, ShapeReader};
+
+use super::rings::assembled;
+use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed, read_bytes};
+use crate::error::{Error, Result};
+
+/// Most characters of a column's name in a `.dbf`.
+const NAME_LIMIT: usize = 10;
+
+/// Bytes of the header of `.shp` and `.shx`.
+const HEADER_BYTES: usize = 100;
+
+/// Reads a shapefile with its sidecar files.
+pub(super) fn read(path: &Path) -> Result<FeatureSet> {
+    let shp = read_bytes(path)?;
+    let shx = sidecar(path, "shx")?.ok_or_else(|| {
+        missing(path, "shx", "its index").with_hint(format!(
+            "copy it too, or make it anew: `ogrinfo --config SHAPE_RESTORE_SHX YES {}`",
+            path.display()
+        ))
+    })?;
+    let dbf = sidecar(path, "dbf")?.ok_or_else(|| {
+        missing(path, "dbf", "the table with its heights")
+            .with_hint("a shapefile is .shp, .shx, .dbf and .prj together")
+    })?;
+    check_index(path, &shx, shp.len())?;
+    let broken = |e: shapefile::Error| malformed(path, &e.to_string(), "a shapefile");
+    let mut reader = ShapeReader::with_shx(Cursor::new(shp), Cursor::new(shx)).map_err(broken)?;
+    let n_indexed = reader.shape_count().map_err(broken)?;
+    let mut shapes = Vec::new();
+    for (number, shape) in reader.iter_shapes().enumerate() {
+        let shape = shape.map_err(|e| malformed(path, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
+        shapes.push(polygons_of(path, shape)?);
+    }
+    let rows = table(path, dbf)?;
+    if shapes.len() != n_indexed || shapes.len() != rows.len() {
+        let text = format!(
+            "cannot read {}: it holds {} shapes, its index {n_indexed} and its table {} rows, wanted as many of each",
+            path.display(),
+            shapes.len(),
+            rows.len()
+        );
+        return Err(Error::file(303, text).with_hint("copy its files again, all from one place"));
+    }
+    let features = shapes.into_iter().zip(rows);
+    let features = features.map(|(polygons, properties)| Feature { polygons, properties, ..Feature::default() });
+    let crs = sidecar(path, "prj").and_then(|prj| match prj {
+        Some(bytes) => crs_of(path, &String::from_utf8_lossy(&bytes)),
+        None => Ok(None),
+    });
+    Ok(FeatureSet { crs, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
+}
+
+/// A file beside the `.shp`, whatever the case of its extension; `None` if there is none.
+fn sidecar(path: &Path, extension: &str) -> Result<Option<Vec<u8>>> {
+    let spelled = [extension.to_string(), extension.to_uppercase()].map(|e| path.with_extension(e));
+    let found: Option<&PathBuf> = spelled.iter().find(|p| p.is_file());
+    found.map(|p| read_bytes(p)).transpose()
+}
+
+fn missing(path: &Path, extension: &str, what: &str) -> Error {
+    let wanted = path.with_extension(extension);
+    Error::file(301, format!("cannot read {}: {} is missing, {what}", path.display(), wanted.display()))
+}
+
+/// Refuses an index whose records would be more than the file: it could have one shape read many times.
+fn check_index(path: &Path, shx: &[u8], shp_bytes: usize) -> Result<()> {
+    let entries = shx.get(HEADER_BYTES..).unwrap_or_default().chunks_exact(8);
+    let length = |entry: &[u8]| 2 * u64::from(u32::from_be_bytes([entry[4], entry[5], entry[6], entry[7]]));
+    let indexed: u64 = entries.map(length).sum();
+    if indexed > shp_bytes as u64 {
+        let found = format!("its index names {indexed} bytes of shapes in a file of {shp_bytes}");
+        return Err(malformed(path, &found, "an index of this file"));
+    }
+    Ok(())
+}
+
+/// The areas of a shape; points, lines and empty shapes have none.
+fn polygons_of(path: &Path, shape: Shape) -> Result<Vec<Polygon>> {
+    match shape {
+        Shape::Polygon(polygon) => Ok(rings_of(&polygon)),
+        Shape::PolygonM(polygon) => Ok(rings_of(&polygon)),
+        Shape::PolygonZ(polygon) => Ok(rings_of(&polygon)),
+        Shape::Multipatch(_) => {
+            let text = format!("cannot read {}: it holds multipatches, wanted polygons", path.display());
+            Err(Error::file(304, text).with_hint("give the buildings as CityJSON, or as a mesh in .obj or .ply"))
+        }
+        _ => Ok(Vec::new()),
+    }
+}
+
+fn rings_of<P: HasXY>(polygon: &GenericPolygon<P>) -> Vec<Polygon> {
+    let (mut shells, mut holes) = (Vec::new(), Vec::new());
+    for ring in polygon.rings() {
+        let (points, kind) = match ring {
+            PolygonRing::Outer(points) => (points, &mut shells),
+            PolygonRing::Inner(points) => (points, &mut holes),
+        };
+        kind.push(points.iter().map(|p| [p.x(), p.y()]).collect());
+    }
+    assembled(shells, holes)
+}
+
+/// The rows of the table, each by column name.
+fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Vec<(String, Property)>>> {
+    let table = path.with_extension("dbf");
+    let code_page = sidecar(path, "cpg")?.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_string());
+    let encoding = code_page.and_then(|name| DynEncoding::from_name(&name));
+    let broken = |e: shapefile::dbase::Error| malformed(&table, &e.to_string(), "a dBase table");
+    let built = match encoding {
+        Some(encoding) => ReaderBuilder::new().with_encoding(encoding).build(Cursor::new(dbf)),
+        // A table that names no code page, or an unknown one, still has its numbers.
+        None => match ReaderBuilder::new().build(Cursor::new(dbf.as_slice())) {
+            Ok(_) => ReaderBuilder::new().build(Cursor::new(dbf)),
+            Err(_) => ReaderBuilder::new().with_encoding(UnicodeLossy).build(Cursor::new(dbf)),
+        },
+    };
+    let mut reader = built.map_err(broken)?;
+    let rows = reader.iter_records();
+    rows.map(|row| row.map(properties).map_err(broken)).collect()
+}
+
+fn properties(row: Record) -> Vec<(String, Property)> {
+    row.into_iter().map(|(name, value)| (name, property(value))).collect()
+}
+
+fn property(value: FieldValue) -> Property {
+    match value {
+        FieldValue::Numeric(Some(v)) | FieldValue::Currency(v) | FieldValue::Double(v) => Property::Number(v),
+        FieldValue::Float(Some(v)) => Property::Number(f64::from(v)),
+        FieldValue::Integer(v) => Property::Number(f64::from(v)),
+        FieldValue::Character(Some(text)) | FieldValue::Memo(text) => Property::Text(text),
+        FieldValue::Logical(Some(true)) => Property::Text("yes".into()),
+        FieldValue::Logical(Some(false)) => Property::Text("no".into()),
+        _ => Property::Null,
+    }
+}
