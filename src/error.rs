@@ -26,6 +26,7 @@
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
+//! | W367 | meshes: cells without a face |
 
 use std::fmt;
 

@@ -17,7 +17,8 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand,
 #[derive(Debug, Parser)]
 #[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "\
-SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc) or footprints (.geojson).
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc), footprints (.geojson, .shp, .fgb, .gpkg,
+.city.json) or a mesh (.obj, .ply).
 Heights are above ground unless written 150amsl or 30roof; all lengths are in meters.
 
 Examples:
@@ -97,7 +98,7 @@ impl Command {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneArgs {
-    /// Generated city (itu:…), raster (.tif, .asc) or footprints (.geojson)
+    /// Generated city (itu:…), raster (.tif, .asc), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or mesh (.obj, .ply)
     #[arg(value_name = "SCENE", help_heading = None::<&'static str>)]
     pub(super) scene: String,
     /// Terrain model below the surface model or the footprints [raster file]
@@ -128,10 +129,10 @@ pub(super) struct SceneArgs {
     /// What to do with footprints without a usable height
     #[arg(long, value_enum, default_value = "drop")]
     pub(super) missing: Missing,
-    /// Extent of the grid over footprints: west, south, east, north [CRS units]
+    /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true)]
     pub(super) extent: Option<[f64; 4]>,
-    /// Cell size of the grid over footprints or a generated city [m]; default 1, or the terrain's own
+    /// Cell size of the grid over footprints, a mesh or a generated city [m]; default 1, or the terrain's own
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     pub(super) cell: Option<f64>,
     /// Coordinate reference system of the scene, where its files name none or a wrong one

@@ -13,8 +13,8 @@ use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions,
-    VectorFormat, read_footprints, read_surface,
+    BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, NodataAs, Scene, Site, Source,
+    SurfaceOptions, VectorFormat, read_footprints, read_mesh, read_surface,
 };
 use crate::zones::{ZoneBasis, ZoneMap};
 
@@ -62,27 +62,33 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             }
             read_footprints(path, &footprint_options(args, crs, nodata_as)?, warnings)
         }
-        None if ["obj", "ply"].contains(&extension.as_str()) => Err(Error::file(
-            304,
-            format!("cannot read {}: `.{extension}` files are not read, wanted .geojson, .tif or .asc", path.display()),
-        )),
+        None if ["obj", "ply"].contains(&extension.as_str()) => {
+            refuse_flags(args, "a mesh", &["size"])?;
+            refuse_flags(args, "a mesh", &OF_FOOTPRINTS)?;
+            let surface = surface_options(args, crs, nodata_as)?;
+            read_mesh(path, &MeshOptions { surface, extent: args.extent, cell_m: args.cell }, warnings)
+        }
         None => {
             refuse_flags(args, "a raster", &["extent", "cell", "size"])?;
             refuse_flags(args, "a raster", &OF_FOOTPRINTS)?;
-            if args.terrain.is_none() && args.ground.is_none() {
-                refuse_flags(args, "a raster without `--terrain` or `--ground`", &["building_threshold"])?;
-            }
-            let options = SurfaceOptions {
-                terrain: args.terrain.clone(),
-                ground_m: args.ground,
-                building_threshold_m: args.building_threshold,
-                nodata_as,
-                crs,
-                always_hash: args.hash,
-            };
-            read_surface(path, &options, warnings)
+            read_surface(path, &surface_options(args, crs, nodata_as)?, warnings)
         }
     }
+}
+
+/// How a surface is to be read.
+fn surface_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> Result<SurfaceOptions> {
+    if args.terrain.is_none() && args.ground.is_none() {
+        refuse_flags(args, "a surface without `--terrain` or `--ground`", &["building_threshold"])?;
+    }
+    Ok(SurfaceOptions {
+        terrain: args.terrain.clone(),
+        ground_m: args.ground,
+        building_threshold_m: args.building_threshold,
+        nodata_as,
+        crs,
+        always_hash: args.hash,
+    })
 }
 
 /// Flags that only footprints can use.

@@ -181,7 +181,7 @@ pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
 ///
 /// # Errors
 /// If these are more than may be held in memory.
-pub(super) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
+pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
     let bytes = georef.n_cells() as u128 * size_of::<T>() as u128;
     let fail = |why: String| {

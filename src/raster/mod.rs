@@ -22,6 +22,7 @@ pub use cell_blocks::CellBlocks;
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
+pub(crate) use file::reserve_cells;
 pub use georef::{CellWindow, GeoRef};
 pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 pub use npz::{NpyArray, write_npz};

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
 use super::faults::{FootprintFaults, HeightWords};
 use super::outline::{Shaped, polygon_area, shape};
-use super::receivers_grid::receivers_grid;
+use super::receivers_grid::{GridRequest, receivers_grid};
 use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
 use super::vector::{Selection, read_features};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
@@ -168,7 +168,8 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
     if let Some(crs) = &crs {
         warn_of_units(path, crs, warnings);
     }
-    let grid = receivers_grid(path, options, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
+    let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
+    let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),

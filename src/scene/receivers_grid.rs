@@ -1,21 +1,32 @@
-//! The grid of receivers over footprints: what was asked for, else the terrain's, else the footprints' bounding box.
+//! The grid of receivers over footprints and meshes: what was asked for, else the terrain's, else their bounding box.
 
 use std::path::Path;
 
-use super::footprints::FootprintOptions;
 use crate::error::{Error, Result};
 use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
-/// The grid for `bounds`, those of the footprints, without its CRS.
+/// What was asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GridRequest {
+    /// West, south, east, north \[CRS units\].
+    pub(super) extent: Option<[f64; 4]>,
+    /// Cell size \[m\].
+    pub(super) cell_m: Option<f64>,
+}
+
+/// The grid for `bounds`, those of what was read, without its CRS.
+///
+/// # Errors
+/// E112 and E114 for bad numbers, E308 if nothing says how large it is, E502 if it would be too large.
 pub(super) fn receivers_grid(
     path: &Path,
-    options: &FootprintOptions,
+    request: GridRequest,
     terrain: Option<&Raster<i32>>,
     bounds: Option<[f64; 4]>,
     crs: Option<&Crs>,
 ) -> Result<GeoRef> {
-    if let Some(cell) = options.cell_m
+    if let Some(cell) = request.cell_m
         && !(cell > 0.0 && cell.is_finite())
     {
         return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
@@ -24,8 +35,8 @@ pub(super) fn receivers_grid(
         Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
         _ => 1.0,
     };
-    let cell = options.cell_m.unwrap_or(1.0) / meters_per_unit;
-    let [west, south, east, north] = match (options.extent, terrain, bounds) {
+    let cell = request.cell_m.unwrap_or(1.0) / meters_per_unit;
+    let [west, south, east, north] = match (request.extent, terrain, bounds) {
         (Some(extent), _, _) => {
             let [west, south, east, north] = extent;
             if !(extent.iter().all(|v| v.is_finite()) && west < east && south < north) {
@@ -36,7 +47,7 @@ pub(super) fn receivers_grid(
             }
             extent
         }
-        (None, Some(terrain), _) if options.cell_m.is_none() => return Ok(terrain.georef().clone()),
+        (None, Some(terrain), _) if request.cell_m.is_none() => return Ok(terrain.georef().clone()),
         (None, Some(terrain), _) => {
             let g = terrain.georef();
             [g.x_min(), g.y_min(), g.x_max(), g.y_max()]

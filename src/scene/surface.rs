@@ -49,8 +49,8 @@ impl Default for SurfaceOptions {
 /// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
 /// errors for bad numbers.
 pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let ((mut surface, n_void), mut sources) = (read_heights(path, options, warnings)?, vec![]);
-    sources.push(Source::of(path, options.always_hash)?);
+    let (surface, n_void) = read_heights(path, options, warnings)?;
+    let sources = vec![Source::of(path, options.always_hash)?];
     if n_void > 0 {
         let effect = match options.nodata_as {
             NodataAs::Clear => "blocks nothing",
@@ -65,7 +65,26 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
             ),
         ));
     }
+    scene_of(path, (surface, Empty::Nodata), sources, options, warnings)
+}
 
+/// What the cells of a surface are that hold no height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Empty {
+    /// Not known.
+    Nodata,
+    /// Bare ground, where the ground is known.
+    Ground,
+}
+
+/// The scene of a surface and of what lies below it.
+pub(super) fn scene_of(
+    path: &Path,
+    (mut surface, empty): (Raster<i32>, Empty),
+    mut sources: Vec<Source>,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Scene> {
     let ground = match (&options.terrain, options.ground_m) {
         (Some(terrain_path), _) => {
             let (terrain, _) = read_heights(terrain_path, options, warnings)?;
@@ -117,15 +136,17 @@ pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Wa
     let georef = surface.georef().clone();
     let blocking_void = if options.nodata_as == NodataAs::Block { BLOCKS_ALL } else { VOID };
     let mut cells = surface.into_cells();
+    // VOID is below every height, so an empty cell that is ground takes the ground's.
+    let is_raised = |s: i32| s != VOID || empty == Empty::Ground;
     if let Ground::Terrain(terrain) = &ground {
         cells.par_iter_mut().with_min_len(PART).zip(terrain.cells()).for_each(|(s, t)| {
-            if *s != VOID {
+            if is_raised(*s) {
                 *s = (*s).max(*t);
             }
         });
     }
     if let Ground::Flat(z) = &ground {
-        cells.par_iter_mut().with_min_len(PART).filter(|s| **s != VOID).for_each(|s| *s = (*s).max(*z));
+        cells.par_iter_mut().with_min_len(PART).filter(|s| is_raised(**s)).for_each(|s| *s = (*s).max(*z));
     }
     if blocking_void != VOID {
         // Marked by their height: no real top reaches it.

@@ -236,7 +236,7 @@ fn a_raster_has_maps_but_no_city_that_fits() {
 }
 
 /// Lines that change the digest: a study without a flag, and the flag.
-const FLAGS: [(&str, &str); 35] = [
+const FLAGS: [(&str, &str); 36] = [
     ("itu:urban --phi 45", "--theta 40"),
     ("itu:urban", "--distance 50:200:50"),
     ("itu:urban", "--radius 50,100"),
@@ -262,6 +262,7 @@ const FLAGS: [(&str, &str); 35] = [
     ("city.geojson --theta 30 --height 25 --cell 5", "--block 20"),
     ("city.geojson --theta 30 --height 25 --block 30", "--cell 5"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--missing levels"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--height-unit ft"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--height-field tall"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--top-field z_top"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--extent 0,0,150,150"),
@@ -275,7 +276,9 @@ const FLAGS: [(&str, &str); 35] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 14] = [
+const OTHER: [&str; 16] = [
+    "--levels-field",
+    "--layer",
     "--tolerance",
     "--output",
     "--csv",

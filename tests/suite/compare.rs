@@ -353,11 +353,12 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 20] = [
+const FLAGS: [(&str, &str); 21] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
     ("CITY", "--missing levels"),
+    ("CITY", "--height-unit ft"),
     ("CITY", "--extent 0,0,150,150"),
     ("CITY", "--cell 5"),
     ("CITY", "--crs EPSG:25832"),
@@ -377,7 +378,9 @@ const FLAGS: [(&str, &str); 20] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 11] = [
+const OTHER: [&str; 13] = [
+    "--levels-field",
+    "--layer",
     "--output",
     "--csv",
     "--title",

@@ -27,6 +27,8 @@ mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer
 mod fuzz; // damaged files of every kind, and footprints at random
+mod vectors; // one city in every vector format is one scene; policies of heights; refusals
+mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
@@ -52,3 +54,4 @@ mod polygons; // triangulation and repair of footprints
 mod referee; // one link by an engine and by the oracle
 mod shapes; // small scenes with many ties
 mod support; // random numbers and scenes for the suites above
+mod vector_files; // writes one small city in every vector format

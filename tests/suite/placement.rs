@@ -374,7 +374,7 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 25] = [
+const FLAGS: [(&str, &str); 26] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
     ("--height 10", "--over street"),
@@ -396,6 +396,7 @@ const FLAGS: [(&str, &str); 25] = [
     ("--height 10", "--receivers roof"),
     ("--height 10", "--radius 15"),
     ("--height 10", "--missing levels"),
+    ("--height 30", "--height-unit ft"),
     ("--height 10", "--height-field tall"),
     ("--height 10", "--top-field z_top"),
     ("--height 10 --top-field z_top", "--ground 3"),
@@ -403,7 +404,9 @@ const FLAGS: [(&str, &str); 25] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 26] = [
+const OTHER: [&str; 28] = [
+    "--levels-field",
+    "--layer",
     "--output",
     "--csv",
     "--map",

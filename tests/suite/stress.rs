@@ -259,7 +259,7 @@ fn table_document_and_picture_hold_the_same_numbers() {
 }
 
 /// Flags that change the answer: what is run without it, and with it.
-const FLAGS: [(&str, &str); 23] = [
+const FLAGS: [(&str, &str); 24] = [
     ("stress --scenes 2", "--families cell-slits,prism-walls"),
     ("stress --families cell-slits", "--scenes 3"),
     ("stress --families cell-slits --scenes 2", "--seed 9"),
@@ -275,6 +275,7 @@ const FLAGS: [(&str, &str); 23] = [
     ("stress a.geojson --uav 2,2,9", "--height-field tall"),
     ("stress a.geojson --uav 2,2,9", "--top-field top"),
     ("stress a.geojson --uav 2,2,9", "--missing levels"),
+    ("stress a.geojson --uav 2,2,9", "--height-unit ft"),
     ("stress a.geojson --uav 2,2,9", "--extent 0,0,5,5"),
     ("stress a.geojson --uav 2,2,9", "--cell 0.5"),
     ("stress itu:urban --uav 9,9,50", "--size 100"),
@@ -286,7 +287,9 @@ const FLAGS: [(&str, &str); 23] = [
 ];
 
 /// Flags that change no answer, and the tests that show what they do.
-const OTHER: [(&str, &str); 8] = [
+const OTHER: [(&str, &str); 10] = [
+    ("--levels-field", "every_flag_changes_the_plan"),
+    ("--layer", "one_table_of_several_is_read_when_it_is_named"),
     ("--quiet", "table_document_and_picture_hold_the_same_numbers"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--overwrite", "what_makes_no_sense_is_refused"),

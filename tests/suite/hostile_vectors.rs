@@ -1,0 +1,143 @@
+//! Damaged vector files: whatever is cut off or turned over, a scene or an error, soon and without a panic.
+
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use skyshed::ErrorClass;
+use skyshed::height_field::HeightField;
+use skyshed::scene::{FootprintOptions, MeshOptions, Scene, read_footprints, read_mesh};
+
+use crate::program::Folder;
+use crate::support::{Random, slow};
+use crate::vector_files::{
+    EAST, NORTH, city, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage, write_obj, write_ply,
+    write_shapefile,
+};
+
+/// A valid file of each format.
+fn files(folder: &Folder) -> Vec<PathBuf> {
+    let city = city();
+    write_geojson(&folder.join("a.geojson"), &city);
+    write_shapefile(&folder.join("b.shp"), &city);
+    write_flatgeobuf(&folder.join("c.fgb"), &city, true);
+    write_flatgeobuf(&folder.join("d.fgb"), &city, false);
+    write_geopackage(&folder.join("e.gpkg"), &[("buildings", &city)]);
+    write_cityjson(&folder.join("f.city.json"), &city, "2.0");
+    write_obj(&folder.join("g.obj"));
+    write_ply(&folder.join("h.ply"), "ascii");
+    write_ply(&folder.join("i.ply"), "binary_little_endian");
+    let damaged = ["a.geojson", "b.shp", "b.shx", "b.dbf", "b.prj", "c.fgb", "d.fgb", "e.gpkg", "f.city.json", "g.obj"];
+    damaged.iter().chain(&["h.ply", "i.ply"]).map(|name| folder.join(name)).collect()
+}
+
+/// The file that is opened to read `damaged`: of a shapefile always the `.shp`.
+fn opened(damaged: &Path) -> PathBuf {
+    let is_beside = damaged.extension().is_some_and(|e| ["shx", "dbf", "prj"].iter().any(|s| e == *s));
+    if is_beside { damaged.with_extension("shp") } else { damaged.to_path_buf() }
+}
+
+fn read(path: &Path) -> skyshed::Result<Scene> {
+    let is_mesh = path.extension().is_some_and(|e| e == "obj" || e == "ply");
+    let warnings = &mut Vec::new();
+    if is_mesh {
+        read_mesh(path, &MeshOptions { extent: Some([0.0, 0.0, 20.0, 10.0]), ..MeshOptions::default() }, warnings)
+    } else {
+        let extent = Some([EAST, NORTH, EAST + 80.0, NORTH + 80.0]);
+        read_footprints(path, &FootprintOptions { extent, ..FootprintOptions::default() }, warnings)
+    }
+}
+
+/// Reads and builds whatever is left of a file; `true` if it is still a scene.
+fn survives(damaged: &Path, how: &str) -> bool {
+    let start = Instant::now();
+    let scene = read(&opened(damaged));
+    let is_scene = match scene {
+        Ok(scene) => {
+            HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+            true
+        }
+        // A height or a number of cells may become too large; nothing else is the user's fault.
+        Err(e) => {
+            let class = e.class();
+            assert!([ErrorClass::File, ErrorClass::Site, ErrorClass::Limit].contains(&class), "{how}: {e}");
+            assert!(!e.to_string().is_empty());
+            false
+        }
+    };
+    assert!(start.elapsed() < Duration::from_secs(5), "{how}: {:?}", start.elapsed());
+    is_scene
+}
+
+#[test]
+fn files_that_are_cut_off_are_scenes_or_errors() {
+    let folder = Folder::new();
+    for path in files(&folder) {
+        let whole = std::fs::read(&path).unwrap();
+        assert!(survives(&path, "whole"), "{}: {:?}", path.display(), read(&opened(&path)).err());
+        let mut n_refused = 0;
+        for n in (0..whole.len()).step_by(if slow() { 1 } else { 100 }) {
+            std::fs::write(&path, &whole[..n]).unwrap();
+            n_refused += usize::from(!survives(&path, &format!("{} cut at {n}", path.display())));
+        }
+        // Text of a mesh may end anywhere between lines, and a missing projection is none.
+        let may_end = path.extension().is_some_and(|e| e == "obj" || e == "prj");
+        assert!(
+            may_end || n_refused * 100 >= whole.len() * 9 / 10 / if slow() { 100 } else { 1 },
+            "{}",
+            path.display()
+        );
+        std::fs::write(&path, whole).unwrap();
+    }
+}
+
+#[test]
+fn files_with_bytes_turned_over_are_scenes_or_errors() {
+    let folder = Folder::new();
+    let mut random = Random(11);
+    for path in files(&folder) {
+        let whole = std::fs::read(&path).unwrap();
+        let mut n_scenes = 0;
+        for n in 0..if slow() { 20_000 } else { 300 } {
+            let mut bytes = whole.clone();
+            for _ in 0..random.within(1, 4) {
+                let at = random.below(bytes.len());
+                bytes[at] = random.choose(&[0, 1, 0x7f, 0x80, 0xff, bytes[at] ^ 1, bytes[at] ^ 0x10, bytes[at] ^ 0x80]);
+            }
+            std::fs::write(&path, &bytes).unwrap();
+            n_scenes += usize::from(survives(&path, &format!("{} turned over, {n}", path.display())));
+        }
+        assert!(n_scenes > 0, "{}: nothing survived, so nothing was read far", path.display());
+        std::fs::write(&path, whole).unwrap();
+    }
+}
+
+#[test]
+fn counts_that_lie_take_no_memory() {
+    // The program may use 1 GB; each of these announces more.
+    let folder = Folder::new();
+    let city = city();
+    let patch = |name: &str, at: usize, bytes: &[u8]| {
+        let mut file = folder.read(name);
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        std::fs::write(folder.join(name), file).unwrap();
+    };
+    // Number of points of the first shape, rows of the table, bytes of the header.
+    write_shapefile(&folder.join("points.shp"), &city);
+    patch("points.shp", 108 + 40, &i32::MAX.to_le_bytes());
+    write_shapefile(&folder.join("rows.shp"), &city);
+    patch("rows.dbf", 4, &u32::MAX.to_le_bytes());
+    write_flatgeobuf(&folder.join("header.fgb"), &city, true);
+    patch("header.fgb", 8, &u32::MAX.to_le_bytes());
+    folder
+        .write("vertices.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n1\n");
+    folder.write("nothing.ply", "ply\nformat ascii 1.0\nelement junk 99999999999\nend_header\n");
+    folder.write("deep.geojson", &"[".repeat(200_000));
+    folder.write("deep.city.json", &format!(r#"{{"type": "CityJSON", "vertices": {}"#, "[".repeat(200_000)));
+    for file in
+        ["points.shp", "rows.shp", "header.fgb", "vertices.ply", "nothing.ply", "deep.geojson", "deep.city.json"]
+    {
+        folder.type_in(&format!("info {file}")).refused(3);
+    }
+}

@@ -1,0 +1,299 @@
+//! Vector data in: one city in every format is one scene, policies of heights, what is refused and how.
+
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
+use std::io::Write;
+use std::path::Path;
+use std::process::Command;
+
+use rusqlite::Connection;
+use serde_json::{Value, json};
+use skyshed::scene::{MeshOptions, Solids, read_mesh};
+
+use crate::program::Folder;
+use crate::vector_files::{
+    Building, EAST, NORTH, city, mesh_height, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage,
+    write_obj, write_ply, write_shapefile,
+};
+
+/// A map of a scene in the city's place.
+fn map(folder: &Folder, scene: &str) -> Value {
+    let uav = format!("{},{},45", EAST + 44.0, NORTH + 30.0);
+    folder.type_in(&format!("map {scene} --uav {uav} --json -q")).done().json()
+}
+
+fn faults(folder: &Folder, scene: &str) -> Value {
+    folder.type_in(&format!("info {scene} --json -q")).done().json()["faults"].clone()
+}
+
+#[test]
+fn one_city_in_every_format_is_one_scene() {
+    let (folder, city) = (Folder::new(), city());
+    write_geojson(&folder.join("a.geojson"), &city);
+    write_shapefile(&folder.join("b.shp"), &city);
+    write_flatgeobuf(&folder.join("c.fgb"), &city, true);
+    write_flatgeobuf(&folder.join("d.fgb"), &city, false);
+    write_geopackage(&folder.join("e.gpkg"), &[("buildings", &city)]);
+    write_cityjson(&folder.join("f.city.json"), &city, "2.0");
+    write_cityjson(&folder.join("g.json"), &city, "1.0");
+    let of_geojson = map(&folder, "a.geojson");
+    // The courtyard is open ground: 8 × 8 cells less those whose centers are on its edges, of which there is none.
+    let info = folder.type_in("info a.geojson --json -q").done().json();
+    assert_eq!(info["cells"]["building"], 26 * 26 - 8 * 8 + 9 * 9 + 6 * 6 + (24 * 8 + 10 * 24));
+    for file in ["b.shp", "c.fgb", "d.fgb", "e.gpkg", "f.city.json", "g.json"] {
+        let of_file = map(&folder, file);
+        assert_eq!(of_file["digest"], of_geojson["digest"], "{file}");
+        assert_eq!(of_file["scene"]["crs"], "EPSG:25832", "{file}");
+        assert_eq!(of_file["scene"]["sources"][0]["path"], file);
+        let info = folder.type_in(&format!("info {file} --json -q")).done().json();
+        assert_eq!(info["buildings"], 3, "{file}");
+        assert_eq!(info["faults"]["missing_height"], 0, "{file}: {info}");
+        assert_eq!(info["faults"]["repaired"], 0, "{file}: {info}");
+    }
+    // The program leaves nothing beside a database.
+    assert!(!folder.files().iter().any(|f| f.contains("-wal") || f.contains("-shm") || f.contains("-journal")));
+}
+
+/// Whether GDAL's `ogr2ogr` is at hand; a line says so where it is not.
+fn has_ogr2ogr() -> bool {
+    let found = Command::new("ogr2ogr").arg("--version").output().is_ok();
+    if !found {
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no `ogr2ogr` to convert the map of Munich with");
+    }
+    found
+}
+
+#[test]
+fn files_that_gdal_writes_are_the_scene_that_they_were_made_from() {
+    if !has_ogr2ogr() {
+        return;
+    }
+    let folder = Folder::new();
+    let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    std::fs::copy(munich, folder.join("munich.geojson")).unwrap();
+    let map = |scene: &str| {
+        let line = format!("map {scene} --uav 691549.7,5334762.2,120 --cell 4 --json -q");
+        folder.type_in(&line).done().json()
+    };
+    let of_geojson = map("munich.geojson");
+    for file in ["munich.shp", "munich.fgb", "munich.gpkg"] {
+        let converted =
+            Command::new("ogr2ogr").current_dir(folder.path()).args([file, "munich.geojson"]).output().unwrap();
+        assert!(converted.status.success(), "{file}: {converted:?}");
+        let of_file = map(file);
+        assert_eq!(of_file["digest"], of_geojson["digest"], "{file}");
+        assert_eq!(of_file["scene"]["crs"], of_geojson["scene"]["crs"], "{file}");
+        assert_eq!(of_file["sites"], of_geojson["sites"], "{file}");
+    }
+}
+
+#[test]
+fn an_extent_reads_only_what_can_cast_a_shadow_into_it() {
+    let folder = Folder::new();
+    let moved = |by: f64| {
+        let city = city().into_iter().map(|b| {
+            let shift = |ring: &Vec<[f64; 2]>| ring.iter().map(|[x, y]| [x + by, *y]).collect();
+            let polygons = b.polygons.iter().map(|rings| rings.iter().map(shift).collect()).collect();
+            Building { polygons, ..b }
+        });
+        city.collect::<Vec<_>>()
+    };
+    let all = [city(), moved(60_000.0), moved(200_000.0)].concat();
+    write_flatgeobuf(&folder.join("indexed.fgb"), &all, true);
+    write_flatgeobuf(&folder.join("plain.fgb"), &all, false);
+    let extent = format!("--extent {EAST},{NORTH},{},{}", EAST + 80.0, NORTH + 80.0);
+    let (indexed, plain) = (format!("indexed.fgb {extent}"), format!("plain.fgb {extent}"));
+    assert_eq!(map(&folder, &indexed)["digest"], map(&folder, &plain)["digest"]);
+    // The nine features lie in three places; the far ones are never read with an index.
+    let counts = |scene: &str| {
+        let info = folder.type_in(&format!("info {scene} --json -q")).done().json();
+        (info["buildings"].clone(), info["faults"]["too_far"].clone())
+    };
+    assert_eq!(counts(&indexed), (json!(6), json!(0)));
+    assert_eq!(counts(&plain), (json!(6), json!(3)));
+}
+
+#[test]
+fn one_table_of_several_is_read_when_it_is_named() {
+    let (folder, city) = (Folder::new(), city());
+    write_geopackage(&folder.join("two.gpkg"), &[("old town", &city[..1]), ("new", &city)]);
+    let refused = folder.type_in("info two.gpkg");
+    let lines = refused.refused(2);
+    assert_eq!(lines[0], "error[E108]: cannot choose a layer of two.gpkg: it has `old town`, `new`");
+    assert_eq!(lines[1], "hint: `--layer NAME` says which");
+    let buildings = |layer: &str| {
+        folder.run(&["info", "two.gpkg", "--layer", layer, "--json", "-q"]).done().json()["buildings"].clone()
+    };
+    assert_eq!((buildings("old town"), buildings("new")), (json!(1), json!(3)));
+    let lines = folder.type_in("info two.gpkg --layer streets").err;
+    assert!(lines.contains("it has no layer `streets`, wanted one of `old town`, `new`"), "{lines}");
+    write_geojson(&folder.join("a.geojson"), &city);
+    let lines = folder.type_in("info a.geojson --layer new").err;
+    assert!(lines.starts_with("error[E116]: `--layer` has no meaning for a file that is no GeoPackage"), "{lines}");
+}
+
+#[test]
+fn properties_of_openstreetmap_are_read_and_counted() {
+    let folder = Folder::new();
+    let square = |x: f64| json!([[[x, 0.0], [x + 8.0, 0.0], [x + 8.0, 8.0], [x, 8.0], [x, 0.0]]]);
+    let feature = |(k, properties): (usize, Value)| {
+        json!({"type": "Feature", "properties": properties,
+            "geometry": {"type": "Polygon", "coordinates": square(10.0 * k as f64)}})
+    };
+    let properties = vec![
+        json!({"building": "yes", "building:levels": "4", "roof:levels": "1"}), // 15 m by levels
+        json!({"building": "yes", "height": "39'4\""}),                         // 11.9888 m
+        json!({"building": "no", "height": 99}),
+        json!({"building": "demolished", "height": 99}),
+        json!({"building:part": "yes", "height": "20 m", "min_height": 15}),
+        json!({"building": "yes", "height": "7,5"}),
+        json!({"building": "yes", "name": "unknown"}),
+        json!({"building": "yes", "height": 100, "storeys": 2}),
+    ];
+    let features: Vec<Value> = properties.into_iter().enumerate().map(feature).collect();
+    let document = json!({"type": "FeatureCollection", "features": features});
+    folder.write("osm.geojson", &document.to_string());
+    let counts = faults(&folder, "osm.geojson --missing levels");
+    for (name, wanted) in [
+        ("missing_height", 2),
+        ("from_levels", 1),
+        ("not_buildings", 2),
+        ("floating", 1),
+        ("parts", 1),
+        ("decimal_comma", 1),
+        ("negative_height", 0),
+    ] {
+        assert_eq!(counts[name], wanted, "{name}: {counts}");
+    }
+    // Tops as `city` writes them: 4 + 1 storeys, 472 inches rounded to 1/1024 m, and so on.
+    let tops = |flags: &str| -> Vec<f64> {
+        let document = folder.type_in(&format!("city osm.geojson {flags} -o - -q")).done().json();
+        let top = |f: &Value| f["properties"]["height"].as_f64().unwrap();
+        document["features"].as_array().unwrap().iter().map(top).collect()
+    };
+    let inches = (472.0 * 0.0254_f64 * 1024.0).round() / 1024.0;
+    assert_eq!(tops("--missing levels"), [15.0, inches, 20.0, 7.5, 100.0]);
+    let feet = |v: f64| (v * 0.3048 * 1024.0 + 0.5).floor() / 1024.0;
+    assert_eq!(tops("--height-unit ft"), [inches, 20.0, feet(7.5), feet(100.0)]);
+    assert_eq!(tops("--missing levels --levels-field storeys --height-field none"), [6.0]);
+    let said = folder.type_in("info osm.geojson --height-field tall").done().err;
+    assert!(
+        said.contains("warning[W365]: osm.geojson: no feature has the property `tall`; there are `building`, "),
+        "{said}"
+    );
+    for code in ["W361", "W362", "W363"] {
+        assert!(said.contains(code), "{code}: {said}");
+    }
+}
+
+#[test]
+fn a_name_that_a_shapefile_cuts_is_found() {
+    let folder = Folder::new();
+    if !has_ogr2ogr() {
+        return;
+    }
+    let square = json!([[[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0], [0.0, 0.0]]]);
+    let feature = json!({"type": "Feature", "properties": {"building:levels": 4, "roof:levels": 2},
+        "geometry": {"type": "Polygon", "coordinates": square}});
+    folder.write("a.geojson", &json!({"type": "FeatureCollection", "features": [feature]}).to_string());
+    let options = ["-a_srs", "EPSG:25832", "a.shp", "a.geojson"];
+    assert!(Command::new("ogr2ogr").current_dir(folder.path()).args(options).output().unwrap().status.success());
+    let info = folder.type_in("info a.shp --missing levels --json -q").done().json();
+    assert_eq!(info["faults"]["from_levels"], 1);
+    assert_eq!(info["surface_m"], json!([18.0, 18.0]));
+}
+
+#[test]
+fn a_mesh_is_a_surface_as_high_as_its_highest_face() {
+    let folder = Folder::new();
+    write_obj(&folder.join("a.obj"));
+    for (name, format) in [("b.ply", "ascii"), ("c.ply", "binary_little_endian"), ("d.ply", "binary_big_endian")] {
+        write_ply(&folder.join(name), format);
+    }
+    for name in ["a.obj", "b.ply", "c.ply", "d.ply"] {
+        let mut options = MeshOptions::default();
+        options.surface.ground_m = Some(2.0);
+        let scene = read_mesh(&folder.join(name), &options, &mut Vec::new()).unwrap();
+        assert_eq!((scene.grid.n_cols(), scene.grid.n_rows(), scene.grid.crs()), (20, 10, None));
+        let Solids::Raster { surface, .. } = &scene.solids else { panic!("{name} is no surface") };
+        for (k, z) in surface.cells().iter().enumerate() {
+            let (x, y) = (k % 20, 9 - k / 20);
+            assert_eq!(f64::from(*z) / 1024.0, mesh_height(x, y), "{name} at ({x}, {y})");
+        }
+    }
+    let info = folder.type_in("info a.obj --ground 2 --cell 0.5 --crs EPSG:25832 --json -q").done().json();
+    assert_eq!((info["cols"].clone(), info["crs"].clone()), (json!(40), json!("EPSG:25832")));
+    assert_eq!(info["cells"], json!({"open": 800 - 144 - 64, "building": 144 + 64, "nodata": 0}));
+    // Beyond the faces there is nothing, or the ground where it is known.
+    let wider = "info a.obj --extent -5,0,20,10 --json -q";
+    assert_eq!(folder.type_in(wider).done().json()["cells"]["nodata"], 50);
+    assert_eq!(folder.type_in(&format!("{wider} --ground 2")).done().json()["cells"]["nodata"], 0);
+    assert!(folder.type_in("info a.obj --extent -5,0,20,10").done().err.contains("warning[W367]: a.obj: 50 cells"));
+}
+
+#[test]
+fn what_cannot_be_a_scene_is_refused_in_words() {
+    let (folder, city) = (Folder::new(), city());
+    write_shapefile(&folder.join("a.shp"), &city);
+    write_geopackage(&folder.join("g.gpkg"), &[("buildings", &city)]);
+    let database = Connection::open(folder.join("g.gpkg")).unwrap();
+    database
+        .execute_batch(
+            "ALTER TABLE buildings RENAME TO hidden; CREATE VIEW buildings AS SELECT * FROM hidden;
+             UPDATE gpkg_contents SET table_name = 'buildings'",
+        )
+        .unwrap();
+    drop(database);
+    for (from, to) in
+        [("a.shp", "no_dbf.shp"), ("a.shx", "no_dbf.shx"), ("a.shp", "no_shx.shp"), ("a.dbf", "no_shx.dbf")]
+    {
+        std::fs::copy(folder.join(from), folder.join(to)).unwrap();
+    }
+    for name in ["text.fgb", "text.gpkg", "text.shp", "text.ply"] {
+        folder.write(
+            name,
+            "not what the name says, and long enough to look for a header of a hundred bytes or more, truly",
+        );
+    }
+    folder.write("text.shx", "x");
+    folder.write("text.dbf", "x");
+    folder.write("old.city.json", r#"{"type": "CityJSON", "version": "0.9"}"#);
+    folder.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    folder.write("face.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
+    folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("wall.obj", "v 0 0 0\nv 4 4 0\nv 4 4 9\nf 1 2 3\n");
+    let mut degrees = city.clone();
+    degrees.iter_mut().flat_map(|b| b.polygons.iter_mut().flatten().flatten()).for_each(|p| {
+        *p = [11.5 + (p[0] - EAST) * 1e-5, 48.1 + (p[1] - NORTH) * 1e-5];
+    });
+    write_shapefile(&folder.join("degrees.shp"), &degrees);
+    folder.write("degrees.prj", "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]");
+    for (file, code, first) in [
+        ("no_dbf.shp", 3, "error[E301]: cannot read no_dbf.shp: no_dbf.dbf is missing, the table with its heights"),
+        ("no_shx.shp", 3, "error[E301]: cannot read no_shx.shp: no_shx.shx is missing, its index"),
+        ("g.gpkg", 3, "error[E304]: cannot read g.gpkg: layer `buildings` is no table with a geometry column"),
+        ("text.fgb", 3, "error[E302]: cannot read text.fgb: a file that does not begin as FlatGeobuf does"),
+        ("text.gpkg", 3, "error[E302]: cannot read text.gpkg: file is not a database, wanted a GeoPackage"),
+        ("text.shp", 3, "error[E302]: cannot read text.shp: "),
+        ("text.ply", 3, "error[E302]: cannot read text.ply: "),
+        ("old.city.json", 3, "error[E302]: cannot read old.city.json: CityJSON version `0.9`, wanted"),
+        ("points.obj", 3, "error[E308]: cannot use points.obj: it holds no face"),
+        ("face.obj", 3, "error[E302]: cannot read face.obj: line 3: a face whose corner is `3`, of 2 vertices so far"),
+        ("nan.obj", 3, "error[E302]: cannot read nan.obj: vertex number 0, counted from 0, is not three finite"),
+        ("wall.obj", 3, "error[E312]: cannot use wall.obj: no face covers a cell"),
+        ("degrees.shp", 3, "error[E310]: `degrees.shp` is in degrees (EPSG:4326)"),
+        ("a.shp --crs EPSG:4326", 3, "error[E310]: `a.shp` is in degrees"),
+        ("nowhere.gpkg", 3, "error[E301]: cannot read nowhere.gpkg: "),
+        ("points.obj --missing fail", 2, "error[E116]: `--missing` has no meaning for a mesh"),
+        ("a.shp --levels-field n", 2, "error[E116]: `--levels-field` has no meaning for footprints without"),
+        (
+            "a.shp --missing fail --height-field tall",
+            3,
+            "error[E309]: cannot use a.shp: feature `1` has no usable `tall`",
+        ),
+    ] {
+        let answer = folder.type_in(&format!("info {file}"));
+        let lines = answer.refused(code);
+        assert!(lines[0].starts_with(first), "{file}: {lines:?}");
+    }
+}
