@@ -6,6 +6,7 @@
 //! # References
 //! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
 
+use std::io::Read;
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
@@ -16,10 +17,14 @@ use super::{Feature, FeatureSet, Property, crs_of, malformed, unreadable};
 use crate::error::{Error, Result};
 use crate::raster::Crs;
 
+/// Bytes of the header of an SQLite database.
+const SQLITE_HEADER_BYTES: u64 = 100;
+
 /// Reads the features of a table, of the only one where no `layer` is named.
 pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
     let length = std::fs::metadata(path).map_err(|e| unreadable(path, &e))?.len();
     refuse_open_changes(path)?;
+    refuse_cut_off(path, length)?;
     let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(uri(path), flags).map_err(broken)?;
@@ -46,6 +51,26 @@ fn refuse_open_changes(path: &Path) -> Result<()> {
         let beside = Path::new(&beside).display();
         let text = format!("cannot read {}: {beside} holds changes that are not in it yet", path.display());
         return Err(Error::file(304, text).with_hint("close the program that has it open"));
+    }
+    Ok(())
+}
+
+/// SQLite reads missing pages as far as it can; the header says how many there are.
+fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
+    let mut header = Vec::new();
+    let file = std::fs::File::open(path).map_err(|e| unreadable(path, &e))?;
+    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| unreadable(path, &e))?;
+    let word = |at: usize| header.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|w| u32::from_be_bytes(*w));
+    // The number of pages counts only if the version that wrote the file last wrote it too.
+    let (Some(n_pages), true) = (word(28), word(24) == word(92)) else { return Ok(()) };
+    // The page size is the upper half of the word at byte 16; 1 stands for 65 536.
+    let page = match word(16).map_or(0, |w| w >> 16) {
+        1 => 65_536,
+        bytes => u64::from(bytes),
+    };
+    if u64::from(n_pages) * page > length {
+        let text = format!("cannot read {}: it ends after {length} bytes of {n_pages} pages of {page}", path.display());
+        return Err(Error::file(303, text).with_hint("the file is cut off: copy it again"));
     }
     Ok(())
 }

@@ -123,8 +123,12 @@ impl Feature {
     /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
     pub(super) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
         let find = |name: &str| self.properties.iter().find(|(n, _)| n == name).map(|(_, value)| value);
-        let cut = name_limit.filter(|limit| name.len() > *limit).and_then(|limit| name.get(..limit));
-        find(name).or_else(|| cut.and_then(find)).filter(|value| **value != Property::Null)
+        let found = find(name).or_else(|| {
+            let cut: String = name.chars().take(name_limit?).collect();
+            // GDAL writes an underscore for a colon, too.
+            find(&cut).or_else(|| find(&cut.replace(':', "_")))
+        });
+        found.filter(|value| **value != Property::Null)
     }
 }
 

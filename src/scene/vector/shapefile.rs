@@ -132,8 +132,11 @@ fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Vec<(String, Property)>>> {
     rows.map(|row| row.map(properties).map_err(broken)).collect()
 }
 
+/// The values of a row, sorted by name: the crate keeps them in no order.
 fn properties(row: Record) -> Vec<(String, Property)> {
-    row.into_iter().map(|(name, value)| (name, property(value))).collect()
+    let mut properties: Vec<_> = row.into_iter().map(|(name, value)| (name, property(value))).collect();
+    properties.sort_by(|a, b| a.0.cmp(&b.0));
+    properties
 }
 
 fn property(value: FieldValue) -> Property {
