@@ -9,6 +9,7 @@ use super::place::PlaceArgs;
 use super::plos::PlosArgs;
 use super::stress::StressArgs;
 use crate::los::MethodChoice;
+use crate::scene::Projection;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -138,6 +139,9 @@ pub(super) struct SceneArgs {
     /// Coordinate reference system of the scene, where its files name none or a wrong one
     #[arg(long, value_name = "EPSG:N")]
     pub(super) crs: Option<String>,
+    /// Reference system to bring footprints into: `auto` is the zone of UTM for footprints in degrees; EPSG:n, or as `--crs`
+    #[arg(long, value_name = "auto|EPSG:N", value_parser = projection)]
+    pub(super) project: Option<Projection>,
     /// Edge length of a generated city [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "1000", allow_hyphen_values = true)]
     pub(super) size: f64,
@@ -432,6 +436,10 @@ pub(super) struct InfoArgs {
 
 pub(super) fn number(text: &str) -> Result<f64, String> {
     crate::quantity::parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
+}
+
+fn projection(text: &str) -> Result<Projection, String> {
+    Projection::parse(text).map_err(|e| e.to_string())
 }
 
 fn range(text: &str) -> Result<[f64; 3], String> {

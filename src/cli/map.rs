@@ -74,7 +74,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let layers = layers(&args.layers);
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
+    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid())?;
     if args.bare {
         check_bare_names(&sites, &outputs, args.out.overwrite)?;
     }
@@ -232,11 +232,11 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
 }
 
 /// Typed sites, then those of the file; ids must differ.
-pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, crs: Option<&Crs>) -> Result<Vec<Site>> {
+pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, grid: &GeoRef) -> Result<Vec<Site>> {
     let mut sites = typed;
     if let Some(path) = file {
         let first = sites.len() + 1;
-        sites.extend(read_sites(path, crs, first)?);
+        sites.extend(read_sites(path, grid, first)?);
     }
     let mut seen = std::collections::HashSet::new();
     match sites.iter().find(|s| !seen.insert(s.id.clone())) {

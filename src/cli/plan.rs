@@ -92,7 +92,8 @@ fn surface_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> R
 }
 
 /// Flags that only footprints can use.
-const OF_FOOTPRINTS: [&str; 6] = ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer"];
+const OF_FOOTPRINTS: [&str; 7] =
+    ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer", "project"];
 
 /// How footprints are to be read.
 fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> Result<FootprintOptions> {
@@ -123,6 +124,7 @@ fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) ->
         extent: args.extent,
         cell_m: args.cell,
         crs,
+        project: args.project.clone(),
         nodata_as,
         always_hash: args.hash,
     })

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
 use super::faults::{FootprintFaults, HeightWords};
 use super::outline::{Shaped, polygon_area, shape};
+use super::projection::{Projection, project};
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
 use super::vector::{Selection, read_features};
@@ -94,6 +95,8 @@ pub struct FootprintOptions {
     pub cell_m: Option<f64>,
     /// The CRS to assume.
     pub crs: Option<Crs>,
+    /// Another CRS for the scene than that of the file.
+    pub project: Option<Projection>,
     /// What nodata cells of the terrain do.
     pub nodata_as: NodataAs,
     /// Whether to hash inputs of any size.
@@ -115,6 +118,7 @@ impl Default for FootprintOptions {
             extent: None,
             cell_m: None,
             crs: None,
+            project: None,
             nodata_as: NodataAs::default(),
             always_hash: false,
         }
@@ -127,7 +131,9 @@ impl Default for FootprintOptions {
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
 /// errors for bad numbers and layers; limit errors for huge grids.
 pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let selection = Selection { layer: options.layer.as_deref(), bounds: options.extent.map(grown) };
+    // The extent is in the scene's CRS: of a file in another one all must be read.
+    let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
+    let selection = Selection { layer: options.layer.as_deref(), bounds };
     let mut set = read_features(path, selection)?;
     let mut sources = vec![Source::of(path, options.always_hash)?];
     let file_crs = match &options.crs {
@@ -135,7 +141,11 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         None => std::mem::replace(&mut set.crs, Ok(None))?,
     };
     let attribution = set.attribution.take();
-    let raw = Buildings::of(path, set, options)?;
+    let mut raw = Buildings::of(path, set, options)?;
+    let file_crs = match &options.project {
+        Some(projection) => project(path, &mut raw, file_crs, projection, warnings)?,
+        None => file_crs,
+    };
     let bounds = raw.bounds();
     check_degrees(path, file_crs.as_ref(), bounds)?;
 

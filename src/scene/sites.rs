@@ -9,7 +9,7 @@ use super::geojson_file::{features, named_crs, read_document};
 use super::table::line_of;
 use crate::error::{Error, Result};
 use crate::quantity::{Height, parse_number};
-use crate::raster::{Crs, CrsKind, transform};
+use crate::raster::{Crs, CrsKind, GeoRef, transform};
 
 /// The record of a UAV: a name, a position in the scene's CRS and a height.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,11 +33,11 @@ pub struct Site {
 ///
 /// # Errors
 /// File errors naming the line or feature; site errors if a position cannot be brought into the scene's CRS.
-pub fn read_sites(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
+pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let sites = match extension.as_str() {
-        "geojson" | "json" => read_geojson(path, scene_crs, first_number)?,
-        _ => read_csv(path, scene_crs, first_number)?,
+        "geojson" | "json" => read_geojson(path, grid, first_number)?,
+        _ => read_csv(path, grid, first_number)?,
     };
     if sites.is_empty() {
         return Err(Error::file(308, format!("cannot use {}: it holds no site", path.display())));
@@ -45,7 +45,7 @@ pub fn read_sites(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> 
     Ok(sites)
 }
 
-fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
+fn read_csv(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
     let refuse = |place: &str, found: String| {
         Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
             .with_hint("a table of sites is separated by commas and has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
@@ -79,7 +79,8 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result
         let height = height(field(h_column), above_column.map(field)).map_err(|e| refuse(&place, e))?;
         let id = id_column.map(field).filter(|s| !s.is_empty());
         let xy = (number(x_column)?, number(y_column)?);
-        let (x, y) = in_scene(path, &place, xy, wgs84.as_ref(), scene_crs)?;
+        let (x, y) = in_scene(path, &place, xy, wgs84.as_ref(), grid.crs())?;
+        refuse_swapped(path, &place, (xy, (x, y)), (wgs84.as_ref(), grid))?;
         sites.push(Site {
             id: id.map_or_else(|| (first_number + sites.len()).to_string(), str::to_string),
             x,
@@ -90,7 +91,7 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result
     Ok(sites)
 }
 
-fn read_geojson(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Result<Vec<Site>> {
+fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
     let document = read_document(path)?;
     let crs = match named_crs(path, &document)? {
         Some(crs) => crs,
@@ -124,7 +125,8 @@ fn read_geojson(path: &Path, scene_crs: Option<&Crs>, first_number: usize) -> Re
         let named_projected = !matches!(crs.kind(), CrsKind::Geographic);
         let plausible = x.abs() <= 360.0 && y.abs() <= 90.0;
         let from = (named_projected || plausible).then_some(&crs);
-        let (x, y) = in_scene(path, &place, (x, y), from, scene_crs)?;
+        let (given, (x, y)) = ((x, y), in_scene(path, &place, (x, y), from, grid.crs())?);
+        refuse_swapped(path, &place, (given, (x, y)), (from, grid))?;
         sites.push(Site { id: id.unwrap_or_else(|| (first_number + number).to_string()), x, y, height });
     }
     Ok(sites)
@@ -139,6 +141,29 @@ fn height(text: &str, above: Option<&str>) -> std::result::Result<Height, String
         "amsl" | "datum" => Ok(Height::AboveDatum(value)),
         other => Err(format!("`h_above` is `{other}`, wanted `ground`, `roof` or `amsl`")),
     }
+}
+
+/// Refuses longitude and latitude that lie outside the scene, but inside when they are exchanged.
+fn refuse_swapped(
+    path: &Path,
+    place: &str,
+    (given, found): ((f64, f64), (f64, f64)),
+    (from, grid): (Option<&Crs>, &GeoRef),
+) -> Result<()> {
+    let is_inside =
+        |(x, y): (f64, f64)| x >= grid.x_min() && x <= grid.x_max() && y >= grid.y_min() && y <= grid.y_max();
+    let (Some(from), Some(to)) = (from.filter(|f| matches!(f.kind(), CrsKind::Geographic)), grid.crs()) else {
+        return Ok(());
+    };
+    if is_inside(found) || !transform(from, to, (given.1, given.0)).is_ok_and(is_inside) {
+        return Ok(());
+    }
+    let (lon, lat) = given;
+    let text = format!(
+        "cannot place {}: {place}longitude {lon} and latitude {lat} are far from the scene; exchanged, they lie in it",
+        path.display()
+    );
+    Err(Error::site(206, text).with_hint("longitude comes first in GeoJSON, and the columns are `lon,lat`"))
 }
 
 /// A position in the scene's CRS; `from` is `None` where it already is.

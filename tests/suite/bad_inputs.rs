@@ -303,7 +303,7 @@ fn a_refusal_says_what_where_and_what_to_do() {
         (
             "geojson/latlon_wgs84.geojson",
             "error[E310]: `geojson/latlon_wgs84.geojson` is in degrees (EPSG:4326); wanted a projected coordinate system in meters",
-            "hint: ogr2ogr -t_srs EPSG:32632 geojson/latlon_wgs84_32632.geojson geojson/latlon_wgs84.geojson",
+            "hint: `--project auto`, or ogr2ogr -t_srs EPSG:32632 geojson/latlon_wgs84_32632.geojson geojson/latlon_wgs84.geojson",
         ),
         (
             "geojson/empty_featurecollection.geojson",

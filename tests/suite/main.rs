@@ -26,6 +26,7 @@ mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
 mod bad_inputs; // every bad file gets its documented answer
+mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
 mod hostile_vectors; // damaged vector files are scenes or errors

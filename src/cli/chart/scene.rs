@@ -43,7 +43,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
             .with_hint("`--plos` charts the P_LoS methods of a generated city without one"));
     }
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid().crs())?;
+    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid())?;
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;

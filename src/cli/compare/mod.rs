@@ -71,7 +71,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let grid = scene.field.grid().clone();
-    let sites = sites(typed, args.uavs.as_deref(), grid.crs())?;
+    let sites = sites(typed, args.uavs.as_deref(), &grid)?;
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;

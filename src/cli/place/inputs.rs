@@ -46,7 +46,7 @@ impl Inputs {
         };
         let (places, spots) = match &args.candidates {
             Some(path) => {
-                let sites = read_sites(path, grid.crs(), 1)?;
+                let sites = read_sites(path, grid, 1)?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,

@@ -48,7 +48,7 @@ pub fn degrees_refusal(path: &str, crs: &Crs, kind: InputKind, center: (f64, f64
             }
             InputKind::Vector => {
                 let output = format!("{stem}_{epsg}.geojson");
-                format!("ogr2ogr -t_srs EPSG:{epsg} {} {}", shell_word(&output), shell_word(path))
+                format!("`--project auto`, or ogr2ogr -t_srs EPSG:{epsg} {} {}", shell_word(&output), shell_word(path))
             }
         }
     } else {
@@ -98,6 +98,6 @@ mod tests {
             Some("gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'")
         );
         let error = degrees_refusal("b.shp", &crs, InputKind::Vector, (-70.0, -33.0));
-        assert_eq!(error.hint(), Some("ogr2ogr -t_srs EPSG:32719 b_32719.geojson b.shp"));
+        assert_eq!(error.hint(), Some("`--project auto`, or ogr2ogr -t_srs EPSG:32719 b_32719.geojson b.shp"));
     }
 }
