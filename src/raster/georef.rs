@@ -140,6 +140,11 @@ impl GeoRef {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)
     }
 
+    /// A corner of cells in the plane \[CRS units\], from its columns east and rows north of the south-west corner.
+    pub fn world_from_corner(&self, [x, y]: [usize; 2]) -> [f64; 2] {
+        [self.x_min + x as f64 * self.cell_width, self.y_min() + y as f64 * self.cell_height]
+    }
+
     /// Position in cells east and north of the south-west corner, `(0, 0)` being that corner.
     pub fn cells_from_world(&self, x: f64, y: f64) -> (f64, f64) {
         ((x - self.x_min) / self.cell_width, (y - self.y_max) / self.cell_height + self.n_rows as f64)

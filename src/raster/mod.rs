@@ -4,28 +4,39 @@
 //! holds for the whole of it. Formats know nothing of line of sight; each is known in exactly one file.
 
 mod ascii_grid;
+mod bil_file;
 mod bit_grid;
 mod cell_blocks;
+mod cell_outline;
+mod cell_parts;
 mod crs;
 mod exr_file;
 mod file;
 mod georef;
 mod geotiff;
 mod lattice_rows;
+mod lonlat;
 mod npz;
+mod simpler_rings;
 mod voids;
 mod world_file;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
+pub use bil_file::{BilValues, bil_header};
 pub use bit_grid::{BitGrid, set_bits};
 pub use cell_blocks::CellBlocks;
+pub(crate) use cell_outline::traced_around;
+pub use cell_parts::{CellPart, cell_parts, n_cell_parts};
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
 pub(crate) use file::reserve_cells;
 pub use georef::{CellWindow, GeoRef};
+pub(crate) use geotiff::xml_text;
 pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
+pub use lonlat::LonLatGrid;
 pub use npz::{NpyArray, write_npz};
+pub use simpler_rings::simpler_rings;
 pub use world_file::world_file;
 
 /// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.

@@ -16,3 +16,8 @@ pub(super) fn feature_collection(grid: &GeoRef, provenance: Value, features: Vec
     collection.insert("features".into(), features.into());
     Value::Object(collection)
 }
+
+/// Rings as GeoJSON writes them: the first position again at the end.
+pub(super) fn closed_rings(rings: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+    rings.iter().map(|ring| ring.iter().chain(ring.first()).copied().collect()).collect()
+}

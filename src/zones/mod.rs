@@ -59,8 +59,6 @@ mod crossings;
 mod open_space;
 mod parts;
 
-pub use parts::ZonePart;
-
 use crate::height_field::HeightField;
 use crate::raster::{BitGrid, GeoRef};
 use crate::scene::BuiltUp;

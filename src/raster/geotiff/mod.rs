@@ -27,6 +27,7 @@ mod read;
 mod tags;
 mod write;
 
+pub(crate) use write::xml_text;
 pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 
 use std::path::{Path, PathBuf};

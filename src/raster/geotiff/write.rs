@@ -361,7 +361,7 @@ fn xml_value(text: &str) -> String {
 }
 
 /// Text within XML; control characters, which XML 1.0 cannot hold, become spaces.
-fn xml_text(text: &str) -> String {
+pub(crate) fn xml_text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
