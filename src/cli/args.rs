@@ -288,6 +288,16 @@ pub(super) enum TifLayoutArg {
     Plain,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum PolygonsArg {
+    /// Cells in line of sight
+    Los,
+    /// Receivers that are not
+    Nlos,
+    /// Both
+    All,
+}
+
 #[derive(Debug, Args)]
 pub(super) struct MapArgs {
     /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
@@ -309,8 +319,8 @@ pub(super) struct MapArgs {
     /// Layers to make, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
-    /// File to write, by extension: .png .svg .tif .exr .asc .npz .csv .json .geojson, `-` for JSON on standard output;
-    /// repeat for more
+    /// File to write, by extension: .png .svg .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
+    /// standard output; repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg), a table (.csv) or a document
@@ -328,6 +338,16 @@ pub(super) struct MapArgs {
     /// Arrangement of the cells in .tif files
     #[arg(long, value_enum, default_value = "cog")]
     pub(super) tif_layout: TifLayoutArg,
+    /// Mask of one UAV in .tif and .bil files as `gdal_viewshed` writes it: 255 in line of sight, 0 everywhere else, also out
+    /// of range, and no nodata
+    #[arg(long)]
+    pub(super) gdal_values: bool,
+    /// Coverage as polygons in .geojson and .fgb files, one per connected part of a class and site, holes kept
+    #[arg(long, value_enum, value_name = "CLASS")]
+    pub(super) polygons: Option<PolygonsArg>,
+    /// How far an outline of the polygons may be from the cell edges [m]; each stays valid, neighbors may overlap by as much
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons")]
+    pub(super) simplify: Option<f64>,
     /// Title of the picture
     #[arg(long, value_name = "TEXT")]
     pub(super) title: Option<String>,
@@ -374,8 +394,8 @@ pub(super) struct LinkArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct CityArgs {
-    /// File to write, by extension: .png .svg (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints),
-    /// .json (parameters); repeat for more
+    /// File to write, by extension: .png .svg (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints), .xml
+    /// (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
     /// Title of the picture

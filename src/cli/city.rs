@@ -9,7 +9,10 @@ use super::plan::{
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
+use crate::export::{
+    Batch, CityMesh, Format, MitsubaScene, OutputRules, add_mitsuba, check_outputs, city_mesh, encode_table, ns3_boxes,
+    with_suffix,
+};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::{Bands, Crs, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
@@ -17,8 +20,17 @@ use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, groupe
 use crate::report::{RunFacts, city_geojson};
 use crate::scene::{Footprint, Scene, Solids};
 
-const FORMATS: [Format; 7] =
-    [Format::Png, Format::Svg, Format::GeoTiff, Format::AsciiGrid, Format::GeoJson, Format::Json, Format::Stdout];
+const FORMATS: [Format; 9] = [
+    Format::Png,
+    Format::Svg,
+    Format::GeoTiff,
+    Format::AsciiGrid,
+    Format::GeoJson,
+    Format::Mitsuba,
+    Format::Csv,
+    Format::Json,
+    Format::Stdout,
+];
 
 /// Nodata of height rasters.
 const NODATA: f32 = -9999.0;
@@ -61,6 +73,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
     for (path, format) in &outputs {
         match format {
             Format::Stdout => to_stdout = true,
+            Format::Mitsuba => city.add_mitsuba(&mut batch, path)?,
             _ => {
                 for (file, bytes) in city.encode(path, *format)? {
                     interrupt::check()?;
@@ -130,20 +143,53 @@ impl City<'_> {
                 Ok(files)
             }
             Format::GeoJson => {
-                let Some((footprints, frame)) = self.footprints else {
-                    return Err(Error::usage(
-                        109,
-                        format!("cannot write {}: a raster scene has no footprints", path.display()),
-                    ));
-                };
+                let (footprints, frame) = self.vectors(path)?;
                 let document = city_geojson(footprints, *frame, self.field.grid(), &provenance);
                 one(format!("{document}\n").into_bytes())
+            }
+            Format::Csv => {
+                let (footprints, frame) = self.vectors(path)?;
+                let boxes = encode_table(&ns3_boxes(footprints, *frame, path)?)?;
+                Ok(vec![(path.to_path_buf(), boxes), (with_suffix(path, ".json"), pretty(&provenance).into_bytes())])
             }
             Format::Json => one(pretty(&provenance).into_bytes()),
             Format::Png => one(self.picture(&provenance, false)?),
             Format::Svg => one(self.picture(&provenance, true)?),
             _ => Err(Error::internal(902, "a city format was asked for")),
         }
+    }
+
+    /// The footprints and their lattice, where there are some.
+    fn vectors(&self, path: &Path) -> Result<&(Vec<Footprint>, Frame)> {
+        self.footprints.ok_or_else(|| {
+            Error::usage(109, format!("cannot write {}: a raster scene has no footprints", path.display()))
+        })
+    }
+
+    /// Adds a scene of Mitsuba and its meshes to a batch.
+    fn add_mitsuba(&self, batch: &mut Batch, path: &Path) -> Result<()> {
+        let (footprints, frame) = self.vectors(path)?;
+        let grid = self.field.grid();
+        let mesh = CityMesh {
+            footprints,
+            frame: *frame,
+            grid,
+            ground_m: &self.ground_m(),
+            meters_per_unit: meters_per_unit(grid),
+        };
+        let (ground, buildings) = city_mesh(&mesh)?;
+        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        let origin = format!(
+            "skyshed {}: meters, x east, y north, z above the datum; the origin is ({}, {}) in {crs}",
+            env!("CARGO_PKG_VERSION"),
+            grid.x_min(),
+            grid.y_min()
+        );
+        let mut provenance = self.facts.provenance("skyshed/city/1", None);
+        provenance["mesh"] = serde_json::json!({"origin": [grid.x_min(), grid.y_min()], "unit": "m"});
+        let scene =
+            MitsubaScene { ground: &ground, buildings: &buildings, origin: &origin, provenance: &pretty(&provenance) };
+        add_mitsuba(batch, &scene, path)
     }
 
     fn picture(&self, provenance: &serde_json::Value, as_vectors: bool) -> Result<Vec<u8>> {

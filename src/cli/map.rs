@@ -3,43 +3,42 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{LayerArg, MapArgs, TifLayoutArg};
+use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
-use super::map_drawing::MapDrawing;
+use super::map_files::{Writer, check_flags};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
+    FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
     refuse_words_without_picture, warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
-use super::words::{idle_in_words, picture_provenance, pretty};
+use super::words::{idle_in_words, pretty};
 use super::{interrupt, messages};
-use crate::coverage::{
-    Control, HeightLayers, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, Uav, maps_at_once,
-};
+use crate::coverage::{Control, HeightLayers, ManyMaps, MapOptions, Mapper, Tally, Uav, maps_at_once};
 use crate::error::{Error, Result, Warning};
-use crate::export::{
-    Batch, Format, Layer, MapResult, OutputRules, add_map, bare_name, check_layers, check_outputs, encode_table,
-};
+use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
-use crate::quantity::tidy;
-use crate::raster::{CellWindow, Crs, GeoRef, TiffLayout, world_file};
-use crate::render::{self, Mark};
-use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, digest, zone_tallies};
+use crate::quantity::{counted, tidy};
+use crate::raster::{CellWindow, GeoRef};
+use crate::render::Mark;
+use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, zone_tallies};
 use crate::scene::{Site, read_sites};
 
 /// Formats of `skyshed map`.
-const FORMATS: [Format; 10] = [
+const FORMATS: [Format; 13] = [
     Format::Png,
     Format::Svg,
     Format::GeoTiff,
     Format::Exr,
     Format::AsciiGrid,
+    Format::Bil,
     Format::Npz,
+    Format::Kmz,
     Format::Csv,
     Format::Json,
     Format::GeoJson,
+    Format::FlatGeobuf,
     Format::Stdout,
 ];
 
@@ -81,6 +80,16 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     for (path, format) in &outputs {
         check_layers(&layers, sites.len(), path, *format)?;
     }
+    check_flags(args, &scene, &outputs)?;
+    if args.gdal_values && (layers != [Layer::Los] || sites.len() > 1) {
+        let names: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
+        let text = format!(
+            "`--gdal-values` writes line of sight of one UAV, found `--layers {}` of {}",
+            names.join(","),
+            counted(sites.len() as u64, "UAV", "UAVs")
+        );
+        return Err(Error::usage(107, text).with_hint("choose one UAV and `--layers los`"));
+    }
     let radius = radius_m.map(|r| scene.crs_units(r));
     let mut uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
@@ -106,16 +115,15 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     };
 
     // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
-    let keeps_masks = uavs.len() == 1
-        || args.bare
-        || curve_plan.is_wanted()
-        || outputs.iter().any(|(_, f)| matches!(f, Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz));
+    let keeps_masks =
+        uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| holds_masks(*f, args));
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let is_shifted = layers.contains(&Layer::Stability);
     let n_held = if keeps_masks { uavs.len() } else { uavs.len().min(maps_at_once()) };
     let bytes_per_cell = n_held
         .saturating_mul(1 + 4 * n_measures)
         .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
+        .saturating_add(if args.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
         .saturating_add(curve_plan.bytes_per_cell())
         .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
     let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
@@ -212,6 +220,16 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     Ok(())
 }
 
+/// Whether a file tells of each UAV cell by cell.
+fn holds_masks(format: Format, args: &MapArgs) -> bool {
+    match format {
+        Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => true,
+        Format::Kmz | Format::FlatGeobuf => true,
+        Format::GeoJson => args.polygons.is_some(),
+        _ => false,
+    }
+}
+
 fn layers(typed: &[LayerArg]) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for layer in typed {
@@ -266,123 +284,11 @@ fn check_bare_names(sites: &[Site], outputs: &[(PathBuf, Format)], overwrite: bo
     Ok(())
 }
 
+/// What finding the connected parts of a class takes: the number of each cell's part, and the edges around it.
+const OUTLINE_BYTES_PER_CELL: usize = 5;
+
 /// What all masks laid over each other take.
 const OVERLAY_BYTES_PER_CELL: usize = 5;
-
-/// Everything that outputs are made from.
-struct Writer<'a> {
-    args: &'a MapArgs,
-    scene: &'a Ready,
-    coverages: &'a [SiteCoverage],
-    /// All masks together, for more than one UAV.
-    overlay: Option<&'a Overlay>,
-    layers: &'a [Layer],
-    report: &'a MapReport,
-    timing: Timing,
-}
-
-impl Writer<'_> {
-    /// Adds the files of one output to a batch.
-    fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
-        interrupt::check()?;
-        match format {
-            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz => {
-                let provenance = self.report.document(None).to_string();
-                let result = MapResult {
-                    georef: self.scene.field.grid(),
-                    sites: self.coverages,
-                    layers: self.layers,
-                    provenance: &provenance,
-                    tif_layout: match self.args.tif_layout {
-                        TifLayoutArg::Cog => TiffLayout::Cog,
-                        TifLayoutArg::Plain => TiffLayout::Plain,
-                    },
-                };
-                add_map(batch, &result, path, format)
-            }
-            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| {
-                interrupt::check()?;
-                batch.add(file, bytes)
-            }),
-        }
-    }
-
-    /// The files of an output that is no raster of values.
-    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
-        match format {
-            Format::Png if self.args.bare => self.bare(path),
-            Format::Png => one(self.picture(false)?),
-            Format::Svg => one(self.picture(true)?),
-            // The time of writing is not known before the file is written.
-            Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
-            Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
-            Format::Csv => {
-                let bytes = encode_table(&self.report.table())?;
-                let sidecar = crate::export::with_suffix(path, ".json");
-                Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
-            }
-            Format::Stdout | Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Npz | Format::Html => {
-                Ok(Vec::new())
-            }
-        }
-    }
-
-    fn provenance(&self) -> [(String, String); 2] {
-        picture_provenance(&self.report.document(None))
-    }
-
-    /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
-    fn bare(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let grid = self.scene.field.grid();
-        let document = |report: &MapReport| report.document(None).to_string();
-        let beside = |path: &Path, document: &str| {
-            let mut files = vec![(path.with_extension("pgw"), world_file(grid).into_bytes())];
-            files.extend(grid.crs().and_then(Crs::wkt).map(|wkt| (path.with_extension("prj"), wkt.into_bytes())));
-            files.push((crate::export::with_suffix(path, ".json"), format!("{document}\n").into_bytes()));
-            files
-        };
-        let software = || ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
-        let all = document(self.report);
-        let provenance = [software(), ("skyshed".to_string(), all.clone())];
-        let mut files = Vec::new();
-        let (None, [only]) = (self.overlay, self.coverages) else {
-            let n_sites = u32::try_from(self.coverages.len()).unwrap_or(u32::MAX);
-            let (count, union) = self.overlay.map_or((&[][..], &[][..]), |o| (o.count(), o.union()));
-            let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), count, union, n_sites, &provenance);
-            files.push((path.to_path_buf(), png.map_err(undrawable)?));
-            files.extend(beside(path, &all));
-            for (site, facts) in self.coverages.iter().zip(&self.report.sites) {
-                // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
-                let own = document(&self.report.of_site(facts, digest(grid, std::iter::once(site.mask.as_slice()))));
-                let path = bare_name(path, &site.uav.id);
-                let provenance = [software(), ("skyshed".to_string(), own.clone())];
-                let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &site.mask, &provenance);
-                files.push((path.clone(), png.map_err(undrawable)?));
-                files.extend(beside(&path, &own));
-            }
-            return Ok(files);
-        };
-        let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &only.mask, &provenance).map_err(undrawable)?;
-        files.push((path.to_path_buf(), png));
-        files.extend(beside(path, &all));
-        Ok(files)
-    }
-
-    fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
-        let drawing = MapDrawing {
-            scene: self.scene,
-            coverages: self.coverages,
-            overlay: self.overlay,
-            layers: self.layers,
-            report: self.report,
-            receivers: self.args.receivers,
-            title: self.args.title.as_deref(),
-            attribution: self.args.attribution.as_deref(),
-        };
-        drawing.draw(as_vectors, &self.provenance())
-    }
-}
 
 /// The cells of a window, row by row.
 pub(super) fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {

@@ -14,6 +14,7 @@ mod interrupt;
 mod link;
 mod map;
 mod map_drawing;
+mod map_files;
 mod messages;
 mod needs;
 mod place;

@@ -12,6 +12,7 @@ mod many;
 mod map;
 mod margins;
 mod pairs;
+mod polygons;
 mod range;
 mod stability;
 mod tally;
@@ -27,6 +28,7 @@ pub use map::{
 };
 pub use margins::{GRAZING_M, MarginSample, MarginStats};
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference, difference_layer};
+pub use polygons::{CoveragePolygon, PolygonOptions, coverage_polygons};
 pub use stability::{Move, Stability, Turned};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};

@@ -22,14 +22,22 @@ pub enum Format {
     Exr,
     /// Esri ASCII grid.
     AsciiGrid,
+    /// Raw numbers with a header.
+    Bil,
     /// Numpy archive.
     Npz,
+    /// Overlays for Google Earth.
+    Kmz,
     /// Table.
     Csv,
     /// Document.
     Json,
     /// Features.
     GeoJson,
+    /// Features with a spatial index.
+    FlatGeobuf,
+    /// Scene of Mitsuba, with its meshes.
+    Mitsuba,
     /// Web page.
     Html,
     /// The document on standard output.
@@ -52,10 +60,14 @@ impl Format {
             "tif" | "tiff" => Format::GeoTiff,
             "exr" => Format::Exr,
             "asc" => Format::AsciiGrid,
+            "bil" => Format::Bil,
             "npz" => Format::Npz,
+            "kmz" => Format::Kmz,
             "csv" => Format::Csv,
             "json" => Format::Json,
             "geojson" => Format::GeoJson,
+            "fgb" => Format::FlatGeobuf,
+            "xml" => Format::Mitsuba,
             "html" => Format::Html,
             _ => {
                 return Err(Error::usage(
@@ -63,7 +75,8 @@ impl Format {
                     format!("cannot write {}: unknown extension `.{extension}`", path.display()),
                 )
                 .with_hint(
-                    "known are .png .svg .tif .exr .asc .npz .csv .json .geojson .html, and `-` for standard output",
+                    "known are .png .svg .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb .xml .html, and `-` for standard \
+                     output",
                 ));
             }
         })
@@ -144,10 +157,21 @@ fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     match format {
         Format::GeoTiff => vec![beside(".aux.xml")],
         Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
+        Format::Bil => vec![path.with_extension("hdr"), path.with_extension("prj"), beside(".json")],
         Format::Csv => vec![beside(".json")],
+        Format::Mitsuba => MESHES.iter().map(|mesh| mesh_name(path, mesh)).chain([beside(".json")]).collect(),
         Format::Png if bare => vec![path.with_extension("pgw"), path.with_extension("prj"), beside(".json")],
         _ => Vec::new(),
     }
+}
+
+/// The meshes of a Mitsuba scene.
+pub(super) const MESHES: [&str; 2] = ["ground", "buildings"];
+
+/// The file of a mesh beside its scene: `NAME_MESH.ply`.
+pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{mesh}.ply"))
 }
 
 fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {

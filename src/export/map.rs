@@ -1,19 +1,21 @@
 //! The coverage of a run as raster files.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use super::map_arrays::npz;
+use super::single_band::{ascii_grid, bil};
 use super::{Batch, Format};
 use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
-    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, pam_sidecar, write_ascii_grid,
-    write_exr, write_geotiff, write_npz,
+    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, TiffLayout, pam_sidecar, write_exr, write_geotiff,
 };
 
 /// Nodata of float rasters in GeoTIFF and ASCII grids.
-const NODATA: f32 = -9999.0;
+pub(super) const NODATA: f32 = -9999.0;
 /// Nodata of counts.
-const NO_COUNT: u32 = u32::MAX;
+pub(super) const NO_COUNT: u32 = u32::MAX;
 
 /// A layer of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +56,7 @@ impl Layer {
     }
 
     /// The values of a layer that is a measure, if they were made.
-    fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
+    pub(super) fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
         match self {
             Layer::Margin => site.margin.as_deref(),
             Layer::Ceiling => site.ceiling.as_deref(),
@@ -78,17 +80,45 @@ pub struct MapResult<'a> {
     pub provenance: &'a str,
     /// Arrangement of the cells in GeoTIFF files.
     pub tif_layout: TiffLayout,
+    /// The values of masks in GeoTIFF and .bil files.
+    pub mask_values: MaskValues,
+}
+
+/// The values that stand for line of sight in a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MaskValues {
+    /// The [`class`]es.
+    #[default]
+    Classes,
+    /// 255 for line of sight and 0 for everything else, whatever its reason, as `gdal_viewshed` writes by default; without
+    /// nodata, colors or names.
+    Gdal,
+}
+
+impl MaskValues {
+    /// A mask with these values.
+    pub(super) fn of<'a>(self, mask: &'a [u8]) -> Cow<'a, [u8]> {
+        match self {
+            MaskValues::Classes => Cow::Borrowed(mask),
+            MaskValues::Gdal => mask.iter().map(|c| if *c == class::LOS { 255 } else { 0 }).collect(),
+        }
+    }
+
+    /// The value that means no data, if one does.
+    pub(super) fn nodata(self) -> Option<u8> {
+        (self == MaskValues::Classes).then_some(class::NODATA)
+    }
 }
 
 /// All masks laid over each other.
-fn overlay_of(masks: &[&[u8]]) -> Overlay {
+pub(super) fn overlay_of(masks: &[&[u8]]) -> Overlay {
     let mut overlay = Overlay::new(masks.first().map_or(0, |mask| mask.len()));
     masks.iter().for_each(|mask| overlay.add(mask));
     overlay
 }
 
 /// One band: a name and its values.
-enum Band<'a> {
+pub(super) enum Band<'a> {
     Class(&'a [u8]),
     Measure(&'a [f32]),
     Count(Vec<u32>),
@@ -96,7 +126,7 @@ enum Band<'a> {
 }
 
 impl<'a> MapResult<'a> {
-    fn bands(&self) -> Vec<(String, Band<'a>)> {
+    pub(super) fn bands(&self) -> Vec<(String, Band<'a>)> {
         let masks: Vec<&[u8]> = self.sites.iter().map(|s| s.mask.as_slice()).collect();
         let mut bands: Vec<(String, Band<'a>)> = Vec::new();
         for &layer in self.layers {
@@ -144,12 +174,21 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
             _ => n_sites,
         })
         .sum();
-    if format == Format::AsciiGrid && n_bands != 1 {
+    let single = match format {
+        Format::AsciiGrid => Some("an ASCII grid"),
+        Format::Bil => Some("a .bil file"),
+        _ => None,
+    };
+    if let Some(single) = single.filter(|_| n_bands != 1) {
         return Err(Error::usage(
             107,
-            format!("cannot write {}: an ASCII grid holds one layer of one site, found {n_bands}", path.display()),
+            format!("cannot write {}: {single} holds one layer of one site, found {n_bands}", path.display()),
         )
         .with_hint("choose one site and one layer, or write .tif"));
+    }
+    if matches!(format, Format::Kmz | Format::FlatGeobuf) && !layers.contains(&Layer::Los) {
+        let text = format!("cannot write {}: it shows line of sight, which is not among the layers", path.display());
+        return Err(Error::usage(107, text).with_hint("add `los` to `--layers`, or write .tif"));
     }
     let has_sets = layers.contains(&Layer::Which) && n_sites > MOST_SITES_AS_F32;
     if format == Format::GeoTiff && has_sets && layers.iter().any(|l| l.is_measure()) {
@@ -172,6 +211,7 @@ pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: F
         Format::GeoTiff => return add_geotiff(batch, result, path),
         Format::Exr => exr(result, path)?,
         Format::AsciiGrid => ascii_grid(result, path)?,
+        Format::Bil => bil(result, path)?,
         Format::Npz => npz(result, path)?,
         _ => return Err(Error::internal(902, "a raster format was asked for")),
     };
@@ -188,18 +228,19 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
         GeoTiffImage { georef: result.georef, bands, nodata, palette, metadata: &metadata, layout }
     };
     if bands.iter().all(|(_, b)| matches!(b, Band::Class(_))) {
-        let masks = bands.iter().filter_map(|(name, b)| match b {
-            Band::Class(mask) => Some((name.clone(), *mask)),
-            _ => None,
-        });
+        let masks: Vec<(String, Cow<'_, [u8]>)> = bands
+            .iter()
+            .filter_map(|(name, b)| match b {
+                Band::Class(mask) => Some((name.clone(), result.mask_values.of(mask))),
+                _ => None,
+            })
+            .collect();
         let palette = palette();
-        let single = bands.len() == 1;
-        add(&image(
-            Bands::Byte(masks.collect()),
-            Some(f64::from(class::NODATA)),
-            single.then_some(palette.as_slice()),
-        ))?;
-        if single {
+        let named = masks.len() == 1 && result.mask_values == MaskValues::Classes;
+        let borrowed = masks.iter().map(|(name, mask)| (name.clone(), mask.as_ref())).collect();
+        let nodata = result.mask_values.nodata().map(f64::from);
+        add(&image(Bands::Byte(borrowed), nodata, named.then_some(palette.as_slice())))?;
+        if named {
             // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
             let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
             batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())?;
@@ -241,7 +282,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
 
 /// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven
 /// range, for no height that is enough.
-fn finite(v: f32) -> f32 {
+pub(super) fn finite(v: f32) -> f32 {
     const END: f32 = 32_768.0;
     if v.is_nan() { NODATA } else { v.clamp(-END, END) }
 }
@@ -263,7 +304,7 @@ fn palette() -> Vec<ClassColor> {
 
 fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     enum Owned<'a> {
-        Float(std::borrow::Cow<'a, [f32]>),
+        Float(Cow<'a, [f32]>),
         UInt(Vec<u32>),
     }
     let bands = result.bands();
@@ -295,85 +336,6 @@ fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let metadata = [("SKYSHED".to_string(), result.provenance.to_string())];
     write_exr(&mut bytes, result.georef, &borrowed, &metadata)?;
     Ok(vec![(path.to_path_buf(), bytes)])
-}
-
-fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-    let bands = result.bands();
-    let [(_, band)] = bands.as_slice() else {
-        return Err(Error::internal(902, "an ASCII grid of several bands passed its check"));
-    };
-    let mut bytes = Vec::new();
-    let failed = |e: std::io::Error| Error::internal(402, format!("cannot encode {}: {e}", path.display()));
-    let mut write = |nodata: f64, values: &mut dyn Iterator<Item = f64>| {
-        write_ascii_grid(&mut bytes, result.georef, nodata, values, None).map_err(failed)
-    };
-    match band {
-        Band::Class(mask) => write(f64::from(class::NODATA), &mut mask.iter().map(|c| f64::from(*c)))?,
-        Band::Measure(v) => {
-            let value = |v: &f32| f64::from(finite(*v));
-            write(f64::from(NODATA), &mut v.iter().map(value))?;
-        }
-        Band::Count(n) => {
-            let value = |n: &u32| if *n == NO_COUNT { f64::from(NODATA) } else { f64::from(*n) };
-            write(f64::from(NODATA), &mut n.iter().map(value))?;
-        }
-        Band::Bits(n) => write(f64::from(NODATA), &mut n.iter().map(|n| f64::from(*n)))?,
-    }
-    let mut files = vec![(path.to_path_buf(), bytes)];
-    if let Some(wkt) = result.georef.crs().and_then(crate::raster::Crs::wkt) {
-        files.push((path.with_extension("prj"), wkt.into_bytes()));
-    }
-    files.push((with_suffix(path, ".json"), result.provenance.as_bytes().to_vec()));
-    Ok(files)
-}
-
-fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-    let (n_rows, n_cols) = (result.georef.n_rows(), result.georef.n_cols());
-    let n_sites = result.sites.len();
-    let shape = vec![n_sites, n_rows, n_cols];
-    let masks: Vec<&[u8]> = result.sites.iter().map(|s| s.mask.as_slice()).collect();
-    let mut classes: Vec<u8> = Vec::new();
-    let mut measures: Vec<(Layer, Vec<f32>)> = Vec::new();
-    let mut words: Vec<u32> = Vec::new();
-    let mut counts: Vec<u32> = Vec::new();
-    for &layer in result.layers {
-        match layer {
-            Layer::Los => classes = masks.concat(),
-            Layer::Count => counts = overlay_of(&masks).count().to_vec(),
-            Layer::Which => words = which_layer(&masks).concat(),
-            Layer::Margin | Layer::Ceiling | Layer::LeastHeight | Layer::Stability => {
-                let values = result.sites.iter().filter_map(|site| layer.measure_of(site));
-                measures.push((layer, values.flatten().copied().collect()));
-            }
-        }
-    }
-    let xs: Vec<f64> = (0..n_cols).map(|c| result.georef.world_from_cell(0, c).0).collect();
-    let ys: Vec<f64> = (0..n_rows).map(|r| result.georef.world_from_cell(r, 0).1).collect();
-    let sites: Vec<f64> = result
-        .sites
-        .iter()
-        .flat_map(|s| [s.uav.station.place.x, s.uav.station.place.y, s.uav.height_amsl_m()])
-        .collect();
-    let mut arrays: Vec<(String, NpyArray<'_>)> = Vec::new();
-    if !classes.is_empty() {
-        arrays.push(("los".into(), NpyArray::U8(&classes, shape.clone())));
-    }
-    for (layer, values) in &measures {
-        arrays.push((layer.name().replace('-', "_"), NpyArray::F32(values, shape.clone())));
-    }
-    if !counts.is_empty() {
-        arrays.push(("count".into(), NpyArray::U32(&counts, vec![n_rows, n_cols])));
-    }
-    if !words.is_empty() {
-        arrays.push(("which".into(), NpyArray::U32(&words, vec![n_sites.div_ceil(32), n_rows, n_cols])));
-    }
-    arrays.push(("x".into(), NpyArray::F64(&xs, vec![n_cols])));
-    arrays.push(("y".into(), NpyArray::F64(&ys, vec![n_rows])));
-    arrays.push(("sites".into(), NpyArray::F64(&sites, vec![n_sites, 3])));
-    arrays.push(("meta".into(), NpyArray::Text(result.provenance)));
-    let mut out = std::io::Cursor::new(Vec::new());
-    write_npz(&mut out, &arrays)?;
-    Ok(vec![(path.to_path_buf(), out.into_inner())])
 }
 
 /// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.

@@ -4,14 +4,26 @@
 //! so that an error, a full disk or Ctrl-C leaves nothing half written.
 
 mod compare;
+mod city_mesh;
 mod files;
+mod flatgeobuf;
+mod kmz;
 mod map;
+mod map_arrays;
+mod mitsuba;
+mod ns3_boxes;
+mod single_band;
 mod table;
 mod zones;
 
+pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
+pub use city_mesh::{CityMesh, Mesh, city_mesh};
 pub use compare::{Comparison, add_comparison};
 pub use files::{Batch, Format, OutputRules, check_outputs};
+pub use kmz::encode_kmz;
 pub(crate) use map::with_suffix;
-pub use map::{Layer, MapResult, add_map, bare_name, check_layers};
+pub use map::{Layer, MapResult, MaskValues, add_map, bare_name, check_layers};
+pub use mitsuba::{MitsubaScene, add_mitsuba};
+pub use ns3_boxes::ns3_boxes;
 pub use table::encode_table;
 pub use zones::add_zones;

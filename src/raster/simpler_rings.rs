@@ -176,7 +176,7 @@ mod tests {
     use crate::raster::{BitGrid, cell_parts};
 
     fn edges(rings: &[Vec<[usize; 2]>]) -> Vec<[[i64; 2]; 2]> {
-        let signed = |p: [usize; 2]| p.map(|v| v as i64);
+        let signed = |p: [usize; 2]| p.map(|v| v.cast_signed() as i64);
         let of = |ring: &Vec<[usize; 2]>| -> Vec<[[i64; 2]; 2]> {
             (0..ring.len()).map(|k| [signed(ring[k]), signed(ring[(k + 1) % ring.len()])]).collect()
         };

@@ -7,8 +7,10 @@ mod compare;
 mod documents;
 mod features;
 mod height_curve;
+mod kml;
 mod place;
 mod plos;
+mod polygons;
 mod sampled;
 mod stability;
 mod stress;
@@ -27,6 +29,7 @@ pub use documents::{
     LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, idle_json, zone_tallies,
 };
 pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, curve_digest};
+pub use kml::{KmlOverlay, kml};
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
 pub use sampled::{SampledReport, SampledRow};

@@ -353,7 +353,7 @@ const PLAN_FLAGS: [(&str, &str, &str); 20] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 24] = [
+const OTHER_FLAGS: [(&str, &str); 27] = [
     ("--project", "rows_6_to_9_of_reference_systems"),
     ("--layer", "one_table_of_several_is_read_when_it_is_named"),
     ("--uav-error", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),
@@ -367,6 +367,9 @@ const OTHER_FLAGS: [(&str, &str); 24] = [
     ("--height-curve", "table_document_and_plot_of_a_curve_agree_with_maps"),
     ("--curve-heights", "the_heights_of_a_curve_are_chosen_or_asked_for"),
     ("--tif-layout", "a_plain_geotiff_of_a_map_differs_in_its_layout_alone"),
+    ("--gdal-values", "values_of_gdal_are_255_where_the_class_is_line_of_sight_and_0_elsewhere"),
+    ("--polygons", "a_cell_is_inside_one_polygon_of_its_class_and_of_no_other"),
+    ("--simplify", "simpler_outlines_stay_near_and_keep_parts_and_holes"),
     ("--bare", "a_bare_picture_has_a_pixel_per_cell_and_knows_its_place"),
     ("--title", "title_and_attribution_are_drawn"),
     ("--attribution", "title_and_attribution_are_drawn"),

@@ -386,8 +386,10 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
 #[test]
 fn the_same_run_twice_writes_the_same_bytes() {
     let folder = town();
-    let line =
-        format!("{MAP} -o m.tif -o m.exr -o m.asc -o m.npz -o m.csv -o m.json -o m.geojson -o m.png --overwrite");
+    let line = format!(
+        "{MAP} -o m.tif -o m.exr -o m.asc -o m.npz -o m.csv -o m.json -o m.geojson -o m.png -o m.kmz -o m.fgb \
+             --polygons all --overwrite"
+    );
     folder.type_in(&line).done();
     let first: Vec<(String, Vec<u8>)> = folder.files().into_iter().map(|f| (f.clone(), folder.read(&f))).collect();
     folder.type_in(&line).done();

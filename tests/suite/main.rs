@@ -25,6 +25,9 @@ mod simulators; // both simulators against the product, each other and rays
 mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod formats_write; // rasters out, and back in
+mod cog; // GeoTIFFs are cloud optimized
+mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsuba, ns-3
+mod polygon_files; // coverage polygons, simplified and not
 mod bad_inputs; // every bad file gets its documented answer
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random

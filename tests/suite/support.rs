@@ -93,3 +93,22 @@ pub(crate) fn truth() -> Option<PathBuf> {
     }
     Some(folder)
 }
+
+/// Whether Python is at hand and has a module; a line says where it has not.
+pub(crate) fn python_with(module: &str) -> bool {
+    let found = std::process::Command::new("python3").args(["-c", &format!("import {module}")]).output();
+    let has = found.is_ok_and(|output| output.status.success());
+    if !has {
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no Python with `{module}`");
+    }
+    has
+}
+
+/// Whether a program is on the path; a line says where it is not.
+pub(crate) fn has_program(name: &str) -> bool {
+    let has = std::process::Command::new(name).arg("--version").output().is_ok();
+    if !has {
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no `{name}` on the path");
+    }
+    has
+}

@@ -11,7 +11,7 @@ use super::outputs::Writer;
 use crate::cli::args::ReceiversArg;
 use crate::coverage::{Control, ManyMaps, Overlay, Tally};
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, Layer, MapResult, add_map};
+use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::quantity::tidy;
 use crate::raster::TiffLayout;
 use crate::render::{self, MapPicture, Mark, grouped};
@@ -41,6 +41,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         layers: &[Layer::Los],
         provenance: &provenance,
         tif_layout: TiffLayout::Cog,
+        mask_values: MaskValues::Classes,
     };
     add_map(batch, &result, path, format)
 }
