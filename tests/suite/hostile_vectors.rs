@@ -1,7 +1,5 @@
 //! Damaged vector files: whatever is cut off or turned over, a scene or an error, soon and without a panic.
 
-#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
-
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

@@ -77,7 +77,7 @@ mod tests {
         for line in ["# a roof", "v 0 0 5 1 0 0", "v 4 0 5", "v 4 4 5.5", "vt 0 0", "f 1/1 2/1/1 -1//2", "usemtl é"] {
             add(&mut mesh, line).expect(line);
         }
-        assert_eq!(mesh.vertices[2], [4.0, 4.0, 5.5]);
+        assert_eq!(mesh.vertices.get(2), Some(&[4.0, 4.0, 5.5]));
         assert_eq!((mesh.corners.as_slice(), mesh.ends.as_slice()), ([0, 1, 2].as_slice(), [3].as_slice()));
         for (line, found) in [
             ("f 1 2 9", "corner is `9`"),

@@ -24,6 +24,9 @@ use crate::raster::Crs;
 /// Bytes of a box in the index: four coordinates and an offset.
 const BOX_BYTES: u64 = 40;
 
+/// Bytes of a point: two coordinates.
+const POINT_BYTES: u64 = 16;
+
 /// How deep geometries may nest.
 const MOST_NESTED: usize = 16;
 
@@ -45,12 +48,19 @@ pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> 
         _ => None,
     };
     let mut features = Vec::new();
+    let mut n_points = 0;
     let mut add = |source: &mut Source<'_>, number: u64| {
         let bytes = source.prefixed()?;
-        let feature = size_prefixed_root_as_feature(&bytes).map_err(|e| e.to_string());
-        let feature = feature.and_then(|table| feature_of(&header, table));
-        features.push(feature.map_err(|e| malformed(path, &format!("feature {number}: {e}"), "FlatGeobuf"))?);
-        Ok::<(), Error>(())
+        let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "FlatGeobuf");
+        let table = size_prefixed_root_as_feature(&bytes).map_err(|e| wrong(e.to_string()))?;
+        let feature = feature_of(&header, table).map_err(wrong)?;
+        // Places in the file that are named many times would make much of little.
+        n_points += feature.polygons.iter().flatten().map(|ring| ring.len() as u64).sum::<u64>();
+        if n_points > length / POINT_BYTES {
+            return Err(wrong(format!("with it more points, {n_points}, than {length} bytes hold")));
+        }
+        features.push(feature);
+        Ok(())
     };
     match wanted {
         Some(offsets) => {

@@ -140,27 +140,40 @@ impl<'a> Table<'a> {
         let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
         let quoted = self.name.replace('"', "\"\"");
         let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(broken)?;
-        let columns: Vec<String> = query.column_names().into_iter().map(str::to_string).collect();
+        let columns: Vec<String> = query.column_names().map(str::to_string).collect();
         let mut rows = query.query([]).map_err(broken)?;
         let mut features = Vec::new();
+        let mut n_bytes = 0;
         while let Some(row) = rows.next().map_err(broken)? {
-            // Damaged pages may lead in circles; a row takes more than a byte.
-            if features.len() as u64 > file_bytes {
-                return Err(malformed(path, "more rows than bytes", "a GeoPackage"));
-            }
             let number = features.len() + 1;
-            let feature = self.feature(row, &columns);
-            features
-                .push(feature.map_err(|found| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage"))?);
+            let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage");
+            // Damaged pages may lead in circles: a row takes at least a byte, and its geometry stands in the file.
+            n_bytes += 1 + self.geometry_bytes(row, &columns);
+            if n_bytes > file_bytes {
+                return Err(wrong(format!("with it more than the {file_bytes} bytes of the file")));
+            }
+            features.push(self.feature(row, &columns).map_err(wrong)?);
         }
         Ok(features)
+    }
+
+    fn is_geometry(&self, column: &str) -> bool {
+        column.eq_ignore_ascii_case(&self.geometry)
+    }
+
+    fn geometry_bytes(&self, row: &Row<'_>, columns: &[String]) -> u64 {
+        let at = columns.iter().position(|name| self.is_geometry(name));
+        match at.map(|k| row.get_ref(k)) {
+            Some(Ok(ValueRef::Blob(blob))) => blob.len() as u64,
+            _ => 0,
+        }
     }
 
     fn feature(&self, row: &Row<'_>, columns: &[String]) -> std::result::Result<Feature, String> {
         let mut feature = Feature::default();
         for (k, name) in columns.iter().enumerate() {
             let value = row.get_ref(k).map_err(|e| e.to_string())?;
-            if name.eq_ignore_ascii_case(&self.geometry) {
+            if self.is_geometry(name) {
                 if let ValueRef::Blob(blob) = value {
                     polygons_of(geometry(blob)?, &mut feature.polygons)?;
                 }
