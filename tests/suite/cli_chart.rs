@@ -238,7 +238,11 @@ const FLAGS: [(&str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 12] = [
+const OTHER: [&str; 16] = [
+    "--project",
+    "--height-unit",
+    "--levels-field",
+    "--layer",
     "--output",
     "--csv",
     "--title",

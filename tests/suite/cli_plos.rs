@@ -276,7 +276,8 @@ const FLAGS: [(&str, &str); 36] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 16] = [
+const OTHER: [&str; 17] = [
+    "--project",
     "--levels-field",
     "--layer",
     "--tolerance",

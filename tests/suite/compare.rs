@@ -378,7 +378,8 @@ const FLAGS: [(&str, &str); 21] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 13] = [
+const OTHER: [&str; 14] = [
+    "--project",
     "--levels-field",
     "--layer",
     "--output",

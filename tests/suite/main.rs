@@ -29,6 +29,7 @@ mod cog; // GeoTIFFs are cloud optimized
 mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsuba, ns-3
 mod polygon_files; // coverage polygons, simplified and not
 mod bad_inputs; // every bad file gets its documented answer
+mod walkthrough; // every command of docs/walkthrough.md runs
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals

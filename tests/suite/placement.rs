@@ -404,7 +404,8 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 28] = [
+const OTHER: [&str; 29] = [
+    "--project",
     "--levels-field",
     "--layer",
     "--output",
