@@ -45,13 +45,17 @@ pub fn kml(report: &MapReport, degrees: &LonLatGrid, overlays: &[KmlOverlay], le
     for site in &report.sites {
         let (lon, lat) = degrees.degrees((site.x, site.y))?;
         let share = site.tally.p_los().map_or_else(|| "undefined".to_string(), |p| format!("{p:.4}"));
-        let words = format!("{} m above the datum; P_LoS {share}", tidy(site.height_amsl_m));
+        // A globe has a ground of its own, which a scene over flat ground at 0 m knows nothing of.
+        let (height, mode, above) = match site.height_agl_m {
+            Some(agl) => (agl, "relativeToGround", "ground"),
+            None => (site.height_amsl_m, "absolute", "the datum"),
+        };
+        let words = format!("{} m above {above}; P_LoS {share}", tidy(height));
         text += &format!(
             "<Placemark>\n<name>{}</name>\n<description>{}</description>\n<Point>\n<extrude>1</extrude>\n\
-             <altitudeMode>absolute</altitudeMode>\n<coordinates>{lon},{lat},{}</coordinates>\n</Point>\n</Placemark>\n",
+             <altitudeMode>{mode}</altitudeMode>\n<coordinates>{lon},{lat},{height}</coordinates>\n</Point>\n</Placemark>\n",
             xml_text(&format!("UAV {}", site.id)),
-            xml_text(&words),
-            site.height_amsl_m
+            xml_text(&words)
         );
     }
     let provenance = xml_text(&report.document(None).to_string());

@@ -180,7 +180,7 @@ fn an_overlay_lies_where_proj_says() {
     for (element, n) in [("GroundOverlay", 1), ("ScreenOverlay", 1), ("Placemark", 1), ("Data", 1)] {
         assert_eq!(all.iter().filter(|e| *e == element).count(), n, "{element}");
     }
-    assert!(kml.contains("<altitudeMode>absolute</altitudeMode>") && kml.contains("UAV 1"));
+    assert!(kml.contains("<altitudeMode>relativeToGround</altitudeMode>") && kml.contains("UAV 1"));
 
     let mut bytes = Vec::new();
     kmz(&folder, "m.kmz").by_name("overlay-1.png").unwrap().read_to_end(&mut bytes).unwrap();
