@@ -18,8 +18,8 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand,
 #[derive(Debug, Parser)]
 #[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "\
-SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc), footprints (.geojson, .shp, .fgb, .gpkg,
-.city.json) or a mesh (.obj, .ply).
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc), footprints
+(.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
 Heights are above ground unless written 150amsl or 30roof; all lengths are in meters.
 
 Examples:

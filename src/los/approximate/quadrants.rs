@@ -1,8 +1,10 @@
 //! The cells around a UAV in four quadrants, each line by line outward.
 
+use rayon::prelude::*;
+
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
-use crate::raster::CellWindow;
+use crate::raster::{BitGrid, CellWindow};
 
 /// The slope of what blocks nothing: below that of every height, and still finite, so that it can be interpolated.
 pub(super) const NOTHING: f64 = -1e30;
@@ -42,6 +44,24 @@ pub(super) struct Line {
     pub(super) distance: f64,
     /// Which ring around the UAV's cell it belongs to.
     pub(super) ring: i64,
+}
+
+/// What all four quadrants of a window see together, and the receiver in the UAV's own cell, which no line holds.
+pub(super) fn by_quadrants(
+    columns: &Columns,
+    uav: LatticePoint,
+    (wanted, window): (&BitGrid, CellWindow),
+    seen: impl Fn(&Quadrant<'_>) -> BitGrid + Sync,
+) -> BitGrid {
+    let parts: Vec<BitGrid> = Quadrant::all(columns, uav, window).par_iter().map(&seen).collect();
+    let mut los = parts.iter().fold(BitGrid::new(wanted.n_rows(), wanted.n_cols()), BitGrid::or);
+    if let Some(own) = columns.cell_at(uav.x, uav.y) {
+        let (row, col) = (own / columns.n_cols(), own % columns.n_cols());
+        if wanted.contains(row, col) {
+            los.insert(row, col);
+        }
+    }
+    los
 }
 
 impl<'a> Quadrant<'a> {

@@ -1,9 +1,6 @@
 //! `r2`: one ray to each cell of the perimeter; every cell takes the answer of the nearest.
 
-use rayon::prelude::*;
-
-use super::quadrants::{Line, NOTHING, Quadrant};
-use super::xdraw::under_the_uav;
+use super::quadrants::{Line, NOTHING, Quadrant, by_quadrants};
 use crate::height_field::Columns;
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
@@ -22,10 +19,7 @@ pub fn r2_los(
     wanted: &BitGrid,
     window: CellWindow,
 ) -> BitGrid {
-    let quadrants = Quadrant::all(columns, uav, window);
-    let parts: Vec<BitGrid> = quadrants.par_iter().map(|quadrant| seen(quadrant, height, wanted)).collect();
-    let none = BitGrid::new(wanted.n_rows(), wanted.n_cols());
-    parts.iter().fold(under_the_uav(columns, uav, wanted, none), BitGrid::or)
+    by_quadrants(columns, uav, (wanted, window), |quadrant| seen(quadrant, height, wanted))
 }
 
 fn seen(quadrant: &Quadrant<'_>, height: &(dyn Fn(usize, usize) -> i64 + Sync), wanted: &BitGrid) -> BitGrid {

@@ -1,8 +1,6 @@
 //! `xdraw`: the steepest slope so far, interpolated from one line of cells to the next.
 
-use rayon::prelude::*;
-
-use super::quadrants::{Line, NOTHING, Quadrant};
+use super::quadrants::{Line, NOTHING, Quadrant, by_quadrants};
 use crate::height_field::Columns;
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
@@ -21,21 +19,7 @@ pub fn xdraw_los(
     wanted: &BitGrid,
     window: CellWindow,
 ) -> BitGrid {
-    let quadrants = Quadrant::all(columns, uav, window);
-    let parts: Vec<BitGrid> = quadrants.par_iter().map(|quadrant| seen(quadrant, height, wanted)).collect();
-    let none = BitGrid::new(wanted.n_rows(), wanted.n_cols());
-    parts.iter().fold(under_the_uav(columns, uav, wanted, none), BitGrid::or)
-}
-
-/// Adds the receiver in the UAV's own cell, which no line holds.
-pub(super) fn under_the_uav(columns: &Columns, uav: LatticePoint, wanted: &BitGrid, mut los: BitGrid) -> BitGrid {
-    if let Some(own) = columns.cell_at(uav.x, uav.y) {
-        let (row, col) = (own / columns.n_cols(), own % columns.n_cols());
-        if wanted.contains(row, col) {
-            los.insert(row, col);
-        }
-    }
-    los
+    by_quadrants(columns, uav, (wanted, window), |quadrant| seen(quadrant, height, wanted))
 }
 
 fn seen(quadrant: &Quadrant<'_>, height: &(dyn Fn(usize, usize) -> i64 + Sync), wanted: &BitGrid) -> BitGrid {
