@@ -1,6 +1,6 @@
 //! Bad input as it is seen in the wild, row by row: what other tools do wrong with it, and the answer that is given here.
 //!
-//! Row numbers are those of a survey of the issue trackers of neighboring tools. Where an answer has a suite of its own, the
+//! Row numbers are those of a survey of what users of neighboring programs report. Where an answer has a suite of its own, the
 //! row only shows that it is reached from the command line.
 
 use serde_json::Value;
