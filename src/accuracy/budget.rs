@@ -90,11 +90,7 @@ pub fn error_budget(
 /// A change of P_LoS to that of a form of the scene.
 fn change_to(setup: &Setup<'_>, p_los: f64, field: Option<HeightField>) -> std::result::Result<f64, String> {
     let field = field.ok_or_else(|| "a scene of this kind has no such form".to_string())?;
-    match setup.p_los_of(&field) {
-        Ok(Some(other)) => Ok(other - p_los),
-        Ok(None) => Err("no receiver in range".into()),
-        Err(why) => Err(why.to_string()),
-    }
+    change_of(setup.p_los_of(&field), p_los)
 }
 
 fn cell_lines(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> Vec<BudgetLine> {
@@ -181,7 +177,7 @@ fn change_with(
         setup.uavs.iter().map(|uav| Uav { station: to(setup.field, uav.station), ..uav.clone() }).collect();
     let setup = Setup { uavs: &moved, ..*setup };
     // Where a building stands in the way of the move there is no P_LoS to compare with.
-    setup.p_los_of(setup.field).map_or_else(|why| Err(why.to_string()), |p| change_of(Ok(p), p_los))
+    change_of(setup.p_los_of(setup.field), p_los)
 }
 
 fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine {

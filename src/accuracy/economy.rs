@@ -1,15 +1,12 @@
 //! What a scene needs: how coarse its cells may be, and whether its terrain can hide anyone.
 
-use super::simpler::{Simpler, moved_to};
+use super::simpler::{FACTORS, Simpler, moved_to};
 use crate::coverage::{MapOptions, Mapper, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
 
 /// A change of P_LoS below this is none: a tenth of a percentage point.
 pub const NO_CHANGE: f64 = 0.001;
-
-/// Times that cells are larger, finest first.
-const FACTORS: [usize; 4] = [2, 4, 8, 16];
 
 /// UAVs over a scene and how maps of it are made.
 #[derive(Clone, Copy)]

@@ -15,6 +15,6 @@ mod tolerance;
 
 pub use budget::{BudgetLine, Part, Uncertain, error_budget};
 pub use economy::{CellEffect, NO_CHANGE, Setup, TerrainEffect, cell_effects, coarsest_unchanged, terrain_effect};
-pub use paired::{FEWEST_POSITIONS, Paired, paired_difference};
-pub use simpler::{CoarseAnswer, Simpler, coarse_answer, moved_to};
+pub use paired::{Paired, paired_difference};
+pub use simpler::{CoarseAnswer, FACTORS, Simpler, coarse_answer, moved_to};
 pub use tolerance::{CONFIDENCE, Choice, Measured, Question, Tried, coarsest_within};

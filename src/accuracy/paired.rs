@@ -1,9 +1,6 @@
 //! How far P_LoS over many UAV positions moves when their maps are made in a simpler way: compared position by position.
 
-use crate::los_probability::estimate::{Count, student_quantile};
-
-/// Fewest positions whose differences tell their spread.
-pub const FEWEST_POSITIONS: usize = 10;
+use crate::los_probability::estimate::{Count, FEWEST_CLUSTERS, student_quantile};
 
 /// What was measured of one value of P_LoS.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +30,7 @@ pub fn paired_difference(counts: &[(Count, Count)], are_all: bool, risk: f64) ->
         return Some(Paired { difference, bound: difference.abs() });
     }
     let n = counts.iter().filter(|c| c.0.receivers + c.1.receivers > 0).count();
-    if n < FEWEST_POSITIONS {
+    if (n as u64) < FEWEST_CLUSTERS {
         return None;
     }
     let moved = |c: &(Count, Count)| {

@@ -7,7 +7,7 @@ use crate::los_probability::estimate::{Count, Estimate, clustered, wilson};
 use crate::los_probability::geometry::GeometrySimulator;
 use crate::los_probability::models::{Model, ModelLink};
 use crate::los_probability::product::{Product, SHIFTS};
-use crate::los_probability::setting::{Reach, Setting};
+use crate::los_probability::setting::Setting;
 
 /// A way to P_LoS with a fixed effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,16 +120,6 @@ fn by_cities(setting: &Setting, seed: u64, cities: u64) -> Result<Estimate> {
 }
 
 fn by_model(model: Model, setting: &Setting) -> std::result::Result<PlosAnswer, String> {
-    let Reach::Ring { distance_m, theta_deg } = setting.reach else {
-        return Err("it is a function of one angle or distance, not of an area".into());
-    };
-    let link = ModelLink {
-        built_up: setting.built_up,
-        uav_height_m: setting.uav_height_m,
-        rx_height_m: setting.rx_height_m,
-        theta_deg,
-        distance_m,
-        phi_deg: setting.phi_deg,
-    };
+    let link = ModelLink::of(setting)?;
     model.p_los(&link).map(|value| PlosAnswer::Model(value.p_los)).map_err(|outside| outside.to_string())
 }

@@ -7,6 +7,9 @@ use crate::quantity::Height;
 use crate::raster::BitGrid;
 use crate::scene::Site;
 
+/// Times that cells are made larger, finest first.
+pub const FACTORS: [usize; 4] = [2, 4, 8, 16];
+
 /// How a scene is made simpler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Simpler {

@@ -21,7 +21,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use super::simpler::{CoarseAnswer, Simpler, coarse_answer, moved_to};
+use super::simpler::{CoarseAnswer, FACTORS, Simpler, coarse_answer, moved_to};
 use crate::coverage::{MapOptions, Mapper, Seen, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
@@ -30,9 +30,6 @@ use crate::raster::{BitGrid, set_bits};
 
 /// Probability with which no form is taken whose P_LoS is farther off than the tolerance.
 pub const CONFIDENCE: f64 = 0.99;
-
-/// Times that cells are larger, coarsest first.
-const FACTORS: [usize; 4] = [16, 8, 4, 2];
 
 /// Fewest cells along the shorter side of a form that is worth trying.
 const FEWEST_CELLS: usize = 8;
@@ -111,7 +108,7 @@ pub fn coarsest_within(
 ) -> Result<Choice> {
     let grid = question.field.grid();
     let factors: Vec<usize> =
-        FACTORS.into_iter().filter(|f| grid.n_rows().min(grid.n_cols()) / f >= FEWEST_CELLS).collect();
+        FACTORS.into_iter().rev().filter(|f| grid.n_rows().min(grid.n_cols()) / f >= FEWEST_CELLS).collect();
     let forms = Simpler::forms(question.field, &factors);
     let exact_options = options(question.field);
     let exact = Mapper::new(question.field, &exact_options)?;

@@ -8,6 +8,8 @@ use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
 use super::stress::StressArgs;
+use crate::error::Error;
+use crate::export::Format;
 use crate::los::MethodChoice;
 use crate::scene::Projection;
 use crate::zones::Zone;
@@ -203,6 +205,41 @@ pub(super) struct EngineArgs {
     pub(super) max_memory: Option<u64>,
 }
 
+/// What a picture says beside what it shows.
+#[derive(Debug, Clone, Args)]
+pub(super) struct PictureWords {
+    /// Title of the picture, or of the page
+    #[arg(long, value_name = "TEXT")]
+    pub(super) title: Option<String>,
+    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
+    #[arg(long, value_name = "TEXT")]
+    pub(super) attribution: Option<String>,
+}
+
+impl PictureWords {
+    /// The title that was typed, or another.
+    pub(super) fn title_or(&self, other: impl FnOnce() -> String) -> String {
+        self.title.clone().unwrap_or_else(other)
+    }
+
+    /// Whom to credit: as typed, or as the scene asks for.
+    pub(super) fn credit(&self, of_scene: Option<&String>) -> Option<String> {
+        self.attribution.as_ref().or(of_scene).cloned()
+    }
+
+    /// A title or an attribution goes into a picture; where none is made, it would be lost in silence.
+    pub(super) fn refuse_without_picture(&self, outputs: &[(PathBuf, Format)]) -> Result<(), Error> {
+        let has_picture = outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg | Format::Html));
+        let typed = [("--title", &self.title), ("--attribution", &self.attribution)];
+        match typed.iter().find(|(_, words)| words.is_some()) {
+            Some((flag, _)) if !has_picture => {
+                Err(Error::usage(116, format!("`{flag}` has no meaning without a .png or .svg output")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Where results go and how much is said.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
@@ -348,12 +385,8 @@ pub(super) struct MapArgs {
     /// How far an outline of the polygons may be from the cell edges [m]; each stays valid, neighbors may overlap by as much
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons")]
     pub(super) simplify: Option<f64>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) words: PictureWords,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]
@@ -398,12 +431,8 @@ pub(super) struct CityArgs {
     /// (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) words: PictureWords,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]
@@ -440,12 +469,8 @@ pub(super) struct InfoArgs {
     /// (.geojson); with `--uav` also the table of what limits P_LoS (.csv); repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) words: PictureWords,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]

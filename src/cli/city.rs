@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene, refuse_words_without_picture,
-};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
@@ -45,7 +43,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
             bare: false,
         },
     )?;
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    args.words.refuse_without_picture(&outputs)?;
     let mut warnings: Vec<Warning> = Vec::new();
     let scene = read_scene(&args.scene, &mut warnings)?;
     let footprints = match &scene.solids {
@@ -226,8 +224,8 @@ impl City<'_> {
             tidy(grid.y_min()),
             env!("CARGO_PKG_VERSION")
         ));
-        caption.extend(self.args.attribution.clone().or_else(|| self.attribution.clone()));
-        let title = self.args.title.clone().unwrap_or_else(|| title_of(&self.facts.scene_name));
+        caption.extend(self.args.words.credit(self.attribution.as_ref()));
+        let title = self.args.words.title_or(|| title_of(&self.facts.scene_name));
         let picture =
             CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
         let provenance = [("skyshed".to_string(), provenance.to_string())];

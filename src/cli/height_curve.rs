@@ -199,7 +199,7 @@ impl Curves<'_> {
                 marked_m: asked(curve),
             })
             .collect();
-        let title = self.args.title.clone().unwrap_or_else(|| {
+        let title = self.args.words.title_or(|| {
             unbreakable(&format!("P_LoS against the height of {} over {}", whom(&self.curves), scene.name))
         });
         let caption = self.caption(scene);
@@ -256,7 +256,7 @@ impl Curves<'_> {
             self.report.facts.method_name(),
             env!("CARGO_PKG_VERSION")
         ));
-        lines.extend(self.args.attribution.clone().or_else(|| scene.attribution.clone()));
+        lines.extend(self.args.words.credit(scene.attribution.as_ref()));
         lines
     }
 }

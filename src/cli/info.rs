@@ -4,9 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::InfoArgs;
 use super::needs::{Needs, Rectangles, refuse_without_uav};
-use super::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene, refuse_words_without_picture,
-};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
 use super::words::pretty;
 use super::zones::ZoneFiles;
 use super::{interrupt, messages};
@@ -27,7 +25,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let inputs = input_paths(&args.scene);
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    args.words.refuse_without_picture(&outputs)?;
     refuse_without_uav(args)?;
     if let Some((path, _)) = outputs.iter().find(|(_, f)| args.uav.is_empty() && *f == Format::Csv) {
         return Err(Error::usage(116, format!("cannot write {}: it holds what limits a map", path.display()))
@@ -123,8 +121,8 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
             seed: scene.built_up.map(|_| args.scene.seed),
             warnings: warnings.clone(),
         };
-        let attribution = args.attribution.clone().or_else(|| scene.attribution.clone());
-        let files = ZoneFiles { zones, field: &field, facts: &facts, title: args.title.as_deref(), attribution };
+        let attribution = args.words.credit(scene.attribution.as_ref());
+        let files = ZoneFiles { zones, field: &field, facts: &facts, title: args.words.title.as_deref(), attribution };
         files.add(&mut batch, &outputs)?;
     }
     for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {

@@ -9,7 +9,7 @@ use super::height_curve::CurvePlan;
 use super::map_files::{Writer, check_flags};
 use super::plan::{
     FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
-    refuse_words_without_picture, warn_of_flat_earth,
+    warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
@@ -63,7 +63,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
     }
     let files = [outputs.as_slice(), curve_plan.outputs()].concat();
-    refuse_words_without_picture(&args.title, &args.attribution, &files)?;
+    args.words.refuse_without_picture(&files)?;
     let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
     let typed: Vec<Site> =
         args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;

@@ -1,6 +1,6 @@
 //! The picture of a map, as `map` and `stress` draw it: layer, marks, title, caption.
 
-use super::args::ReceiversArg;
+use super::args::{PictureWords, ReceiversArg};
 use super::map::{crop, height_words, mark, undrawable};
 use super::plan::{Ready, meters_per_unit};
 use super::receivers::{cell_names, setting_line};
@@ -24,8 +24,7 @@ pub(super) struct MapDrawing<'a> {
     pub(super) layers: &'a [Layer],
     pub(super) report: &'a MapReport,
     pub(super) receivers: ReceiversArg,
-    pub(super) title: Option<&'a str>,
-    pub(super) attribution: Option<&'a str>,
+    pub(super) words: &'a PictureWords,
 }
 
 impl MapDrawing<'_> {
@@ -61,7 +60,7 @@ impl MapDrawing<'_> {
             }
         };
         let (receivers_name, others_name) = cell_names(self.receivers, &self.scene.field);
-        let title = self.title.map(str::to_string).unwrap_or_else(|| {
+        let title = self.words.title_or(|| {
             let subject = match (&layer, self.coverages.len()) {
                 (render::Layer::Field { .. }, _) => match self.layers.first() {
                     Some(Layer::Margin) => "Margin of line of sight in",
@@ -189,7 +188,7 @@ impl MapDrawing<'_> {
         let heights = (self.report.rx_height_m, self.report.radius_m);
         lines.push(setting_line(self.scene, self.receivers, heights, self.report.facts.method));
         lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
-        lines.extend(self.attribution.map(str::to_string).or_else(|| self.scene.attribution.clone()));
+        lines.extend(self.words.credit(self.scene.attribution.as_ref()));
         lines
     }
 }

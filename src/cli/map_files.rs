@@ -139,8 +139,7 @@ impl Writer<'_> {
             layers: self.layers,
             report: self.report,
             receivers: self.args.receivers,
-            title: self.args.title.as_deref(),
-            attribution: self.args.attribution.as_deref(),
+            words: &self.args.words,
         };
         drawing.draw(as_vectors, &self.provenance())
     }

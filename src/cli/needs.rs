@@ -41,12 +41,11 @@ pub(super) struct Needs {
     budget: Vec<BudgetLine>,
 }
 
-/// Whether something of the needs was asked for.
+/// Refuses what says how a map is to be judged where none is.
 pub(super) fn refuse_without_uav(args: &InfoArgs) -> Result<()> {
-    let of_needs = ["rx_height", "receivers", "uav_error", "height_error", "cities", "radius", "method"];
+    let of_needs = ["rx_height", "receivers", "uav_error", "height_error", "cities"];
     let typed = of_needs.iter().find(|flag| args.scene.typed.iter().any(|typed| typed == *flag));
-    // Every command takes these two, also where they change nothing.
-    match typed.filter(|flag| args.uav.is_empty() && !["radius", "method"].contains(flag)) {
+    match typed.filter(|_| args.uav.is_empty()) {
         Some(flag) => {
             let text = format!("`--{}` has no meaning without `--uav`", flag.replace('_', "-"));
             Err(Error::usage(116, text).with_hint("`--uav X,Y,H` tells what a map from there needs"))

@@ -321,27 +321,16 @@ pub(super) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64
     }
 }
 
-/// The table of `--csv FILE`, checked as the outputs beside it.
-pub(super) fn check_csv(path: &Path, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-        let all: Vec<PathBuf> = others.iter().cloned().chain([path.to_path_buf()]).collect();
-        return Ok(check_outputs(&all, rules)?.split_off(others.len()));
+/// The outputs, and after them the table of `--csv FILE`, all checked together.
+pub(super) fn outputs_with_table(
+    outputs: &[PathBuf],
+    csv: Option<&PathBuf>,
+    rules: OutputRules<'_>,
+) -> Result<Vec<(PathBuf, Format)>> {
+    if let Some(path) = csv.filter(|path| !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))) {
+        let text = format!("cannot write {}: `--csv` writes a table", path.display());
+        return Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"));
     }
-    let text = format!("cannot write {}: `--csv` writes a table", path.display());
-    Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"))
-}
-
-/// A title or an attribution goes into a picture; where none is made, it would be lost in silence.
-pub(super) fn refuse_words_without_picture(
-    title: &Option<String>,
-    attribution: &Option<String>,
-    outputs: &[(PathBuf, Format)],
-) -> Result<()> {
-    let has_picture = outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg | Format::Html));
-    match [("--title", title), ("--attribution", attribution)].iter().find(|(_, words)| words.is_some()) {
-        Some((flag, _)) if !has_picture => {
-            Err(Error::usage(116, format!("`{flag}` has no meaning without a .png or .svg output")))
-        }
-        _ => Ok(()),
-    }
+    let all: Vec<PathBuf> = outputs.iter().chain(csv).cloned().collect();
+    check_outputs(&all, rules)
 }

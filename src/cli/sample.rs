@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 use super::plan::{FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, meters_per_unit, ready, receiver_height};
 use super::receivers::{Asked, check_receivers};
 use super::sample_plot::plot;
@@ -70,8 +70,7 @@ pub(super) struct SampleJob<'a> {
     pub(super) heights_m: &'a [f64],
     pub(super) rx_height_m: f64,
     pub(super) receivers: ReceiversArg,
-    pub(super) title: Option<&'a str>,
-    pub(super) attribution: Option<&'a str>,
+    pub(super) words: &'a PictureWords,
 }
 
 /// What one city says of each placement zone and height.
@@ -246,8 +245,9 @@ impl SampleJob<'_> {
                 }
                 Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
                 Format::Png | Format::Svg => {
-                    let credit = self.attribution.or(scene.attribution.as_deref());
-                    batch.add(path, &plot(report, (self.title, credit), *format == Format::Svg)?)?;
+                    let credit = self.words.credit(scene.attribution.as_ref());
+                    let words = (self.words.title.as_deref(), credit.as_deref());
+                    batch.add(path, &plot(report, words, *format == Format::Svg)?)?;
                 }
                 _ => {}
             }

@@ -3,11 +3,10 @@
 use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
-use super::prisms::{holds_half_open, side};
-use super::{CellSets, Columns, ConvexPieces, Piece, Prisms, Ring, convex_pieces};
+use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
-use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, height_steps, meters};
-use crate::raster::{BitGrid, GeoRef, set_bits};
+use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
+use crate::raster::{BitGrid, GeoRef};
 use crate::scene::{Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -15,19 +14,19 @@ use crate::scene::{Footprint, Ground, Solids};
 /// Prisms and columns are two solids: a wall that they happen to share is not joined.
 #[derive(Debug, Clone)]
 pub struct HeightField {
-    grid: GeoRef,
-    prisms: Option<(Prisms, Frame)>,
-    columns: Option<(Columns, Frame)>,
-    floor: Floor,
+    pub(super) grid: GeoRef,
+    pub(super) prisms: Option<(Prisms, Frame)>,
+    pub(super) columns: Option<(Columns, Frame)>,
+    pub(super) floor: Floor,
     /// Vector scenes: roof of each cell whose center is inside a building, [`VOID`] elsewhere.
-    roofs: Option<Vec<i32>>,
-    building_ids: Vec<String>,
-    cells: CellSets,
+    pub(super) roofs: Option<Vec<i32>>,
+    pub(super) building_ids: Vec<String>,
+    pub(super) cells: CellSets,
 }
 
 /// What lies below the buildings.
 #[derive(Debug, Clone)]
-enum Floor {
+pub(super) enum Floor {
     /// The columns themselves: a surface model alone.
     Surface,
     /// A plane; in a raster scene, cells more than the threshold above it are buildings.
@@ -164,23 +163,6 @@ impl HeightField {
         field
     }
 
-    /// The same solids under receivers on another grid.
-    pub(super) fn with_receivers_on(&self, grid: &GeoRef) -> HeightField {
-        let mut field = HeightField { grid: grid.clone(), ..self.clone() };
-        field.roofs = self.prisms.is_some().then(|| field.rasterize_roofs());
-        field.cells = CellSets::of(&field);
-        field
-    }
-
-    /// The same ground without a building.
-    pub(super) fn without_prisms(&self) -> HeightField {
-        let prisms = self.prisms.as_ref().map(|(_, frame)| (Prisms::new(Vec::new()), *frame));
-        let mut field = HeightField { prisms, building_ids: Vec::new(), ..self.clone() };
-        field.roofs = Some(vec![VOID; self.grid.n_cells()]);
-        field.cells = CellSets::of(&field);
-        field
-    }
-
     /// Which cells are open ground and which are buildings.
     pub fn cells(&self) -> &CellSets {
         &self.cells
@@ -298,32 +280,6 @@ impl HeightField {
             None => moved.on_columns = by(place.on_columns),
         }
         moved
-    }
-
-    /// The same scene with every roof higher by `steps` \[1/1024 m\]: the tops of all prisms, or those of the columns that
-    /// are buildings; of a surface model alone, where buildings are not known, those of all columns. What is open ground
-    /// and what is a building stays, so rays are what the result is for. `None` if a roof would leave the proven range.
-    ///
-    /// Cost: that of a copy; prisms are sorted into buckets again.
-    pub fn with_roofs_raised(&self, steps: i32) -> Option<HeightField> {
-        let limit = height_steps(MAX_HEIGHT_M)?;
-        let raised = |top: i32| Some(top + steps).filter(|top| top.abs() <= limit);
-        let mut field = self.clone();
-        if let Some((prisms, _)) = &mut field.prisms {
-            let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
-            *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?);
-        } else if let Some((columns, _)) = &mut field.columns {
-            let n_cols = columns.n_cols();
-            let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
-            let mut tops = columns.tops().to_vec();
-            for row in 0..columns.n_rows() {
-                for col in set_bits(moves.row(row)) {
-                    tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
-                }
-            }
-            *columns = Columns::new(columns.n_rows(), n_cols, tops);
-        }
-        Some(field)
     }
 
     /// The cell centers of the receivers' grid on the lattices.
@@ -471,61 +427,6 @@ impl HeightField {
         });
         cells
     }
-
-    /// The roof of every cell whose center is in the interior of B and above the ground.
-    fn rasterize_roofs(&self) -> Vec<i32> {
-        let mut roofs = vec![VOID; self.grid.n_cells()];
-        let Some((prisms, _)) = &self.prisms else { return roofs };
-        let positions = self.positions();
-        let xs: Vec<i64> = positions.xs.iter().map(|x| x.1).collect();
-        let ys: Vec<i64> = positions.ys.iter().map(|y| y.1).collect();
-        let n_cols = self.grid.n_cols();
-        let mut on_an_edge: Vec<(usize, usize)> = Vec::new();
-        for piece in prisms.pieces() {
-            let ring = prisms.ring(piece);
-            let range = |k: usize| {
-                let values = || ring.iter().map(|v| i64::from(v[k]));
-                (values().min().unwrap_or(0), values().max().unwrap_or(0))
-            };
-            let ((west, east), (south, north)) = (range(0), range(1));
-            let cols = xs.partition_point(|x| *x < west)..xs.partition_point(|x| *x <= east);
-            let rows = ys.partition_point(|y| *y > north)..ys.partition_point(|y| *y >= south);
-            for row in rows {
-                for col in cols.clone() {
-                    let (x, y) = (xs[col], ys[row]);
-                    if holds_half_open(ring, x, y) {
-                        let roof = &mut roofs[row * n_cols + col];
-                        *roof = (*roof).max(piece.top);
-                    }
-                    if is_on_boundary(ring, x, y) {
-                        on_an_edge.push((row, col));
-                    }
-                }
-            }
-        }
-        // On an edge the half-open rule above tells the roof, but only a shared edge is inside the solid.
-        for (row, col) in on_an_edge {
-            if prisms.solid_below(xs[col], ys[row]) == VOID {
-                roofs[row * n_cols + col] = VOID;
-            }
-        }
-        // A roof that is not above the ground hides nothing and is no place to stand on.
-        for (index, roof) in roofs.iter_mut().enumerate().filter(|(_, r)| **r != VOID) {
-            let center = positions.center(index / n_cols, index % n_cols);
-            let ground = self.ground_at(&center);
-            let inside = self.inside_prisms_below(&center);
-            if ground == VOID || inside <= ground {
-                *roof = VOID;
-            }
-        }
-        roofs
-    }
-}
-
-/// Whether a position inside or on a convex counterclockwise ring lies on its boundary.
-fn is_on_boundary(ring: &[[i32; 2]], x: i64, y: i64) -> bool {
-    let sides = || (0..ring.len()).map(|k| side(ring[k], ring[(k + 1) % ring.len()], x, y));
-    sides().all(|s| s >= 0) && sides().any(|s| s == 0)
 }
 
 fn cell_frame(georef: &GeoRef) -> Frame {

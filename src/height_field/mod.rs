@@ -7,10 +7,12 @@
 mod cell_sets;
 mod columns;
 mod casters;
+mod changed;
 mod coarser;
 mod field;
 mod merge;
 mod prisms;
+mod roofs;
 mod triangulate;
 
 pub use casters::{Caster, CasterBlock, Casters};

@@ -50,6 +50,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::prisms_ray::prisms_los;
+use super::shadow_grid::ShadowGrid;
 use super::shadow_outline::{Ceiling, Outline, Plane, Reach};
 use super::shadow_spans::{LANES, Lanes, as_f64, below_ceiling, bits_outside, clear, for_each_bit, maybe_spans, spans};
 use crate::height_field::{Casters, Prisms};
@@ -61,34 +62,6 @@ const TILE: usize = 64;
 
 /// Words a row that a shadow counted as narrow may meet.
 const NARROW: usize = 3;
-
-/// Where receivers stand in the plane.
-#[derive(Debug, Clone)]
-pub struct ShadowGrid {
-    xs: Vec<i64>,
-    ys: Vec<i64>,
-    /// Distance of neighboring columns and rows, on average \[lattice steps\].
-    steps: (f64, f64),
-    /// How far a column may be from where the average puts it \[columns\].
-    unevenness: f64,
-}
-
-impl ShadowGrid {
-    /// A grid from the lattice positions of its columns, ascending, and of its rows, descending.
-    pub fn new(xs: Vec<i64>, ys: Vec<i64>) -> Self {
-        let spacing = |v: &[i64]| match (v.first(), v.last()) {
-            (Some(a), Some(b)) if a != b => as_f64(b - a).abs() / as_f64(v.len() - 1),
-            _ => 1.0,
-        };
-        let steps = (spacing(&xs), spacing(&ys));
-        let deviation = |(col, x): (usize, &i64)| (as_f64(x - xs[0]) / steps.0 - as_f64(col)).abs();
-        let unevenness = xs.iter().enumerate().map(deviation).fold(0.0, f64::max);
-        // Positions are integers: if they are evenly spaced, so is the average, and nothing above was rounded. Otherwise
-        // two roundings of at most 2^16 columns are below 1e-10.
-        let unevenness = if unevenness > 0.0 { unevenness + 1e-10 } else { 0.0 };
-        ShadowGrid { xs, ys, steps, unevenness }
-    }
-}
 
 /// Everything about shadows that is the same for many UAVs.
 #[derive(Debug, Clone, Copy)]

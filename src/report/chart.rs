@@ -148,13 +148,8 @@ impl ChartReport {
     pub fn document(&self) -> Value {
         let mut document = self.head();
         document.insert("memory_floor".into(), self.floor.json().into());
-        let front = self.front();
-        let row = |(k, row): (usize, &ChartRow)| {
-            let mut object = self.row_json(row);
-            object.insert("pareto".into(), front.contains(&k).into());
-            Value::Object(object)
-        };
-        document.insert("contestants".into(), self.rows.iter().enumerate().map(row).collect::<Vec<_>>().into());
+        let rows = self.rows.iter().map(|row| self.row_json(row));
+        document.insert("contestants".into(), with_front(rows, &self.front()));
         self.close(document)
     }
 
@@ -262,4 +257,13 @@ fn count_cells(counts: &Comparison) -> [u64; 7] {
         counts.own_receivers,
         counts.own_los,
     ]
+}
+
+/// Contestants, each with whether it is on the Pareto front, which is given by numbers.
+pub(super) fn with_front(rows: impl Iterator<Item = Map<String, Value>>, front: &[usize]) -> Value {
+    let row = |(k, mut row): (usize, Map<String, Value>)| {
+        row.insert("pareto".into(), front.contains(&k).into());
+        Value::Object(row)
+    };
+    rows.enumerate().map(row).collect::<Vec<_>>().into()
 }

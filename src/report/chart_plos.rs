@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::chart::{CHART_SCHEMA, Cost, meaning, text};
+use super::chart::{CHART_SCHEMA, Cost, meaning, text, with_front};
 use crate::accuracy::front::pareto_front;
 use crate::accuracy::plos_cost::{PlosAnswer, PlosWay};
 use crate::error::Warning;
@@ -75,13 +75,8 @@ impl PlosChartReport {
     /// The document; it holds times of this machine.
     pub fn document(&self) -> Value {
         let mut document = self.head();
-        let front = self.front();
-        let row = |(k, row): (usize, &PlosChartRow)| {
-            let mut object = self.row_json(row);
-            object.insert("pareto".into(), front.contains(&k).into());
-            Value::Object(object)
-        };
-        document.insert("contestants".into(), self.rows.iter().enumerate().map(row).collect::<Vec<_>>().into());
+        let rows = self.rows.iter().map(|row| self.row_json(row));
+        document.insert("contestants".into(), with_front(rows, &self.front()));
         self.close(document)
     }
 

@@ -35,6 +35,7 @@ mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
+mod cli_flags; // every flag of map, link, city and info changes something
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
 mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone

@@ -461,9 +461,8 @@ fn every_flag_changes_what_is_found() {
     for (line, flag) in FLAGS {
         assert_ne!(found(line), found(&format!("{line} {flag}")), "{line} {flag}");
     }
-    let help = folder.type_in("place --help").done().out;
-    for line in help.lines().map(str::trim_start).filter(|line| line.starts_with('-')) {
-        let Some(flag) = line.split([' ', ',']).find(|word| word.starts_with("--")) else { continue };
+    for flag in folder.flags("place") {
+        let flag = flag.as_str();
         let is_known =
             OTHER.contains(&flag) || FLAGS.iter().any(|(_, words)| words.split(' ').any(|word| word == flag));
         assert!(is_known, "place {flag}: add it to the flags above");

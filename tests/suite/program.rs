@@ -114,6 +114,16 @@ impl Folder {
         run_in(&self.0, words)
     }
 
+    /// The flags of a command's help, each with the words of its line: a short name may stand before the long one.
+    pub(crate) fn flags(&self, command: &str) -> Vec<String> {
+        let help = self.type_in(&format!("{command} --help")).done().out;
+        let lines = help.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+        let flag = |line: &str| line.split([' ', ',']).find(|word| word.starts_with("--")).map(str::to_string);
+        let flags: Vec<String> = lines.filter_map(flag).collect();
+        assert!(flags.len() > 10, "{command}: {flags:?}");
+        flags
+    }
+
     /// Runs a command line without quotes, as typed.
     pub(crate) fn type_in(&self, line: &str) -> Answer {
         self.run(&line.split_whitespace().collect::<Vec<_>>())

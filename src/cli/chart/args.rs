@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ChartArgs {
@@ -42,12 +42,8 @@ pub(in crate::cli) struct ChartArgs {
     /// Write the table to this file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) csv: Option<PathBuf>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(in crate::cli) title: Option<String>,
-    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(in crate::cli) attribution: Option<String>,
+    #[command(flatten)]
+    pub(in crate::cli) words: PictureWords,
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten)]

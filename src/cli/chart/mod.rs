@@ -17,10 +17,10 @@ pub(super) use args::ChartArgs;
 
 use super::in_pool;
 use super::messages;
-use super::plan::{check_csv, input_paths, refuse_words_without_picture};
+use super::plan::{input_paths, outputs_with_table};
 use crate::coverage::Control;
 use crate::error::{Error, Result};
-use crate::export::{Format, OutputRules, check_outputs};
+use crate::export::{Format, OutputRules};
 use crate::scene::BuiltUpCity;
 
 /// Formats of `skyshed chart`.
@@ -48,11 +48,8 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>) -> Result<()> {
 fn outputs(args: &ChartArgs) -> Result<Vec<(PathBuf, Format)>> {
     let inputs: Vec<PathBuf> = input_paths(&args.scene).into_iter().chain(args.uavs.clone()).collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
-    let mut outputs = check_outputs(&args.output, rules)?;
-    if let Some(path) = &args.csv {
-        outputs.extend(check_csv(path, &args.output, rules)?);
-    }
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
+    args.words.refuse_without_picture(&outputs)?;
     Ok(outputs)
 }
 

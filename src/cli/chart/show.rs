@@ -114,7 +114,7 @@ pub(super) fn of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) ->
 }
 
 fn title(args: &ChartArgs, name: &str, is_interrupted: bool) -> String {
-    let title = args.title.clone().unwrap_or_else(|| format!("Speed against accuracy: {}", title_of(name)));
+    let title = args.words.title_or(|| format!("Speed against accuracy: {}", title_of(name)));
     unbreakable(&if is_interrupted { format!("{title} (interrupted)") } else { title })
 }
 
@@ -156,7 +156,7 @@ fn caption_of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Ve
     let reasons = report.rows.iter().filter_map(|row| Some((row, row.result.as_ref().err()?)));
     lines.extend(reasons.map(|(row, reason)| format!("No answer of {}: {reason}.", row.label)));
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
-    lines.extend(args.attribution.clone().or_else(|| scene.attribution.clone()));
+    lines.extend(args.words.credit(scene.attribution.as_ref()));
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 
@@ -241,6 +241,6 @@ fn caption_of_plos(args: &ChartArgs, report: &PlosChartReport) -> Vec<String> {
         lines.push(format!("Without an answer here: {}; the table tells why.", silent.join(", ")));
     }
     lines.push(format!("Seed {}; skyshed {}", report.seed, env!("CARGO_PKG_VERSION")));
-    lines.extend(args.attribution.clone());
+    lines.extend(args.words.credit(None));
     lines.iter().map(|line| unbreakable(line)).collect()
 }

@@ -16,15 +16,15 @@ use write::Writer;
 
 use super::map::sites;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_csv, check_memory, checked_radius, input_paths, meters_per_unit, parse_uav,
-    ready, receiver_height, refuse_words_without_picture, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, outputs_with_table,
+    parse_uav, ready, receiver_height, warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::coverage::{CellGroups, Control, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table};
+use crate::export::{Batch, Format, OutputRules, encode_table};
 use crate::los::Method;
 use crate::raster::CellBlocks;
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
@@ -153,11 +153,8 @@ fn outputs(args: &CompareArgs) -> Result<Vec<(PathBuf, Format)>> {
     let inputs: Vec<PathBuf> =
         input_paths(&args.scene).into_iter().chain(args.uavs.clone()).chain(args.mask.clone()).collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
-    let mut outputs = check_outputs(&args.output, rules)?;
-    if let Some(path) = &args.csv {
-        outputs.extend(check_csv(path, &args.output, rules)?);
-    }
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
+    args.words.refuse_without_picture(&outputs)?;
     Ok(outputs)
 }
 

@@ -32,7 +32,7 @@ impl<'a> Show<'a> {
     pub(super) fn of(writer: &'a Writer<'a>) -> Self {
         let Writer { args, scene, report, .. } = writer;
         let title = format!("What {} placements see of {}", report.placements.len(), scene.name);
-        let title = args.title.clone().unwrap_or(title);
+        let title = args.words.title_or(|| title);
         let label = |p: &PlacementFacts| match &p.origin {
             Origin::Uav(site) => unbreakable(&format!("{} · {}", p.id, height_words(site))),
             Origin::File { .. } => format!("{} · saved map", p.id),
@@ -148,7 +148,7 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
     lines.push(format!("In each resampling {MEANING}."));
     let heights = (report.rx_height_m, report.radius_m);
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
-    lines.extend(args.attribution.clone().or_else(|| scene.attribution.clone()));
+    lines.extend(args.words.credit(scene.attribution.as_ref()));
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 

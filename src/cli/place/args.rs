@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::super::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+use super::super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 use super::super::sample::SampleArgs;
 use crate::zones::Zone;
 
@@ -67,12 +67,8 @@ pub(in crate::cli) struct PlaceArgs {
     /// What the winner sees, or those chosen together: a coverage map (.png .svg .tif)
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the picture's caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) words: PictureWords,
     #[command(flatten)]
     pub(super) sample: SampleArgs,
     #[command(flatten)]

@@ -17,8 +17,8 @@ use std::time::Instant;
 use super::expected::Expected;
 use super::messages;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_csv, check_memory, checked_radius, input_paths, ready, receiver_height,
-    refuse_words_without_picture, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
+    warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::sample::SampleJob;
@@ -164,14 +164,11 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
     let inputs: Vec<PathBuf> =
         input_paths(&args.scene).into_iter().chain(files.into_iter().flatten().cloned()).collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
-    let mut outputs = check_outputs(&args.output, rules)?;
+    let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
     let is_spatial = |format: &Format| matches!(format, Format::Png | Format::Svg | Format::GeoTiff);
     if let Some((path, _)) = outputs.iter().find(|(_, f)| args.candidates.is_some() && is_spatial(f)) {
         let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
         return Err(Error::usage(109, text).with_hint("-o places.geojson"));
-    }
-    if let Some(path) = &args.csv {
-        outputs.extend(check_csv(path, &args.output, rules)?);
     }
     let mut map = None;
     if let Some(path) = &args.map {
@@ -185,7 +182,7 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
         }
     }
     let all: Vec<Output> = outputs.iter().cloned().chain(map.clone()).collect();
-    refuse_words_without_picture(&args.title, &args.attribution, &all)?;
+    args.words.refuse_without_picture(&all)?;
     Ok((outputs, map))
 }
 
@@ -267,8 +264,7 @@ fn sampled(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         heights_m: &heights_m,
         rx_height_m: args.rx_height,
         receivers: args.receivers,
-        title: args.title.as_deref(),
-        attribution: args.attribution.as_deref(),
+        words: &args.words,
     };
     job.run(command)
 }

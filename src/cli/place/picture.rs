@@ -40,8 +40,7 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         .zip(&heights)
         .map(|((label, place), height)| mark(grid, (place.x, place.y), label, height))
         .collect();
-    let title =
-        job.args.title.clone().unwrap_or_else(|| unbreakable(&format!("Where to hover over {}", job.scene.name)));
+    let title = job.args.words.title_or(|| unbreakable(&format!("Where to hover over {}", job.scene.name)));
     let caption = caption(job);
     let none = if job.goal.at_least.is_some() { "Share not reached, or no candidate" } else { "No candidate" };
     let picture = MapPicture {
@@ -121,6 +120,6 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
         grid.crs().map_or("local coordinates".to_string(), Crs::label),
         env!("CARGO_PKG_VERSION")
     ));
-    lines.extend(job.args.attribution.clone().or_else(|| job.scene.attribution.clone()));
+    lines.extend(job.args.words.credit(job.scene.attribution.as_ref()));
     lines
 }

@@ -102,7 +102,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         (job.report.rx_height_m, job.report.radius_m),
         job.report.facts.method,
     ));
-    caption.extend(job.args.attribution.clone().or_else(|| job.scene.attribution.clone()));
+    caption.extend(job.args.words.credit(job.scene.attribution.as_ref()));
     let subject = if facts.len() > 1 { "What the chosen UAVs see of" } else { "What the best UAV sees of" };
     let title = unbreakable(&format!("{subject} {}", job.scene.name));
     let surface = job.scene.field.above_ground_m();

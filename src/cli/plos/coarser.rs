@@ -5,15 +5,12 @@ use rayon::prelude::*;
 use super::args::PlosArgs;
 use super::real::{Group, Real, Sight};
 use super::sweep::Sweeps;
-use crate::accuracy::{CONFIDENCE, Paired, Simpler, paired_difference};
+use crate::accuracy::{CONFIDENCE, FACTORS, Paired, Simpler, paired_difference};
 use crate::cli::plan::meters_per_unit;
 use crate::error::Result;
 use crate::height_field::{HeightField, Station};
 use crate::los_probability::estimate::Count;
 use crate::report::{PlosToleranceFacts, PlosTried};
-
-/// Times that cells are larger, coarsest first.
-const FACTORS: [usize; 4] = [16, 8, 4, 2];
 
 /// Positions from which maps of both kinds are compared.
 const COMPARED: usize = 32;
@@ -38,7 +35,8 @@ pub(super) fn coarsest_within(
         groups.iter().zip(&compared).map(|(group, uavs)| totals(real, args, (field, sight), (group, uavs))).collect()
     };
     let exact = count(&real.field)?;
-    let forms = Simpler::forms(&real.field, &FACTORS);
+    let coarsest_first: Vec<usize> = FACTORS.into_iter().rev().collect();
+    let forms = Simpler::forms(&real.field, &coarsest_first);
     let n_values = groups.len() * sweeps.far.len();
     let risk = (1.0 - CONFIDENCE) / (2 * forms.len() * n_values).max(1) as f64;
     let grid = real.field.grid();

@@ -18,13 +18,13 @@ use real::Real;
 use sweep::Sweeps;
 
 use super::args::SceneArgs;
-use super::plan::check_csv;
+use super::plan::outputs_with_table;
 use super::tolerance::checked_tolerance;
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::accuracy::CONFIDENCE;
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, encode_table, with_suffix};
 use crate::los::MethodChoice;
 use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
@@ -54,10 +54,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         .chain(curves.iter().map(|(_, path)| path.clone()))
         .collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
-    let mut outputs = check_outputs(&args.output, rules)?;
-    if let Some(path) = &args.csv {
-        outputs.extend(check_csv(path, &args.output, rules)?);
-    }
+    let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
     let makes_picture = outputs.iter().any(|(_, f)| matches!(f, Format::Png | Format::Svg));
     if args.title.is_some() && !makes_picture {
         return Err(Error::usage(116, "`--title` has no meaning without a .png or .svg output"));
@@ -283,18 +280,9 @@ fn model_rows(
     let mut rows = Vec::new();
     let (mut cares, mut reasons): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
     for setting in settings.iter().filter(|s| Some((s.placement, s.users)) == first) {
-        let (value, caution) = match setting.reach {
-            Reach::Ring { distance_m, theta_deg } => of(&ModelLink {
-                built_up: setting.built_up,
-                uav_height_m: setting.uav_height_m,
-                rx_height_m: setting.rx_height_m,
-                theta_deg,
-                distance_m,
-                phi_deg: setting.phi_deg,
-            }),
-            Reach::Disc { .. } => {
-                (PlosValue::None("it is a function of one angle or distance, not of an area".into()), None)
-            }
+        let (value, caution) = match ModelLink::of(setting) {
+            Ok(link) => of(&link),
+            Err(why) => (PlosValue::None(why.into()), None),
         };
         cares.extend(caution.filter(|c| !cares.contains(c)));
         if let PlosValue::None(reason) = &value {

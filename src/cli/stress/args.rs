@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::accuracy::stress::{FAMILIES, Family};
-use crate::cli::args::{EngineArgs, OutputArgs, ReceiversArg, SceneArgs, number};
+use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |a| a.required(false).default_value("").hide_default_value(true).help(
@@ -32,12 +32,8 @@ pub(in crate::cli) struct StressArgs {
     /// .json, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
-    /// Title of the picture
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) words: PictureWords,
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten)]

@@ -6,7 +6,6 @@ use std::time::Instant;
 use super::{FORMATS, StressArgs, answer, wrote};
 use crate::accuracy::stress::{Contender, Effort, FAMILIES, Family, check_exact, stress};
 use crate::cli::map::undrawable;
-use crate::cli::plan::refuse_words_without_picture;
 use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::error::Result;
@@ -20,7 +19,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();
     let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
-    refuse_words_without_picture(&args.title, &None, &outputs)?;
+    args.words.refuse_without_picture(&outputs)?;
     let families: Vec<&Family> =
         FAMILIES.iter().filter(|f| args.families.is_empty() || args.families.contains(&f.name)).collect();
     let methods = match args.engine.method {
@@ -99,7 +98,7 @@ fn picture(args: &StressArgs, report: &StressReport, format: Format) -> Result<V
     let rows: Vec<&str> = report.scores.iter().map(|score| score.family).collect();
     let rates: Vec<Option<[u64; 2]>> =
         report.scores.iter().flat_map(|score| (0..columns.len()).map(|k| StressReport::rate(score, k))).collect();
-    let title = args.title.clone().unwrap_or_else(|| "Where methods fail".into());
+    let title = args.words.title_or(|| "Where methods fail".into());
     let caption = caption(report);
     let sheet = RateSheet { title: &title, caption: &caption, rows: &rows, columns: &columns, rates: &rates };
     let provenance = picture_provenance(&report.document(None));

@@ -8,7 +8,7 @@ use super::{FORMATS, StressArgs, answer, wrote};
 use crate::cli::map_drawing::MapDrawing;
 use crate::cli::plan::{
     FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
-    refuse_words_without_picture, warn_of_flat_earth,
+    warn_of_flat_earth,
 };
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::{picture_provenance, pretty};
@@ -32,7 +32,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let inputs = input_paths(&args.scene);
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
-    refuse_words_without_picture(&args.title, &args.attribution, &outputs)?;
+    args.words.refuse_without_picture(&outputs)?;
     let Some(uav) = &args.uav else {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H`"));
     };
@@ -89,8 +89,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         layers: &[Layer::Stability],
         report: &report.map,
         receivers: args.receivers,
-        title: args.title.as_deref(),
-        attribution: args.attribution.as_deref(),
+        words: &args.words,
     };
     for (path, format) in &outputs {
         interrupt::check()?;

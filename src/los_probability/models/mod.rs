@@ -46,6 +46,7 @@
 
 use std::fmt;
 
+use super::setting::{Reach, Setting};
 use crate::quantity::tidy;
 use crate::scene::BuiltUp;
 
@@ -114,6 +115,26 @@ pub struct ModelLink {
     pub distance_m: f64,
     /// Azimuth \[deg\], 0 straight across the street; `None` for the mean over all azimuths.
     pub phi_deg: Option<f64>,
+}
+
+impl ModelLink {
+    /// The link of a setting.
+    ///
+    /// # Errors
+    /// Why there is none: users over an area have no one angle and distance.
+    pub fn of(setting: &Setting) -> Result<ModelLink, &'static str> {
+        let Reach::Ring { distance_m, theta_deg } = setting.reach else {
+            return Err("it is a function of one angle or distance, not of an area");
+        };
+        Ok(ModelLink {
+            built_up: setting.built_up,
+            uav_height_m: setting.uav_height_m,
+            rx_height_m: setting.rx_height_m,
+            theta_deg,
+            distance_m,
+            phi_deg: setting.phi_deg,
+        })
+    }
 }
 
 /// What a model says of a link.
