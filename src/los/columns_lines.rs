@@ -28,7 +28,7 @@ pub(super) fn columns_los_over_lines(
     uav: LatticePoint,
     (own, receiver): (usize, LatticePoint),
     across: Across,
-    (near, far): (i64, i64),
+    lines: (i64, i64),
 ) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
@@ -41,53 +41,86 @@ pub(super) fn columns_los_over_lines(
         Across::Row => (dy.abs(), dx.abs(), stride_y, stride_x, cells_left(dx, east, columns.n_cols())),
         Across::Column => (dx.abs(), dy.abs(), stride_x, stride_y, cells_left(dy, north, columns.n_rows())),
     };
-    let climb = uav.z - receiver.z;
-    let tops = columns.tops();
+    let link = LinkOverLines { length, along, z: receiver.z, climb: uav.z - receiver.z, most };
+    link.is_clear(&LineCells { tops: columns.tops(), own, stride, sideways }, lines)
+}
 
-    // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
-    let whole = CELL * length;
-    let (mut n, stop) = (length - far, length - near);
-    let numerator = CELL / 2 * length + n * along;
-    let (mut passed, mut rest) = (numerator / whole, numerator % whole);
-    let growth = CELL * along;
-    let lines = (n - CELL / 2) / CELL + 1;
-    let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
-    let mut cell = own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways));
-    while n < stop {
-        if passed > most {
-            // Beside the raster nothing blocks.
-            return true;
-        }
-        // The ray enters the line at `n` in `cell`, and leaves it there or in the next one.
-        rest += growth;
-        let steps_over = rest >= whole;
-        rest -= if steps_over { whole } else { 0 };
-        let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
-        let is_inside = passed + i64::from(steps_over) <= most;
-        let first = i64::from(tops[cell]) - receiver.z;
-        let second = if is_inside { i64::from(tops[next]) - receiver.z } else { i64::MIN >> 32 };
-        let end = (n + CELL).min(length);
-        let lowest = if climb >= 0 { n } else { end } * climb;
-        if first.max(second) * length > lowest {
-            // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
-            let border = CELL / 2 + passed * CELL;
-            let crosses = steps_over && rest > 0 && border < along;
-            let blocked = if climb >= 0 {
-                first * length > n * climb || (crosses && second * along > border * climb)
-            } else if crosses {
-                first * along > border * climb || second * length > end * climb
-            } else {
-                first * length > end * climb
-            };
-            if blocked {
-                return false;
+/// A link as lines of cells see it, from the receiver to the UAV.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinkOverLines {
+    /// How far it goes across the lines \[lattice steps\], and along them, which is no farther.
+    pub(super) length: i64,
+    pub(super) along: i64,
+    /// Height of the receiver, and of the UAV above it \[1/1024 m\].
+    pub(super) z: i64,
+    pub(super) climb: i64,
+    /// Cells of the raster beside the receiver's, on the side of the UAV.
+    pub(super) most: i64,
+}
+
+/// Where the cells of some lines are found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineCells<'a> {
+    /// Tops of the cells, line by line.
+    pub(super) tops: &'a [i32],
+    /// Index of the receiver's cell; where its line is not among `tops`, what it would be, wrapped around.
+    pub(super) own: usize,
+    /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line.
+    pub(super) stride: isize,
+    pub(super) sideways: isize,
+}
+
+impl LinkOverLines {
+    /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link.
+    pub(super) fn is_clear(&self, cells: &LineCells<'_>, (near, far): (i64, i64)) -> bool {
+        let LinkOverLines { length, along, z, climb, most } = *self;
+        let LineCells { tops, own, stride, sideways } = *cells;
+        // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
+        let whole = CELL * length;
+        let (mut n, stop) = (length - far, length - near);
+        let numerator = CELL / 2 * length + n * along;
+        let (mut passed, mut rest) = (numerator / whole, numerator % whole);
+        let growth = CELL * along;
+        let lines = (n - CELL / 2) / CELL + 1;
+        let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
+        let mut cell = own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways));
+        while n < stop {
+            if passed > most {
+                // Beside the raster nothing blocks.
+                return true;
             }
+            // The ray enters the line at `n` in `cell`, and leaves it there or in the next one.
+            rest += growth;
+            let steps_over = rest >= whole;
+            rest -= if steps_over { whole } else { 0 };
+            let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
+            let is_inside = passed + i64::from(steps_over) <= most;
+            let first = i64::from(tops[cell]) - z;
+            let second = if is_inside { i64::from(tops[next]) - z } else { i64::MIN >> 32 };
+            let end = (n + CELL).min(length);
+            let lowest = if climb >= 0 { n } else { end } * climb;
+            if first.max(second) * length > lowest {
+                // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at
+                // once.
+                let border = CELL / 2 + passed * CELL;
+                let crosses = steps_over && rest > 0 && border < along;
+                let blocked = if climb >= 0 {
+                    first * length > n * climb || (crosses && second * along > border * climb)
+                } else if crosses {
+                    first * along > border * climb || second * length > end * climb
+                } else {
+                    first * length > end * climb
+                };
+                if blocked {
+                    return false;
+                }
+            }
+            passed += i64::from(steps_over);
+            cell = next.wrapping_add_signed(stride);
+            n += CELL;
         }
-        passed += i64::from(steps_over);
-        cell = next.wrapping_add_signed(stride);
-        n += CELL;
+        true
     }
-    true
 }
 
 fn as_i64(n: usize) -> i64 {

@@ -53,4 +53,6 @@ pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
 pub use simd::{SimdLevel, simd_levels};
-pub use sweep::{ReceiverHeights, Swept, sweep_los};
+pub use sweep::{
+    ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,
+};

@@ -1,8 +1,13 @@
-//! The bracketed sweep equals `ray`, cell for cell, on every scene, at every width of vectors, with any threads.
+//! The bracketed sweep equals `ray`, cell for cell, on every scene, at every width of vectors, with any threads; and
+//! so it does strip by strip, whatever the strips.
 
 use rayon::prelude::*;
+use skyshed::error::Result;
 use skyshed::height_field::Columns;
-use skyshed::los::{ReceiverHeights, SimdLevel, columns_los, simd_levels, sweep_los};
+use skyshed::los::{
+    ColumnsReader, ReceiverHeights, SimdLevel, StreamLimits, StreamedHeights, StreamedScene, columns_los, simd_levels,
+    streamed_sweep_los, sweep_los,
+};
 use skyshed::quantity::{BLOCKS_ALL, LatticePoint, VOID};
 use skyshed::raster::{BitGrid, CellWindow};
 
@@ -69,7 +74,72 @@ fn compare(
             );
         }
     }
+    // Strips of every thickness, queues that are full at once and queues that never are.
+    let kind = usize::try_from(uav.x.rem_euclid(5)).expect("below 5");
+    let limits = StreamLimits { lines: [1, 3, 7, 64, 256][kind], waiting: [0, 5, 1 << 20][kind % 3] };
+    let streamed = streamed(columns, (uav, receivers), wanted, (window, limits, level));
+    assert!(streamed == expected, "by {limits:?} of {}×{}, UAV {uav:?}", columns.n_rows(), columns.n_cols());
     (wanted.count(), found.undecided)
+}
+
+/// Columns in memory that are handed out window by window, and what receivers stand on.
+struct Windows<'a> {
+    columns: &'a Columns,
+    base: &'a [i32],
+}
+
+impl Windows<'_> {
+    fn cut(&self, cells: &[i32], window: CellWindow, out: &mut Vec<i32>) {
+        assert!(window.n_rows > 0 && window.n_cols > 0);
+        out.clear();
+        for row in window.row..window.row + window.n_rows {
+            let first = row * self.columns.n_cols() + window.col;
+            out.extend_from_slice(&cells[first..first + window.n_cols]);
+        }
+    }
+}
+
+impl ColumnsReader for Windows<'_> {
+    fn shape(&self) -> (usize, usize) {
+        (self.columns.n_rows(), self.columns.n_cols())
+    }
+
+    fn read_tops(&self, window: CellWindow, tops: &mut Vec<i32>) -> Result<()> {
+        self.cut(self.columns.tops(), window, tops);
+        Ok(())
+    }
+
+    fn read_bases(&self, window: CellWindow, bases: &mut Vec<i32>) -> Result<()> {
+        self.cut(self.base, window, bases);
+        Ok(())
+    }
+}
+
+/// What the streamed sweep says of the wanted cells in a window.
+fn streamed(
+    columns: &Columns,
+    (uav, receivers): (LatticePoint, ReceiverHeights<'_>),
+    wanted: &BitGrid,
+    (window, limits, level): (CellWindow, StreamLimits, SimdLevel),
+) -> BitGrid {
+    let (heights, base) = match receivers {
+        ReceiverHeights::Flat(z) => (StreamedHeights::Flat(z), &[][..]),
+        ReceiverHeights::Over { base, above, lowest, highest } => {
+            let is_top = std::ptr::eq(base, columns.tops());
+            (StreamedHeights::Over { is_top, above, range: (lowest, highest) }, base)
+        }
+    };
+    let scene = StreamedScene {
+        columns: &Windows { columns, base },
+        max_top: columns.max_top(),
+        uav,
+        receivers: heights,
+        wanted,
+        window,
+        limits,
+        level,
+    };
+    streamed_sweep_los(&scene, &|_| true).expect("memory can be read").los
 }
 
 /// A small raster with heights around the UAV's, few distinct values so that ties are frequent.

@@ -59,6 +59,7 @@
 //! Cost: about 1.5 look-ups per cell, and a short walk for each undecided receiver (0.02 to 3 % of all).
 
 mod kernels;
+mod streamed;
 mod wedge;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -67,6 +68,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::kernels::{Decided, LineReceivers};
+pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
 use self::wedge::{Line, MAX_PARTS, NEAR, Suspects, Wedge, WedgeFrame};
 use super::columns_lines::{Across, columns_los_over_lines};
 use super::columns_los;
@@ -199,6 +201,11 @@ impl SharedBits {
         let mut words = Vec::with_capacity(n_lines * per_line);
         words.resize_with(n_lines * per_line, || AtomicU64::new(0));
         SharedBits { words, per_line }
+    }
+
+    /// The words of a line.
+    fn line(&self, line: usize) -> &[AtomicU64] {
+        &self.words[line * self.per_line..(line + 1) * self.per_line]
     }
 
     #[inline]
