@@ -379,6 +379,10 @@ pub(super) struct MapArgs {
     /// of range, and no nodata
     #[arg(long)]
     pub(super) gdal_values: bool,
+    /// Folder for the heights of a raster that does not fit in memory (4 bytes a cell, in a file without a name); default:
+    /// the system's folder for temporary files
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) scratch: Option<PathBuf>,
     /// Coverage as polygons in .geojson and .fgb files, one per connected part of a class and site, holes kept
     #[arg(long, value_enum, value_name = "CLASS")]
     pub(super) polygons: Option<PolygonsArg>,

@@ -7,6 +7,7 @@ use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
 use super::map_files::{Writer, check_flags};
+use super::map_streamed::{StreamedRun, too_large};
 use super::plan::{
     FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
     warn_of_flat_earth,
@@ -71,6 +72,10 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
     }
     let layers = layers(&args.layers);
+    if let Some(why) = too_large(args) {
+        let outputs = &outputs;
+        return StreamedRun { args, command, outputs, layers: &layers, typed, rx_height, radius_m, start }.run(&why);
+    }
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let sites = sites(typed, args.uavs.as_deref(), scene.field.grid())?;
@@ -111,7 +116,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
             least_height: layers.contains(&Layer::LeastHeight),
             stability: layers.contains(&Layer::Stability),
         },
-        ..asked.options(&scene.field, zones.as_ref())
+        ..asked.options(scene.field.grid(), zones.as_ref())
     };
 
     // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
@@ -313,7 +318,8 @@ pub(super) fn height_words(site: &SiteFacts) -> String {
     }
 }
 
-fn say_results(report: &MapReport, why: &str, timing: Timing, outputs: &[(PathBuf, Format)]) {
+/// Tells what was found, how, and where it was written.
+pub(super) fn say_results(report: &MapReport, why: &str, timing: Timing, outputs: &[(PathBuf, Format)]) {
     for site in &report.sites {
         let share = site.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
         messages::note(&format!(

@@ -76,7 +76,7 @@ impl Needs {
         let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
         let options = |field: &HeightField| {
             let zones = asked.receivers.zone().map(|_| ZoneMap::of(field, built_up.as_ref()));
-            asked.options(field, zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
+            asked.options(field.grid(), zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
         };
         let setup = Setup { field, uavs: &uavs, options: &options };
         let own = options(field);

@@ -48,12 +48,7 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         return city.scene();
     }
     let path = Path::new(&args.scene);
-    let crs =
-        args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
-    let nodata_as = match args.nodata_as {
-        Nodata::Block => NodataAs::Block,
-        Nodata::Clear => NodataAs::Clear,
-    };
+    let (crs, nodata_as) = (typed_crs(args)?, nodata_as(args));
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match VectorFormat::of_extension(&extension) {
         Some(format) => {
@@ -68,11 +63,33 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             let surface = surface_options(args, crs, nodata_as)?;
             read_mesh(path, &MeshOptions { surface, extent: args.extent, cell_m: args.cell }, warnings)
         }
-        None => {
-            refuse_flags(args, "a raster", &["extent", "cell", "size"])?;
-            refuse_flags(args, "a raster", &OF_FOOTPRINTS)?;
-            read_surface(path, &surface_options(args, crs, nodata_as)?, warnings)
-        }
+        None => read_surface(path, &raster_options(args)?, warnings),
+    }
+}
+
+/// Whether a scene is a raster, by its name.
+pub(super) fn is_raster(args: &SceneArgs) -> bool {
+    let extension = Path::new(&args.scene).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_other = VectorFormat::of_extension(&extension).is_some() || ["obj", "ply"].contains(&extension.as_str());
+    BuiltUpCity::parse_built_up(&args.scene).is_none() && !is_other
+}
+
+/// How a raster is to be read.
+pub(super) fn raster_options(args: &SceneArgs) -> Result<SurfaceOptions> {
+    refuse_flags(args, "a raster", &["extent", "cell", "size"])?;
+    refuse_flags(args, "a raster", &OF_FOOTPRINTS)?;
+    surface_options(args, typed_crs(args)?, nodata_as(args))
+}
+
+/// The CRS that was typed.
+fn typed_crs(args: &SceneArgs) -> Result<Option<Crs>> {
+    args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))
+}
+
+fn nodata_as(args: &SceneArgs) -> NodataAs {
+    match args.nodata_as {
+        Nodata::Block => NodataAs::Block,
+        Nodata::Clear => NodataAs::Clear,
     }
 }
 
@@ -176,7 +193,7 @@ pub(super) fn memory_words(bytes: u64) -> String {
 }
 
 /// Memory that the system can still give \[bytes\], where it says so: an allocator may promise more than there is.
-fn available_memory() -> Option<u64> {
+pub(super) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

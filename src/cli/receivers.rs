@@ -7,12 +7,17 @@ use crate::error::{Error, Result};
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::quantity::tidy;
-use crate::raster::Crs;
+use crate::raster::{Crs, GeoRef};
 use crate::zones::ZoneMap;
 
 /// Roofs and zones are known only where buildings are.
 pub(super) fn check_receivers(receivers: ReceiversArg, field: &HeightField) -> Result<()> {
-    if field.is_surface_only() && (receivers == ReceiversArg::Roof || receivers.zone().is_some()) {
+    if field.is_surface_only() { check_surface_receivers(receivers) } else { Ok(()) }
+}
+
+/// The receivers that a surface model alone has.
+pub(super) fn check_surface_receivers(receivers: ReceiversArg) -> Result<()> {
+    if receivers == ReceiversArg::Roof || receivers.zone().is_some() {
         let what = if receivers == ReceiversArg::Roof { "roof" } else { "zone" };
         let text = format!("`--receivers {}` with a surface model alone: no {what} is known", receivers.name());
         return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
@@ -35,7 +40,7 @@ pub(super) struct Asked<'a> {
 
 impl Asked<'_> {
     /// The options of a map without layers of heights.
-    pub(super) fn options(&self, field: &HeightField, zones: Option<&ZoneMap>) -> MapOptions {
+    pub(super) fn options(&self, grid: &GeoRef, zones: Option<&ZoneMap>) -> MapOptions {
         MapOptions {
             rx_height: self.rx_height,
             receivers: match self.receivers {
@@ -45,7 +50,7 @@ impl Asked<'_> {
             },
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
             radius: self.radius,
-            meters_per_unit: meters_per_unit(field.grid()),
+            meters_per_unit: meters_per_unit(grid),
             layers: HeightLayers::default(),
             method: self.engine.method,
         }

@@ -175,7 +175,7 @@ impl SampleJob<'_> {
             return Err(Error::usage(117, "`--sample` with a surface model alone: no zone is known")
                 .with_hint("give `--terrain FILE` or `--ground Z`"));
         };
-        let options = asked.options(&scene.field, Some(&zones));
+        let options = asked.options(scene.field.grid(), Some(&zones));
         let mapper = Mapper::new(field, &options)?;
         let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
         let blocks = CellBlocks::new(field.grid(), meters_per_unit(field.grid()), block_m);

@@ -39,7 +39,7 @@ pub(super) fn simplify(
     let built_up = scene.built_up;
     let options = |field: &HeightField| {
         let zones = asked.receivers.zone().map(|_| ZoneMap::of(field, built_up.as_ref()));
-        asked.options(field, zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
+        asked.options(field.grid(), zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
     };
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();

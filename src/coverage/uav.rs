@@ -1,10 +1,10 @@
 //! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
 
 use crate::error::{Error, Result};
-use crate::height_field::{HeightField, Place, Station};
-use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
-use crate::raster::GeoRef;
-use crate::scene::Site;
+use crate::height_field::{HeightField, Place, Station, cell_frame};
+use crate::quantity::{BLOCKS_ALL, Frame, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
+use crate::raster::{CellWindow, GeoRef};
+use crate::scene::{Site, WindowedSolids};
 
 /// A UAV that hovers in the clear: not inside a building, not below the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,9 +48,40 @@ impl Uav {
     /// Site errors: inside a building (E201), below the ground (E202), outside the lattice (E203), a height above a
     /// ground or roof that is not there (E204), a height beyond ±32 768 m (E205).
     pub fn place(site: &Site, field: &HeightField, radius: Option<f64>) -> Result<Uav> {
-        let what = format!("cannot place UAV `{}` at ({}, {}) with height {}", site.id, site.x, site.y, site.height);
-        let place = field.place(site.x, site.y);
-        check_extent(&what, site, field, radius)?;
+        let units = [field.prisms_frame(), field.columns_frame()];
+        check_extent(&in_words(site), site, (field.grid(), &units), radius)?;
+        Uav::over(site, field, field.place(site.x, site.y))
+    }
+
+    /// Places a site in a scene that is read window by window, as [`Uav::place`] does in one that is in memory.
+    ///
+    /// # Errors
+    /// As [`Uav::place`], and those of the scene.
+    pub fn place_streamed(site: &Site, scene: &impl WindowedSolids, radius: Option<f64>) -> Result<Uav> {
+        let grid = scene.grid();
+        let frame = cell_frame(grid);
+        check_extent(&in_words(site), site, (grid, &[Some(frame), None]), radius)?;
+        // What is below it is decided by the cells that it touches, and where it is by the lattice of the whole grid.
+        let (x, y) = frame.lattice_from_world(site.x, site.y);
+        let steps = i64::from(STEPS_PER_UNIT);
+        let around = |cell: i64, n: usize| {
+            let clip = |v: i64| usize::try_from(v.max(0)).unwrap_or(0).min(n - 1);
+            (clip(cell - 2), clip(cell + 2))
+        };
+        let from_north = i64::try_from(grid.n_rows()).unwrap_or(i64::MAX) - 1 - y.div_euclid(steps);
+        let (rows, cols) = (around(from_north, grid.n_rows()), around(x.div_euclid(steps), grid.n_cols()));
+        let window = CellWindow { row: rows.0, col: cols.0, n_rows: rows.1 - rows.0 + 1, n_cols: cols.1 - cols.0 + 1 };
+        let field = HeightField::build(&grid.part(window), scene.solids(window)?, &mut Vec::new());
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let (x, y) = frame.world_from_lattice(x as f64, y as f64);
+        let mut uav = Uav::over(site, &field, field.place(x, y))?;
+        uav.station.place = Place::on_cells(grid, site.x, site.y);
+        Ok(uav)
+    }
+
+    /// A site over a place of a scene.
+    fn over(site: &Site, field: &HeightField, place: Place) -> Result<Uav> {
+        let what = in_words(site);
         let ground = field.ground_at(&place);
         let roof = field.roof_at(&place);
 
@@ -95,7 +126,8 @@ impl Uav {
         let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());
         let z = z.ok_or_else(|| Error::site(205, format!("{what}: wanted within ±32768 m of the datum")))?;
         let site = Site { id: self.id.clone(), x: place.x, y: place.y, height: Height::AboveDatum(meters(z)) };
-        check_extent(&what, &site, field, radius)?;
+        let units = [field.prisms_frame(), field.columns_frame()];
+        check_extent(&what, &site, (field.grid(), &units), radius)?;
         Uav::hovering(&what, &site, field, (place, z))
     }
 
@@ -115,6 +147,11 @@ impl Uav {
     pub fn height_amsl_m(&self) -> f64 {
         i32::try_from(self.station.z).map_or(f64::NAN, meters)
     }
+}
+
+/// What is attempted, for errors.
+fn in_words(site: &Site) -> String {
+    format!("cannot place UAV `{}` at ({}, {}) with height {}", site.id, site.x, site.y, site.height)
 }
 
 fn check_clear(what: &str, site: &Site, field: &HeightField, place: &Place, z: i32, roof: Option<i32>) -> Result<()> {
@@ -171,16 +208,19 @@ fn hint_for_far(site: &Site, grid: &GeoRef) -> String {
 }
 
 /// The box of the UAV and the cells in its range must fit the lattice.
-fn check_extent(what: &str, site: &Site, field: &HeightField, radius: Option<f64>) -> Result<()> {
-    let grid = field.grid();
+fn check_extent(
+    what: &str,
+    site: &Site,
+    (grid, units): (&GeoRef, &[Option<Frame>; 2]),
+    radius: Option<f64>,
+) -> Result<()> {
     let reach = radius.unwrap_or(f64::INFINITY);
-    let units = [field.prisms_frame(), field.columns_frame()];
     let span = |at: f64, low: f64, high: f64| {
         let (low, high) = (low.max(at - reach), high.min(at + reach));
         high.max(at) - low.min(at)
     };
     let (width, height) = (span(site.x, grid.x_min(), grid.x_max()), span(site.y, grid.y_min(), grid.y_max()));
-    for frame in units.into_iter().flatten() {
+    for frame in units.iter().flatten() {
         let extent = (width / frame.unit_x).max(height / frame.unit_y);
         if extent > MAX_EXTENT_UNITS {
             return Err(Error::site(

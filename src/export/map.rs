@@ -9,7 +9,8 @@ use super::{Batch, Format};
 use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
 use crate::error::{Error, Result};
 use crate::raster::{
-    Bands, ClassColor, ExrChannel, GeoRef, GeoTiffImage, TiffLayout, pam_sidecar, write_exr, write_geotiff,
+    Bands, ClassColor, ClassImage, ClassPyramid, ExrChannel, GeoRef, GeoTiffImage, TiffLayout, pam_sidecar, write_exr,
+    write_geotiff,
 };
 
 /// Nodata of float rasters in GeoTIFF and ASCII grids.
@@ -97,7 +98,7 @@ pub enum MaskValues {
 
 impl MaskValues {
     /// A mask with these values.
-    pub(super) fn of<'a>(self, mask: &'a [u8]) -> Cow<'a, [u8]> {
+    pub fn of<'a>(self, mask: &'a [u8]) -> Cow<'a, [u8]> {
         match self {
             MaskValues::Classes => Cow::Borrowed(mask),
             MaskValues::Gdal => mask.iter().map(|c| if *c == class::LOS { 255 } else { 0 }).collect(),
@@ -131,7 +132,7 @@ impl<'a> MapResult<'a> {
         let mut bands: Vec<(String, Band<'a>)> = Vec::new();
         for &layer in self.layers {
             for site in self.sites {
-                let name = format!("{}.{}", site.uav.id, layer.name());
+                let name = band_name(&site.uav.id, layer);
                 let band = match layer {
                     Layer::Los => Some(Band::Class(&site.mask)),
                     _ => layer.measure_of(site).map(Band::Measure),
@@ -156,6 +157,11 @@ impl<'a> MapResult<'a> {
         }
         bands
     }
+}
+
+/// The name of the band of a layer of one UAV.
+fn band_name(site: &str, layer: Layer) -> String {
+    format!("{site}.{}", layer.name())
 }
 
 /// The most sites whose set fits the 24 bits that an f32 holds exactly.
@@ -241,9 +247,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
         let nodata = result.mask_values.nodata().map(f64::from);
         add(&image(Bands::Byte(borrowed), nodata, named.then_some(palette.as_slice())))?;
         if named {
-            // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
-            let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
-            batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())?;
+            add_class_names(batch, path, &palette)?;
         }
         return Ok(());
     }
@@ -278,6 +282,37 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
     }
     let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
     add(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))
+}
+
+/// Adds the GeoTIFF of the mask of one UAV, of which all rows were pushed, and the names of its classes.
+///
+/// # Errors
+/// Those of [`Batch::add`]; internal errors from the encoder.
+pub fn add_mask_geotiff(
+    batch: &mut Batch,
+    path: &Path,
+    pyramid: &ClassPyramid,
+    (georef, site, provenance): (&GeoRef, &str, &str),
+    mask_values: MaskValues,
+) -> Result<()> {
+    let palette = palette();
+    let is_named = mask_values == MaskValues::Classes;
+    let image = ClassImage {
+        georef,
+        nodata: mask_values.nodata().map(f64::from),
+        palette: is_named.then_some(palette.as_slice()),
+        name: &band_name(site, Layer::Los),
+    };
+    let metadata = [("SKYSHED".to_string(), provenance.to_string())];
+    batch.add_streamed(path, |file| pyramid.write(file, &image, &metadata))?;
+    if is_named { add_class_names(batch, path, &palette) } else { Ok(()) }
+}
+
+/// Adds the sidecar with the names of the classes.
+fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
+    // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
+    let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
+    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())
 }
 
 /// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven

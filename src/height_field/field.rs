@@ -59,6 +59,13 @@ pub struct Place {
     on_columns: (i64, i64),
 }
 
+impl Place {
+    /// A world position on the lattice of the cells of a grid, in a scene without prisms.
+    pub fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
+        Place { x, y, on_prisms: (0, 0), on_columns: cell_frame(grid).lattice_from_world(x, y) }
+    }
+}
+
 /// An end of a link: a place and a height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
@@ -429,7 +436,8 @@ impl HeightField {
     }
 }
 
-fn cell_frame(georef: &GeoRef) -> Frame {
+/// The lattice of the columns over the cells of a grid.
+pub fn cell_frame(georef: &GeoRef) -> Frame {
     Frame {
         x_origin: georef.x_min(),
         y_origin: georef.y_min(),

@@ -19,6 +19,6 @@ pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::{CellSets, StandsOn};
 pub use coarser::Pooling;
 pub use columns::Columns;
-pub use field::{CellKind, GridPositions, HeightField, Place, Station};
+pub use field::{CellKind, GridPositions, HeightField, Place, Station, cell_frame};
 pub use prisms::{Buckets, Piece, Prisms};
 pub use triangulate::{ConvexPieces, Ring, convex_pieces};

@@ -219,6 +219,11 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
+    /// Bounds on what the receivers stand on, and how high they are above it \[1/1024 m\].
+    pub fn range(&self) -> ((i32, i32), i32) {
+        (self.range, self.above)
+    }
+
     /// Height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn height(&self, cell: usize) -> i64 {

@@ -100,6 +100,28 @@ impl RasterFile {
             RasterFile::AsciiGrid(grid) => grid.read(window, warnings, convert),
         }
     }
+
+    /// Calls `visit` with the index and the heights of every row, from the north or from the south as they are stored;
+    /// NaN where there is none. Memory is that of a row of blocks.
+    ///
+    /// # Errors
+    /// As [`RasterFile::read`].
+    pub fn for_each_row(&self, warnings: &mut Vec<Warning>, mut visit: impl FnMut(usize, &[f64])) -> Result<()> {
+        let (n_rows, n_cols) = (self.georef().n_rows(), self.georef().n_cols());
+        let is_from_south = matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_south_up());
+        let mut heights = Vec::with_capacity(n_cols);
+        let mut n_done = 0;
+        // Cells of no size: nothing is held but the row.
+        self.read(self.georef().window(), warnings, |height| {
+            heights.push(height);
+            if heights.len() == n_cols {
+                visit(if is_from_south { n_rows - 1 - n_done } else { n_done }, &heights);
+                heights.clear();
+                n_done += 1;
+            }
+        })?;
+        Ok(())
+    }
 }
 
 /// What the first bytes of a file say that it is.

@@ -135,6 +135,21 @@ impl GeoRef {
         }
     }
 
+    /// The smallest window of this grid that holds every cell under another grid, and a cell around it; `None` where they
+    /// do not touch.
+    pub fn window_over(&self, other: &GeoRef) -> Option<CellWindow> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+        let clip = |low: f64, high: f64, n: usize| {
+            let (low, high) = ((low - 1.0).floor().max(0.0), (high + 1.0).ceil().min(n as f64));
+            (low < high).then_some((low as usize, high as usize))
+        };
+        let of_x = |x: f64| (x - self.x_min) / self.cell_width;
+        let of_y = |y: f64| (self.y_max - y) / self.cell_height;
+        let (west, east) = clip(of_x(other.x_min()), of_x(other.x_max()), self.n_cols)?;
+        let (north, south) = clip(of_y(other.y_max()), of_y(other.y_min()), self.n_rows)?;
+        Some(CellWindow { row: north, col: west, n_rows: south - north, n_cols: east - west })
+    }
+
     /// Center of a cell in the plane \[CRS units\].
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)

@@ -18,6 +18,7 @@ mod lattice_rows;
 mod lonlat;
 mod npz;
 mod simpler_rings;
+mod tile_store;
 mod voids;
 mod world_file;
 
@@ -33,10 +34,14 @@ pub use file::RasterFile;
 pub(crate) use file::reserve_cells;
 pub use georef::{CellWindow, GeoRef};
 pub(crate) use geotiff::xml_text;
-pub use geotiff::{Bands, ClassColor, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
+pub use geotiff::{
+    Bands, ClassColor, ClassImage, ClassPyramid, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar,
+    write_geotiff,
+};
 pub use lonlat::LonLatGrid;
 pub use npz::{NpyArray, write_npz};
 pub use simpler_rings::simpler_rings;
+pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;
 
 /// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.

@@ -51,21 +51,19 @@ impl Default for SurfaceOptions {
 pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let (surface, n_void) = read_heights(path, options, warnings)?;
     let sources = vec![Source::of(path, options.always_hash)?];
-    if n_void > 0 {
-        let effect = match options.nodata_as {
-            NodataAs::Clear => "blocks nothing",
-            NodataAs::Block => "blocks everything",
-        };
-        warnings.push(Warning::new(
-            340,
-            format!(
-                "{}: {} without a height: nodata {effect} and holds no receiver (`--nodata-as`)",
-                path.display(),
-                counted(n_void, "cell", "cells")
-            ),
-        ));
-    }
+    warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
     scene_of(path, (surface, Empty::Nodata), sources, options, warnings)
+}
+
+/// What is said of cells without a height, if there are any.
+pub(super) fn warning_of_voids(path: &Path, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
+    let effect = match nodata_as {
+        NodataAs::Clear => "blocks nothing",
+        NodataAs::Block => "blocks everything",
+    };
+    let (path, cells) = (path.display(), counted(n_void, "cell", "cells"));
+    let text = format!("{path}: {cells} without a height: nodata {effect} and holds no receiver (`--nodata-as`)");
+    (n_void > 0).then(|| Warning::new(340, text))
 }
 
 /// What the cells of a surface are that hold no height.
@@ -92,70 +90,26 @@ pub(super) fn scene_of(
             sources.push(Source::of(terrain_path, options.always_hash)?);
             let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
             let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
-            if above > 0 {
-                warnings.push(Warning::new(
-                    341,
-                    format!(
-                        "{}: the terrain is above the surface in {above} of {} cells; the higher one is used there",
-                        terrain_path.display(),
-                        surface.cells().len()
-                    ),
-                ));
-            }
+            warnings.extend(warning_of_high_terrain(terrain_path, above as u64, surface.cells().len()));
             Ground::Terrain(terrain)
         }
         (None, Some(ground_m)) => {
             let z = ground_steps(ground_m)?;
             // A surface that is flat where it is ground is often a rounding below the ground that was typed.
             let buried = surface.cells().par_iter().with_min_len(PART).filter(|s| **s != VOID && **s < z - 1).count();
-            if buried > 0 {
-                warnings.push(Warning::new(
-                    341,
-                    format!(
-                        "{}: the ground at {ground_m} m is above the surface in {buried} of {} cells; the higher one is \
-                         used there",
-                        path.display(),
-                        surface.cells().len()
-                    ),
-                ));
-            }
+            warnings.extend(warning_of_high_ground(path, ground_m, buried as u64, surface.cells().len()));
             Ground::Flat(z)
         }
         (None, None) => {
-            warnings.push(Warning::new(
-                342,
-                format!(
-                    "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` \
-                     or `--ground Z` to put them on the ground",
-                    path.display()
-                ),
-            ));
+            warnings.push(warning_of_surface_alone(path));
             Ground::Surface
         }
     };
     let georef = surface.georef().clone();
-    let blocking_void = if options.nodata_as == NodataAs::Block { BLOCKS_ALL } else { VOID };
     let mut cells = surface.into_cells();
-    // VOID is below every height, so an empty cell that is ground takes the ground's.
-    let is_raised = |s: i32| s != VOID || empty == Empty::Ground;
-    if let Ground::Terrain(terrain) = &ground {
-        cells.par_iter_mut().with_min_len(PART).zip(terrain.cells()).for_each(|(s, t)| {
-            if is_raised(*s) {
-                *s = (*s).max(*t);
-            }
-        });
-    }
-    if let Ground::Flat(z) = &ground {
-        cells.par_iter_mut().with_min_len(PART).filter(|s| is_raised(**s)).for_each(|s| *s = (*s).max(*z));
-    }
-    if blocking_void != VOID {
-        // Marked by their height: no real top reaches it.
-        cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = blocking_void);
-    }
+    raise(&mut cells, &ground, (options.nodata_as, empty));
     surface = Raster::new(georef.clone(), cells);
-    let building_threshold = height_steps(options.building_threshold_m)
-        .filter(|t| *t >= 0)
-        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))?;
+    let building_threshold = building_threshold(options)?;
     Ok(Scene {
         name: name_of(path),
         grid: georef,
@@ -164,6 +118,63 @@ pub(super) fn scene_of(
         sources,
         attribution: None,
     })
+}
+
+/// What is said of a terrain that is above the surface in some cells, if there are any.
+pub(super) fn warning_of_high_terrain(terrain_path: &Path, above: u64, n_cells: usize) -> Option<Warning> {
+    let terrain_path = terrain_path.display();
+    let text = format!(
+        "{terrain_path}: the terrain is above the surface in {above} of {n_cells} cells; the higher one is used there"
+    );
+    (above > 0).then(|| Warning::new(341, text))
+}
+
+/// The same of flat ground.
+pub(super) fn warning_of_high_ground(path: &Path, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
+    let path = path.display();
+    let text = format!(
+        "{path}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \
+         there"
+    );
+    (buried > 0).then(|| Warning::new(341, text))
+}
+
+/// What is said where nothing but a surface is known.
+pub(super) fn warning_of_surface_alone(path: &Path) -> Warning {
+    Warning::new(
+        342,
+        format!(
+            "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` or \
+             `--ground Z` to put them on the ground",
+            path.display()
+        ),
+    )
+}
+
+/// Raises surface cells to the ground below them, and those that block everything to a height that no real top reaches.
+pub(super) fn raise(cells: &mut [i32], ground: &Ground, (nodata_as, empty): (NodataAs, Empty)) {
+    // VOID is below every height, so an empty cell that is ground takes the ground's.
+    let is_raised = |s: i32| s != VOID || empty == Empty::Ground;
+    if let Ground::Terrain(terrain) = ground {
+        cells.par_iter_mut().with_min_len(PART).zip(terrain.cells()).for_each(|(s, t)| {
+            if is_raised(*s) {
+                *s = (*s).max(*t);
+            }
+        });
+    }
+    if let Ground::Flat(z) = ground {
+        cells.par_iter_mut().with_min_len(PART).filter(|s| is_raised(**s)).for_each(|s| *s = (*s).max(*z));
+    }
+    if nodata_as == NodataAs::Block {
+        cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = BLOCKS_ALL);
+    }
+}
+
+/// How far above the ground a surface is a building \[1/1024 m\].
+pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
+    height_steps(options.building_threshold_m)
+        .filter(|t| *t >= 0)
+        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))
 }
 
 pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
@@ -175,12 +186,12 @@ pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
     height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
 }
 
-/// Reads heights onto the lattice, with the number of cells that have none and become [`VOID`].
-pub(super) fn read_heights(
+/// Opens a raster of heights; its grid has the CRS to assume.
+pub(super) fn open_surface(
     path: &Path,
     options: &SurfaceOptions,
     warnings: &mut Vec<Warning>,
-) -> Result<(Raster<i32>, u64)> {
+) -> Result<(RasterFile, GeoRef)> {
     let before = warnings.len();
     let file = RasterFile::open(path, warnings)?;
     if options.crs.is_some() {
@@ -194,6 +205,16 @@ pub(super) fn read_heights(
         None => georef,
     };
     check_crs(path, &georef, warnings)?;
+    Ok((file, georef))
+}
+
+/// Reads heights onto the lattice, with the number of cells that have none and become [`VOID`].
+pub(super) fn read_heights(
+    path: &Path,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Raster<i32>, u64)> {
+    let (file, georef) = open_surface(path, options, warnings)?;
     if let Some((raster, n_void)) = file.read_plain_heights(warnings)? {
         return Ok((Raster::new(georef, raster.into_cells()), n_void));
     }
@@ -209,21 +230,27 @@ pub(super) fn read_heights(
             VOID
         })
     })?;
-    if let Some(v) = out_of_range {
-        return Err(Error::site(
-            205,
-            format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display()),
-        )
-        .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
-    }
+    refuse_out_of_range(path, out_of_range)?;
     let n_void = raster.cells().iter().filter(|h| **h == VOID).count() as u64;
-    if n_void == raster.cells().len() as u64 {
-        return Err(Error::file(
-            305,
-            format!("cannot use {}: all {} cells are nodata, wanted heights", path.display(), georef.n_cells()),
-        ));
-    }
+    refuse_all_void(path, n_void, &georef)?;
     Ok((Raster::new(georef, raster.into_cells()), n_void))
+}
+
+/// Refuses a raster with a height beyond the lattice.
+pub(super) fn refuse_out_of_range(path: &Path, height: Option<f64>) -> Result<()> {
+    let Some(v) = height else { return Ok(()) };
+    let text = format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display());
+    Err(Error::site(205, text)
+        .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"))
+}
+
+/// Refuses a raster without any height.
+pub(super) fn refuse_all_void(path: &Path, n_void: u64, georef: &GeoRef) -> Result<()> {
+    if n_void < georef.n_cells() as u64 {
+        return Ok(());
+    }
+    let text = format!("cannot use {}: all {} cells are nodata, wanted heights", path.display(), georef.n_cells());
+    Err(Error::file(305, text))
 }
 
 /// Warns where coordinates are not meters.
@@ -255,22 +282,9 @@ fn check_crs(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Resul
     Ok(())
 }
 
-/// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
-/// one to its north-east where the center lies on an edge, to within a millionth of a cell).
-fn terrain_on_grid(
-    surface_path: &Path,
-    grid: &GeoRef,
-    terrain_path: &Path,
-    terrain: Raster<i32>,
-    warnings: &mut Vec<Warning>,
-) -> Result<Raster<i32>> {
+/// The height of the terrain cell that holds the center of each cell of a grid, [`VOID`] outside.
+pub(super) fn looked_up(grid: &GeoRef, terrain: &Raster<i32>) -> Vec<i32> {
     let from = terrain.georef();
-    refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
-        format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
-    })?;
-    if grid.same_grid(from) {
-        return Ok(terrain);
-    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid by the check")]
     let index = |position: f64, n: usize| {
         let position = (position + 1e-6).floor();
@@ -288,34 +302,59 @@ fn terrain_on_grid(
         let row = row.map(|row| terrain.row(row));
         cells.extend(cols.iter().map(|col| row.zip(*col).map_or(VOID, |(row, col)| row[col])));
     }
+    cells
+}
+
+/// Refuses a terrain that lies elsewhere than the surface.
+pub(super) fn no_terrain_below((surface, grid): (&Path, &GeoRef), (terrain, from): (&Path, &GeoRef)) -> Error {
+    let (surface, terrain) = (surface.display(), terrain.display());
+    let (grid, from) = (grid.description(), from.description());
+    let text = format!(
+        "cannot combine {surface} ({grid}) with {terrain} ({from}): wanted a terrain below the surface, found none at any cell"
+    );
+    Error::file(312, text)
+        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both")
+}
+
+/// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.
+pub(super) fn resampled_warning(
+    (surface, grid): (&Path, &GeoRef),
+    (terrain, from): (&Path, &GeoRef),
+    n_void: usize,
+) -> Option<Warning> {
+    let without = match n_void {
+        0 => String::new(),
+        _ => format!("; {n_void} of {} cells have no terrain and are no receivers", grid.n_cells()),
+    };
+    let (surface, terrain) = (surface.display(), terrain.display());
+    let (on, to) = (from.description(), grid.description());
+    let text = format!(
+        "{terrain} ({on}) is not on the grid of {surface} ({to}): each cell takes the terrain that holds its center{without}"
+    );
+    (!grid.same_grid(from)).then(|| Warning::new(346, text))
+}
+
+/// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
+/// one to its north-east where the center lies on an edge, to within a millionth of a cell).
+fn terrain_on_grid(
+    surface_path: &Path,
+    grid: &GeoRef,
+    terrain_path: &Path,
+    terrain: Raster<i32>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Raster<i32>> {
+    let from = terrain.georef();
+    refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
+        format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
+    })?;
+    if grid.same_grid(from) {
+        return Ok(terrain);
+    }
+    let cells = looked_up(grid, &terrain);
     let n_void = cells.iter().filter(|z| **z == VOID).count();
     if n_void == cells.len() {
-        return Err(Error::file(
-            312,
-            format!(
-                "cannot combine {} ({}) with {} ({}): wanted a terrain below the surface, found none at any cell",
-                surface_path.display(),
-                grid.description(),
-                terrain_path.display(),
-                from.description()
-            ),
-        )
-        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both"));
+        return Err(no_terrain_below((surface_path, grid), (terrain_path, from)));
     }
-    let without = if n_void > 0 {
-        format!("; {n_void} of {} cells have no terrain and are no receivers", cells.len())
-    } else {
-        String::new()
-    };
-    warnings.push(Warning::new(
-        346,
-        format!(
-            "{} ({}) is not on the grid of {} ({}): each cell takes the terrain that holds its center{without}",
-            terrain_path.display(),
-            from.description(),
-            surface_path.display(),
-            grid.description()
-        ),
-    ));
+    warnings.extend(resampled_warning((surface_path, grid), (terrain_path, from), n_void));
     Ok(Raster::new(grid.clone(), cells))
 }

@@ -52,7 +52,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
 
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
-    let options = asked.options(&scene.field, None);
+    let options = asked.options(scene.field.grid(), None);
     let contestants = Contestant::all(&scene.field, args.engine.method)?;
     let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;
     if truth.receivers() == 0 {

@@ -190,7 +190,7 @@ fn mapped(
     if uavs.is_empty() {
         return Ok((Vec::new(), None));
     }
-    let options = asked.options(&scene.field, zones);
+    let options = asked.options(scene.field.grid(), zones);
     let mut mapper = Mapper::new(&scene.field, &options)?;
     mapper.drop_idle(uavs);
     let control = Control::default();

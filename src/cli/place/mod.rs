@@ -188,7 +188,7 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
 
 /// The options of the maps: the receivers of the goal.
 fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
-    let options = asked.options(&scene.field, zones);
+    let options = asked.options(scene.field.grid(), zones);
     match goal.whom {
         Whom::Zone(Zone::Rooftop) => MapOptions { receivers: Receivers::Roof, within: None, ..options },
         Whom::Zone(zone) => {

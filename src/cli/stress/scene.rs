@@ -46,7 +46,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     warn_of_flat_earth(std::slice::from_ref(&uav), scene.field.grid(), radius, &mut scene.warnings);
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let layers = HeightLayers { stability: true, ..HeightLayers::default() };
-    let options = MapOptions { layers, ..asked.options(&scene.field, zones.as_ref()) };
+    let options = MapOptions { layers, ..asked.options(scene.field.grid(), zones.as_ref()) };
     let needs = (FIELD_BYTES_PER_CELL, BYTES_PER_CELL);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
 

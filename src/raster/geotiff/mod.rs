@@ -18,6 +18,7 @@
 //! that cannot be read, W330 rows turned over, W331 web Mercator, W332 heights not in meters, W333 scaled heights, W334
 //! lossy compression.
 
+mod class_pyramid;
 mod header;
 mod heights;
 mod lerc;
@@ -27,6 +28,7 @@ mod read;
 mod tags;
 mod write;
 
+pub use class_pyramid::{ClassImage, ClassPyramid};
 pub(crate) use write::xml_text;
 pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 
@@ -117,6 +119,11 @@ impl GeoTiff {
     /// Where the cells lie; rows run from north to south whatever the file does.
     pub fn georef(&self) -> &GeoRef {
         &self.placement.georef
+    }
+
+    /// Whether the rows of the file run from the south.
+    pub(in crate::raster) fn is_south_up(&self) -> bool {
+        self.placement.south_up
     }
 
     /// Number of bands.

@@ -26,7 +26,7 @@ use super::overview::{Reduce, first_of, most_frequent, overview};
 use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
-const TILE: usize = 256;
+pub(super) const TILE: usize = 256;
 /// Overviews are made while the next larger level is larger than this \[cells\] …
 const LARGEST_WITHOUT_OVERVIEW: usize = 256;
 /// … and up to this reduction.
@@ -115,7 +115,12 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
         Bands::Float(bands) => levels(image, bands, Predictor::FloatingPoint, first_of, |_| None)?,
         Bands::UInt32(bands) => levels(image, bands, Predictor::None, first_of, |_| None)?,
     };
-    let head = head(&levels, force_big)?;
+    write_levels(out, &levels, force_big)
+}
+
+/// Header, directories and blocks, the smallest overview first.
+pub(super) fn write_levels(out: &mut impl Write, levels: &[Level<'_>], force_big: bool) -> Result<()> {
+    let head = head(levels, force_big)?;
     let failed = |cause: std::io::Error| Error::internal(401, format!("cannot write a GeoTIFF: {cause}"));
     out.write_all(&head).map_err(failed)?;
     for level in levels.iter().rev() {
@@ -141,10 +146,10 @@ pub fn pam_sidecar(palette: &[ClassColor]) -> String {
 }
 
 /// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
-struct Level<'a> {
-    layout: TiffLayout,
-    tags: Vec<Tag>,
-    blocks: Vec<Cow<'a, [u8]>>,
+pub(super) struct Level<'a> {
+    pub(super) layout: TiffLayout,
+    pub(super) tags: Vec<Tag>,
+    pub(super) blocks: Vec<Cow<'a, [u8]>>,
 }
 
 /// All resolutions, the full one first.
@@ -174,22 +179,37 @@ fn levels<'a, T: TiffWriteSample + Send + Sync>(
             1 => bands.iter().map(|(_, values)| *values).collect(),
             _ => reduced.iter().map(Vec::as_slice).collect(),
         };
-        let mut tags = picture_tags::<T>(image, shape, bands.len(), predictor)?;
-        match reduction {
-            1 => tags.extend(place_tags(image, &names)?),
-            _ => tags.push(Tag::new(tiff_core::TAG_NEW_SUBFILE_TYPE, TagValue::Long(vec![1]))),
-        }
+        let tags = level_tags::<T>(image, (shape, reduction), &names, predictor)?;
         let blocks = match image.layout {
             TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?.into_iter().map(Cow::Owned).collect(),
             TiffLayout::Plain => plain_strips(bands, shape.1, as_bytes)?,
         };
         levels.push(Level { layout: image.layout, tags, blocks });
-        let is_last = reduction >= LARGEST_REDUCTION || shape.0.max(shape.1) <= LARGEST_WITHOUT_OVERVIEW;
-        if is_last || image.layout == TiffLayout::Plain {
+        if is_last_level(shape, reduction) || image.layout == TiffLayout::Plain {
             return Ok(levels);
         }
         reduction *= 2;
     }
+}
+
+/// Whether no smaller overview is made than one of this shape and reduction.
+pub(super) fn is_last_level((n_rows, n_cols): (usize, usize), reduction: usize) -> bool {
+    reduction >= LARGEST_REDUCTION || n_rows.max(n_cols) <= LARGEST_WITHOUT_OVERVIEW
+}
+
+/// The tags of a level but for the places of its blocks.
+pub(super) fn level_tags<T: TiffWriteSample>(
+    image: &GeoTiffImage<'_>,
+    (shape, reduction): ((usize, usize), usize),
+    names: &[&str],
+    predictor: Predictor,
+) -> Result<Vec<Tag>> {
+    let mut tags = picture_tags::<T>(image, shape, names.len(), predictor)?;
+    match reduction {
+        1 => tags.extend(place_tags(image, names)?),
+        _ => tags.push(Tag::new(tiff_core::TAG_NEW_SUBFILE_TYPE, TagValue::Long(vec![1]))),
+    }
+    Ok(tags)
 }
 
 /// The tags that describe the picture as such.
@@ -390,7 +410,7 @@ const TILE_ENCODING: BlockEncodingOptions<'static> = BlockEncodingOptions {
 };
 
 /// The tiles of all bands, band by band, row by row; tiles at the margin repeat the last row and column.
-fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
+pub(super) fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
     bands: &[&[T]],
     (n_rows, n_cols): (usize, usize),
     predictor: Predictor,

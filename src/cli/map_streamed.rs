@@ -1,0 +1,209 @@
+//! `skyshed map` of a raster that does not fit in memory: the same numbers, strip by strip.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::{MapArgs, TifLayoutArg};
+use super::map::sites;
+use super::plan::{
+    FIELD_BYTES_PER_CELL, available_memory, is_raster, memory_words, meters_per_unit, raster_options,
+    warn_of_flat_earth,
+};
+use super::receivers::{Asked, check_surface_receivers};
+use super::words::pretty;
+use super::{interrupt, messages};
+use crate::coverage::{Control, StreamedMapper, Uav};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
+use crate::los::Method;
+use crate::raster::{ClassPyramid, RasterFile};
+use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
+use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
+
+/// Bytes that a map of a raster in memory takes for each cell: its heights, what is below them, and the mask.
+const BYTES_IN_MEMORY: u64 = FIELD_BYTES_PER_CELL as u64 + 1;
+
+/// Why a raster is not read into memory.
+pub(super) struct TooLarge {
+    needed: u64,
+    limit: u64,
+}
+
+/// Whether the scene is a raster of which a map in memory takes more than there is, or than `--max-memory` allows.
+pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
+    if !is_raster(&args.scene) {
+        return None;
+    }
+    // What is wrong with the file is told where it is read.
+    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new()).ok()?;
+    let needed = file.georef().n_cells() as u64 * BYTES_IN_MEMORY;
+    let limit = args.engine.max_memory.or_else(available_memory)?;
+    (needed > limit).then_some(TooLarge { needed, limit })
+}
+
+/// What was asked for, checked.
+pub(super) struct StreamedRun<'a> {
+    pub(super) args: &'a MapArgs,
+    pub(super) command: Vec<String>,
+    pub(super) outputs: &'a [(PathBuf, Format)],
+    pub(super) layers: &'a [Layer],
+    pub(super) typed: Vec<Site>,
+    /// Height of the receivers \[1/1024 m\].
+    pub(super) rx_height: i32,
+    /// Range \[m\].
+    pub(super) radius_m: Option<f64>,
+    pub(super) start: Instant,
+}
+
+impl StreamedRun<'_> {
+    /// Refuses what needs every cell in memory.
+    fn check(&self, why: &TooLarge) -> Result<()> {
+        let refuse = |what: String| {
+            let text = format!(
+                "cannot map {}: in memory it takes {}, more than {}, and strip by strip {what}",
+                self.args.scene.scene,
+                memory_words(why.needed),
+                memory_words(why.limit)
+            );
+            Err(Error::limit(501, text).with_hint("write .tif, .csv and .json of one UAV, or cut out a part"))
+        };
+        if let Some((path, _)) = self.outputs.iter().find(|(_, format)| {
+            !matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
+        }) {
+            return refuse(format!("{} cannot be made", path.display()));
+        }
+        if self.layers != [Layer::Los] {
+            return refuse("no layer but `los` can be made".into());
+        }
+        let flags = [
+            ("--tolerance", self.args.tolerance.is_some()),
+            ("--height-curve", !self.args.height_curve.is_empty()),
+            ("--polygons", self.args.polygons.is_some()),
+            ("--tif-layout plain", matches!(self.args.tif_layout, TifLayoutArg::Plain)),
+            ("--receivers of a zone", self.args.receivers.zone().is_some()),
+        ];
+        match flags.iter().find(|(_, typed)| *typed) {
+            Some((flag, _)) => refuse(format!("`{flag}` is not at hand")),
+            None => Ok(()),
+        }
+    }
+
+    /// Makes the map and writes its files.
+    pub(super) fn run(self, why: &TooLarge) -> Result<()> {
+        self.check(why)?;
+        let (args, quiet) = (self.args, self.args.out.quiet);
+        let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+        let mut warnings: Vec<Warning> = Vec::new();
+        let options = raster_options(&args.scene)?;
+        let n_files = if options.terrain.is_some() { 2 } else { 1 };
+        let on_disk = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
+        let on_disk = n_files * StreamedSurface::bytes_on_disk(on_disk.georef());
+        if !quiet {
+            messages::note(&format!(
+                "in memory this takes {}, more than {}: heights go to {} in {} and are swept strip by strip",
+                memory_words(why.needed),
+                memory_words(why.limit),
+                memory_words(on_disk),
+                scratch.display()
+            ));
+        }
+        let scene = StreamedSurface::read(Path::new(&args.scene.scene), &options, &scratch, &mut warnings)?;
+        let grid = scene.grid();
+        let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
+        let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
+        let uav = self.uav(&scene, radius)?;
+        if scene.base() == WindowedBase::Surface {
+            check_surface_receivers(args.receivers)?;
+        }
+        warn_of_flat_earth(std::slice::from_ref(&uav), grid, radius, &mut warnings);
+
+        let asked = Asked { receivers: args.receivers, rx_height: self.rx_height, radius, engine: &args.engine };
+        let options = asked.options(grid, None);
+        let control = Control::default();
+        let before_los = Instant::now();
+        let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
+        let mask_values = if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes };
+        let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
+        let mut digest = MaskDigest::new(grid);
+        let coverage = messages::with_progress(&control, (grid.n_cells() as u64, "cells"), quiet, || {
+            let mapper = StreamedMapper::new(&scene, &options, &control)?;
+            mapper.map(&uav, &control, |_, mask| {
+                digest.add(mask);
+                if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
+            })
+        })?;
+        timing.los = before_los.elapsed().as_secs_f64();
+
+        if coverage.tally.receivers == 0 {
+            let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", uav.id, coverage.tally.reason());
+            warnings.push(Warning::new(202, text));
+        }
+        let report = MapReport {
+            facts: RunFacts {
+                command: self.command.clone(),
+                method: Some(Method::Sweep),
+                scene_name: scene.name.clone(),
+                grid: grid.clone(),
+                meters_per_unit: meters_per_unit(grid),
+                sources: scene.sources.clone(),
+                seed: None,
+                warnings,
+            },
+            rx_height_m: args.rx_height,
+            receivers: args.receivers.name(),
+            radius_m: self.radius_m,
+            union_zones: None,
+            sites: vec![SiteFacts::of(&coverage, None)],
+            union: coverage.tally,
+            tolerance: None,
+            idle: None,
+            digest: digest.finish(),
+        };
+        let before_write = Instant::now();
+        timing.total = self.start.elapsed().as_secs_f64();
+        interrupt::begin_writing();
+        let mut batch = Batch::new(args.out.overwrite);
+        for (path, format) in self.outputs {
+            interrupt::check()?;
+            match format {
+                Format::GeoTiff => {
+                    let provenance = report.document(None).to_string();
+                    let of = (grid, uav.id.as_str(), provenance.as_str());
+                    add_mask_geotiff(&mut batch, path, &pyramid, of, mask_values)?;
+                }
+                Format::Csv => {
+                    batch.add(path, &encode_table(&report.table())?)?;
+                    batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
+                }
+                Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes())?,
+                Format::GeoJson => batch.add(path, pretty(&report.geojson()).as_bytes())?,
+                _ => {}
+            }
+        }
+        batch.commit()?;
+        timing.write = before_write.elapsed().as_secs_f64();
+        timing.total = self.start.elapsed().as_secs_f64();
+        if !quiet {
+            messages::warnings(&report.facts.warnings);
+            super::map::say_results(&report, "strip by strip, as it does not fit in memory", timing, self.outputs);
+        }
+        if args.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
+            messages::answer(&pretty(&report.document(Some(timing))))?;
+        }
+        Ok(())
+    }
+
+    /// The one UAV of the run.
+    fn uav(&self, scene: &StreamedSurface, radius: Option<f64>) -> Result<Uav> {
+        let sites = sites(self.typed.clone(), self.args.uavs.as_deref(), scene.grid())?;
+        let [site] = sites.as_slice() else {
+            let text = format!(
+                "cannot map {} UAVs over {} at once: it does not fit in memory",
+                sites.len(),
+                self.args.scene.scene
+            );
+            return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
+        };
+        Uav::place_streamed(site, scene, radius)
+    }
+}

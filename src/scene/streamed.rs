@@ -1,0 +1,232 @@
+//! Raster scenes that do not fit in memory: their heights in tiles on disk, handed out window by window.
+
+use std::path::Path;
+
+use super::surface::{
+    Empty, building_threshold, ground_steps, looked_up, no_terrain_below, open_surface, raise, refuse_all_void,
+    refuse_out_of_range, resampled_warning, warning_of_high_ground, warning_of_high_terrain, warning_of_surface_alone,
+    warning_of_voids,
+};
+use super::{Ground, NodataAs, Solids, Source, SurfaceOptions, name_of, refuse_two_crs};
+use crate::error::{Result, Warning};
+use crate::quantity::{VOID, height_steps};
+use crate::raster::{CellWindow, GeoRef, Raster, TileStore, TileStoreWriter};
+
+/// The solids of a scene that is read window by window.
+pub trait WindowedSolids: Sync {
+    /// The grid of receivers, whose cells are those of the columns.
+    fn grid(&self) -> &GeoRef;
+
+    /// What receivers stand on.
+    fn base(&self) -> WindowedBase;
+
+    /// The solids over the cells of a window: [`Solids::Raster`].
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    fn solids(&self, window: CellWindow) -> Result<Solids>;
+}
+
+/// What the receivers of a windowed scene stand on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WindowedBase {
+    /// The surface.
+    Surface,
+    /// A plane \[1/1024 m above the datum\].
+    Flat(i32),
+    /// A terrain.
+    Terrain,
+}
+
+/// A surface model in tiles on disk, and what lies below it.
+#[derive(Debug)]
+pub struct StreamedSurface {
+    /// What the scene is called in captions.
+    pub name: String,
+    /// The files that it was read from.
+    pub sources: Vec<Source>,
+    grid: GeoRef,
+    surface: TileStore,
+    ground: StreamedGround,
+    building_threshold: i32,
+    nodata_as: NodataAs,
+}
+
+#[derive(Debug)]
+enum StreamedGround {
+    Surface,
+    Flat(i32),
+    /// On a grid of its own, or the surface's.
+    Terrain(TileStore, GeoRef),
+}
+
+impl StreamedSurface {
+    /// Copies a surface model, and the terrain below it, to tiles in files without a name in `scratch`.
+    ///
+    /// Memory is that of a row of tiles. What is refused and warned of is that of [`super::read_surface`].
+    ///
+    /// # Errors
+    /// As [`super::read_surface`], and E401 if there is no room on the disk.
+    pub fn read(
+        path: &Path,
+        options: &SurfaceOptions,
+        scratch: &Path,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<StreamedSurface> {
+        let building_threshold = building_threshold(options)?;
+        let (surface, grid, n_void) = store(path, options, scratch, warnings)?;
+        let mut sources = vec![Source::of(path, options.always_hash)?];
+        warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
+        let ground = match (&options.terrain, options.ground_m) {
+            (Some(terrain_path), _) => {
+                let (terrain, from, _) = store(terrain_path, options, scratch, warnings)?;
+                refuse_two_crs((path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
+                    format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
+                })?;
+                sources.push(Source::of(terrain_path, options.always_hash)?);
+                StreamedGround::Terrain(terrain, from)
+            }
+            (None, Some(ground_m)) => StreamedGround::Flat(ground_steps(ground_m)?),
+            (None, None) => {
+                warnings.push(warning_of_surface_alone(path));
+                StreamedGround::Surface
+            }
+        };
+        let scene = StreamedSurface {
+            name: name_of(path),
+            sources,
+            grid,
+            surface,
+            ground,
+            building_threshold,
+            nodata_as: options.nodata_as,
+        };
+        scene.compare_ground((path, options), warnings)?;
+        Ok(scene)
+    }
+
+    /// Bytes on disk that the heights of a grid take.
+    pub fn bytes_on_disk(grid: &GeoRef) -> u64 {
+        TileStore::bytes_on_disk((grid.n_rows(), grid.n_cols()))
+    }
+
+    /// Warns where the ground is above the surface, and where it is not known.
+    fn compare_ground(&self, (path, options): (&Path, &SurfaceOptions), warnings: &mut Vec<Warning>) -> Result<()> {
+        if matches!(self.ground, StreamedGround::Surface) {
+            return Ok(());
+        }
+        let (mut above, mut n_void) = (0, 0);
+        for window in row_bands(&self.grid) {
+            let mut cells = Vec::new();
+            self.surface.read(window, &mut cells)?;
+            let known = cells.iter().enumerate().filter(|(_, s)| **s != VOID);
+            match self.ground(window)? {
+                Ground::Surface => {}
+                // A surface that is flat where it is ground is often a rounding below the ground that was typed.
+                Ground::Flat(z) => above += known.filter(|(_, s)| **s < z - 1).count() as u64,
+                Ground::Terrain(terrain) => {
+                    let terrain = terrain.cells();
+                    above += known.filter(|(k, s)| terrain[*k] > **s).count() as u64;
+                    n_void += terrain.iter().filter(|z| **z == VOID).count();
+                }
+            }
+        }
+        let n_cells = self.grid.n_cells();
+        let (Some(terrain_path), StreamedGround::Terrain(_, from)) = (&options.terrain, &self.ground) else {
+            let ground_m = options.ground_m.unwrap_or_default();
+            warnings.extend(warning_of_high_ground(path, ground_m, above, n_cells));
+            return Ok(());
+        };
+        if n_void == n_cells {
+            return Err(no_terrain_below((path, &self.grid), (terrain_path, from)));
+        }
+        warnings.extend(resampled_warning((path, &self.grid), (terrain_path, from), n_void));
+        warnings.extend(warning_of_high_terrain(terrain_path, above, n_cells));
+        Ok(())
+    }
+
+    /// What lies below the surface of a window.
+    fn ground(&self, window: CellWindow) -> Result<Ground> {
+        let grid = self.grid.part(window);
+        let (store, from) = match &self.ground {
+            StreamedGround::Surface => return Ok(Ground::Surface),
+            StreamedGround::Flat(z) => return Ok(Ground::Flat(*z)),
+            StreamedGround::Terrain(store, from) => (store, from),
+        };
+        let mut cells = Vec::new();
+        if self.grid.same_grid(from) {
+            store.read(window, &mut cells)?;
+            return Ok(Ground::Terrain(Raster::new(grid, cells)));
+        }
+        let Some(part) = from.window_over(&grid) else {
+            return Ok(Ground::Terrain(Raster::new(grid.clone(), vec![VOID; grid.n_cells()])));
+        };
+        store.read(part, &mut cells)?;
+        let terrain = Raster::new(from.part(part), cells);
+        let cells = looked_up(&grid, &terrain);
+        Ok(Ground::Terrain(Raster::new(grid, cells)))
+    }
+}
+
+impl WindowedSolids for StreamedSurface {
+    fn grid(&self) -> &GeoRef {
+        &self.grid
+    }
+
+    fn base(&self) -> WindowedBase {
+        match &self.ground {
+            StreamedGround::Surface => WindowedBase::Surface,
+            StreamedGround::Flat(z) => WindowedBase::Flat(*z),
+            StreamedGround::Terrain(..) => WindowedBase::Terrain,
+        }
+    }
+
+    fn solids(&self, window: CellWindow) -> Result<Solids> {
+        let ground = self.ground(window)?;
+        let mut cells = Vec::new();
+        self.surface.read(window, &mut cells)?;
+        raise(&mut cells, &ground, (self.nodata_as, Empty::Nodata));
+        let surface = Raster::new(self.grid.part(window), cells);
+        Ok(Solids::Raster { surface, ground, building_threshold: self.building_threshold })
+    }
+}
+
+/// Whole rows of a grid, as many as a row of tiles holds, from the north.
+pub fn row_bands(grid: &GeoRef) -> impl Iterator<Item = CellWindow> {
+    const ROWS: usize = 256;
+    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+    (0..n_rows).step_by(ROWS).map(move |row| CellWindow { row, col: 0, n_rows: ROWS.min(n_rows - row), n_cols })
+}
+
+/// Copies the heights of a raster to tiles on disk, on the lattice; with its grid and the number of cells without one.
+fn store(
+    path: &Path,
+    options: &SurfaceOptions,
+    scratch: &Path,
+    warnings: &mut Vec<Warning>,
+) -> Result<(TileStore, GeoRef, u64)> {
+    let (file, georef) = open_surface(path, options, warnings)?;
+    let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
+    let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
+    let (mut n_void, mut out_of_range, mut failed) = (0, None, Ok(()));
+    let mut steps = vec![VOID; georef.n_cols()];
+    file.for_each_row(warnings, |row, heights| {
+        for (steps, height) in steps.iter_mut().zip(heights) {
+            let height = height * meters_per_unit;
+            *steps = if height.is_nan() { None } else { height_steps(height) }.unwrap_or(VOID);
+            if *steps == VOID {
+                n_void += 1;
+                if !height.is_nan() {
+                    out_of_range.get_or_insert(height);
+                }
+            }
+        }
+        if failed.is_ok() {
+            failed = writer.put_row(row, &steps);
+        }
+    })?;
+    failed?;
+    refuse_out_of_range(path, out_of_range)?;
+    refuse_all_void(path, n_void, &georef)?;
+    Ok((writer.finish()?, georef, n_void))
+}
