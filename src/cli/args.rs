@@ -335,7 +335,7 @@ pub(super) enum PolygonsArg {
     All,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct MapArgs {
     /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
@@ -357,7 +357,8 @@ pub(super) struct MapArgs {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
     /// File to write, by extension: .png .svg .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
-    /// standard output; repeat for more
+    /// standard output; repeat for more. With `{site}` in every name each UAV gets files of its own, which appear as soon as
+    /// they are complete; with `--radius`, only the part of a raster that is in range is read
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg), a table (.csv) or a document
@@ -383,6 +384,10 @@ pub(super) struct MapArgs {
     /// the system's folder for temporary files
     #[arg(long, value_name = "FOLDER")]
     pub(super) scratch: Option<PathBuf>,
+    /// Leave what is there already: a UAV is skipped if its files exist and were made by the same run, so that an interrupted
+    /// one goes on where it stopped
+    #[arg(long)]
+    pub(super) resume: bool,
     /// Coverage as polygons in .geojson and .fgb files, one per connected part of a class and site, holes kept
     #[arg(long, value_enum, value_name = "CLASS")]
     pub(super) polygons: Option<PolygonsArg>,

@@ -7,9 +7,10 @@ use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
 use super::map_files::{Writer, check_flags};
+use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
     warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
@@ -24,7 +25,7 @@ use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::Mark;
 use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, zone_tallies};
-use crate::scene::{Site, read_sites};
+use crate::scene::{Site, StreamedSurface, read_sites};
 
 /// Formats of `skyshed map`.
 const FORMATS: [Format; 13] = [
@@ -43,7 +44,38 @@ const FORMATS: [Format; 13] = [
     Format::Stdout,
 ];
 
+/// What a run is given that was read before.
+#[derive(Default)]
+pub(super) struct Given<'a> {
+    /// The UAVs, instead of those that were typed.
+    pub(super) sites: Option<Vec<Site>>,
+    /// The scene, instead of the one that was typed.
+    pub(super) scene: GivenScene<'a>,
+    /// What the run is one of, for `--resume`.
+    pub(super) unit: Option<String>,
+}
+
+/// A scene that was read before, or is still to be read.
+#[derive(Default)]
+pub(super) enum GivenScene<'a> {
+    /// Read it.
+    #[default]
+    Typed,
+    /// In memory.
+    InMemory(Box<Ready>),
+    /// In tiles on disk, with what was said of it.
+    OnDisk(&'a StreamedSurface, Vec<Warning>),
+}
+
 pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
+    match SiteRuns::of(args)? {
+        Some(runs) => runs.run(command),
+        None => run_one(args, command, Given::default()),
+    }
+}
+
+/// Maps all UAVs together, into files that appear together.
+pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) -> Result<()> {
     let start = Instant::now();
     let rx_height = receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.engine.radius)?;
@@ -66,19 +98,25 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
     let files = [outputs.as_slice(), curve_plan.outputs()].concat();
     args.words.refuse_without_picture(&files)?;
     let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
-    let typed: Vec<Site> =
-        args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
-    if typed.is_empty() && args.uavs.is_none() {
-        return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
-    }
+    let Given { sites: given_sites, scene: given_scene, unit } = given;
+    let typed = match &given_sites {
+        Some(_) => Vec::new(),
+        None => typed_sites(args)?,
+    };
     let layers = layers(&args.layers);
-    if let Some(why) = too_large(args) {
-        let outputs = &outputs;
-        return StreamedRun { args, command, outputs, layers: &layers, typed, rx_height, radius_m, start }.run(&why);
-    }
-
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid())?;
+    let mut scene = match given_scene {
+        GivenScene::InMemory(scene) => *scene,
+        GivenScene::Typed if too_large(args).is_none() => ready(&args.scene, args.engine.max_memory)?,
+        not_in_memory => {
+            let run = StreamedRun { args, command, outputs: &outputs, layers: &layers, rx_height, radius_m, start, unit };
+            let typed = |grid: &GeoRef| given_sites.map_or_else(|| sites(typed, args.uavs.as_deref(), grid), Ok);
+            return match not_in_memory {
+                GivenScene::OnDisk(scene, warnings) => run.over(scene, warnings, typed),
+                _ => run.read(typed),
+            };
+        }
+    };
+    let sites = given_sites.map_or_else(|| sites(typed, args.uavs.as_deref(), scene.field.grid()), Ok)?;
     if args.bare {
         check_bare_names(&sites, &outputs, args.out.overwrite)?;
     }
@@ -182,6 +220,7 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         tolerance,
         idle: (idle.footprints > 0).then_some(idle),
         digest: digest.finish(),
+        unit,
     };
     let curves = curve_plan.make(args, &scene, &coverages, &report)?;
     let before_write = Instant::now();
@@ -223,6 +262,14 @@ pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
         messages::answer(&pretty(&report.document(Some(scene.timing))))?;
     }
     Ok(())
+}
+
+/// The UAVs of the command line.
+pub(super) fn typed_sites(args: &MapArgs) -> Result<Vec<Site>> {
+    if args.uav.is_empty() && args.uavs.is_none() {
+        return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
+    }
+    args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect()
 }
 
 /// Whether a file tells of each UAV cell by cell.

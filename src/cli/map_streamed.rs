@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{MapArgs, TifLayoutArg};
-use super::map::sites;
 use super::plan::{
     FIELD_BYTES_PER_CELL, available_memory, is_raster, memory_words, meters_per_unit, raster_options,
     warn_of_flat_earth,
@@ -16,7 +15,7 @@ use crate::coverage::{Control, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
 use crate::los::Method;
-use crate::raster::{ClassPyramid, RasterFile};
+use crate::raster::{ClassPyramid, GeoRef, RasterFile};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
 use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
 
@@ -41,30 +40,45 @@ pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
     (needed > limit).then_some(TooLarge { needed, limit })
 }
 
+/// Copies a raster that does not fit in memory to tiles on the disk, and says so.
+pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
+    let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    let options = raster_options(&args.scene)?;
+    let path = Path::new(&args.scene.scene);
+    if !args.out.quiet {
+        let n_files = if options.terrain.is_some() { 2 } else { 1 };
+        let on_disk = n_files * StreamedSurface::bytes_on_disk(RasterFile::open(path, &mut Vec::new())?.georef());
+        let (on_disk, folder) = (memory_words(on_disk), scratch.display());
+        let why = too_large(args).map_or_else(
+            || "parts of it cannot be read alone".to_string(),
+            |why| format!("in memory a map takes {}, more than {}", memory_words(why.needed), memory_words(why.limit)),
+        );
+        messages::note(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
+    }
+    StreamedSurface::read(path, &options, &scratch, warnings)
+}
+
 /// What was asked for, checked.
 pub(super) struct StreamedRun<'a> {
     pub(super) args: &'a MapArgs,
     pub(super) command: Vec<String>,
     pub(super) outputs: &'a [(PathBuf, Format)],
     pub(super) layers: &'a [Layer],
-    pub(super) typed: Vec<Site>,
     /// Height of the receivers \[1/1024 m\].
     pub(super) rx_height: i32,
     /// Range \[m\].
     pub(super) radius_m: Option<f64>,
     pub(super) start: Instant,
+    /// What the run is one of.
+    pub(super) unit: Option<String>,
 }
 
 impl StreamedRun<'_> {
     /// Refuses what needs every cell in memory.
-    fn check(&self, why: &TooLarge) -> Result<()> {
+    fn check(&self) -> Result<()> {
         let refuse = |what: String| {
-            let text = format!(
-                "cannot map {}: in memory it takes {}, more than {}, and strip by strip {what}",
-                self.args.scene.scene,
-                memory_words(why.needed),
-                memory_words(why.limit)
-            );
+            let text =
+                format!("cannot map {}: it does not fit in memory, and strip by strip {what}", self.args.scene.scene);
             Err(Error::limit(501, text).with_hint("write .tif, .csv and .json of one UAV, or cut out a part"))
         };
         if let Some((path, _)) = self.outputs.iter().find(|(_, format)| {
@@ -88,30 +102,27 @@ impl StreamedRun<'_> {
         }
     }
 
-    /// Makes the map and writes its files.
-    pub(super) fn run(self, why: &TooLarge) -> Result<()> {
-        self.check(why)?;
-        let (args, quiet) = (self.args, self.args.out.quiet);
-        let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    /// Copies the heights to the disk, then maps.
+    pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>) -> Result<()> {
+        self.check()?;
         let mut warnings: Vec<Warning> = Vec::new();
-        let options = raster_options(&args.scene)?;
-        let n_files = if options.terrain.is_some() { 2 } else { 1 };
-        let on_disk = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
-        let on_disk = n_files * StreamedSurface::bytes_on_disk(on_disk.georef());
-        if !quiet {
-            messages::note(&format!(
-                "in memory this takes {}, more than {}: heights go to {} in {} and are swept strip by strip",
-                memory_words(why.needed),
-                memory_words(why.limit),
-                memory_words(on_disk),
-                scratch.display()
-            ));
-        }
-        let scene = StreamedSurface::read(Path::new(&args.scene.scene), &options, &scratch, &mut warnings)?;
+        let scene = on_disk(self.args, &mut warnings)?;
+        self.over(&scene, warnings, sites)
+    }
+
+    /// Makes the map and writes its files.
+    pub(super) fn over(
+        self,
+        scene: &StreamedSurface,
+        mut warnings: Vec<Warning>,
+        sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>,
+    ) -> Result<()> {
+        self.check()?;
+        let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
-        let uav = self.uav(&scene, radius)?;
+        let uav = self.uav(scene, &sites(grid)?, radius)?;
         if scene.base() == WindowedBase::Surface {
             check_surface_receivers(args.receivers)?;
         }
@@ -126,7 +137,7 @@ impl StreamedRun<'_> {
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let coverage = messages::with_progress(&control, (grid.n_cells() as u64, "cells"), quiet, || {
-            let mapper = StreamedMapper::new(&scene, &options, &control)?;
+            let mapper = StreamedMapper::new(scene, &options, &control)?;
             mapper.map(&uav, &control, |_, mask| {
                 digest.add(mask);
                 if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
@@ -158,6 +169,7 @@ impl StreamedRun<'_> {
             tolerance: None,
             idle: None,
             digest: digest.finish(),
+            unit: self.unit.clone(),
         };
         let before_write = Instant::now();
         timing.total = self.start.elapsed().as_secs_f64();
@@ -194,9 +206,8 @@ impl StreamedRun<'_> {
     }
 
     /// The one UAV of the run.
-    fn uav(&self, scene: &StreamedSurface, radius: Option<f64>) -> Result<Uav> {
-        let sites = sites(self.typed.clone(), self.args.uavs.as_deref(), scene.grid())?;
-        let [site] = sites.as_slice() else {
+    fn uav(&self, scene: &StreamedSurface, sites: &[Site], radius: Option<f64>) -> Result<Uav> {
+        let [site] = sites else {
             let text = format!(
                 "cannot map {} UAVs over {} at once: it does not fit in memory",
                 sites.len(),

@@ -15,6 +15,7 @@ mod link;
 mod map;
 mod map_drawing;
 mod map_files;
+mod map_sites;
 mod map_streamed;
 mod messages;
 mod needs;

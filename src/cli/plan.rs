@@ -19,7 +19,7 @@ use crate::scene::{
 use crate::zones::{ZoneBasis, ZoneMap};
 
 /// A scene ready for rays, and what is known about where it came from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Ready {
     pub(super) name: String,
     pub(super) field: HeightField,
@@ -210,6 +210,15 @@ pub(super) fn ready(args: &SceneArgs, most: Option<u64>) -> Result<Ready> {
     let start = Instant::now();
     let mut warnings = Vec::new();
     let scene = read_scene(args, &mut warnings)?;
+    built(args, (scene, warnings), (start, most))
+}
+
+/// A scene that was read since `start`, with its height field.
+pub(super) fn built(
+    args: &SceneArgs,
+    (scene, mut warnings): (Scene, Vec<Warning>),
+    (start, most): (Instant, Option<u64>),
+) -> Result<Ready> {
     let read = start.elapsed().as_secs_f64();
     let Scene { name, grid, solids, built_up, sources, attribution } = scene;
     check_memory(&args.scene, &grid, (0, FIELD_BYTES_PER_CELL), most)?;

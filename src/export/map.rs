@@ -382,6 +382,10 @@ pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// The name of the bare picture of one site beside that of all: `NAME.SITE.png`, odd characters replaced.
 pub fn bare_name(path: &Path, site: &str) -> PathBuf {
-    let plain: String = site.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect();
-    path.with_extension(format!("{plain}.png"))
+    path.with_extension(format!("{}.png", site_in_names(site)))
+}
+
+/// The name of a site as file names hold it: odd characters replaced.
+pub fn site_in_names(site: &str) -> String {
+    site.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
 }

@@ -22,7 +22,7 @@ pub use compare::{Comparison, add_comparison};
 pub use files::{Batch, Format, OutputRules, check_outputs};
 pub use kmz::encode_kmz;
 pub(crate) use map::with_suffix;
-pub use map::{Layer, MapResult, MaskValues, add_map, add_mask_geotiff, bare_name, check_layers};
+pub use map::{Layer, MapResult, MaskValues, add_map, add_mask_geotiff, bare_name, check_layers, site_in_names};
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;
 pub use table::encode_table;

@@ -154,6 +154,8 @@ pub struct MapReport {
     pub tolerance: Option<ToleranceFacts>,
     /// Digest of the masks, see [`digest`].
     pub digest: String,
+    /// What the run is one of, if it can be asked for again and found done.
+    pub unit: Option<String>,
 }
 
 /// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
@@ -295,6 +297,7 @@ impl MapReport {
         }
         document.insert("warnings".into(), self.facts.warnings());
         document.insert("digest".into(), self.digest.clone().into());
+        document.extend(self.unit.clone().map(|unit| ("unit".to_string(), unit.into())));
         Value::Object(document)
     }
 
