@@ -118,6 +118,13 @@ impl Error {
         self
     }
 
+    /// The same error with more at the end of its text, in parentheses: the larger thing that it happened in.
+    #[must_use]
+    pub fn within(mut self, more: impl fmt::Display) -> Self {
+        self.text = format!("{} ({more})", self.text);
+        self
+    }
+
     /// The cause.
     pub fn class(&self) -> ErrorClass {
         self.class
@@ -154,6 +161,13 @@ impl Warning {
     pub fn new(code: u16, text: impl Into<String>) -> Self {
         let text: String = text.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         Warning { code, text }
+    }
+
+    /// The same warning with more at the end of its text, in parentheses.
+    #[must_use]
+    pub fn within(mut self, more: impl fmt::Display) -> Self {
+        self.text = format!("{} ({more})", self.text);
+        self
     }
 
     /// The stable code, for example `W320`.

@@ -109,10 +109,25 @@ impl AsciiGrid {
     ) -> Result<Raster<T>> {
         let part = self.georef.part(window);
         let mut cells = reserve_cells(&self.path, &part)?;
+        let mut voids = Voids::new(Some(self.nodata));
+        self.for_each_stored(window, |row, col, stored| cells.push(convert(voids.height(row, col, stored))))?;
+        voids.report(&self.path, warnings)?;
+        Ok(Raster::new(part, cells))
+    }
+
+    /// The value of cells without a height.
+    pub(super) fn nodata(&self) -> f64 {
+        self.nodata
+    }
+
+    /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
+    ///
+    /// # Errors
+    /// If a value is no number, or there are too few or too many values.
+    pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let (mut file, _) = open_file(&self.path)?;
         file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| words_error(&self.path, &e))?;
         let mut words = Words::new(&self.path, file, self.cells_at, self.cells_line);
-        let mut voids = Voids::new(Some(self.nodata));
         for row in 0..window.row + window.n_rows {
             for col in 0..self.georef.n_cols() {
                 if !words.next()? {
@@ -120,11 +135,9 @@ impl AsciiGrid {
                     let error = words.error(303, format!("the file ends after {found} values, wanted {wanted}"));
                     return Err(error.with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
                 }
-                if row < window.row || !(window.col..window.col + window.n_cols).contains(&col) {
-                    continue;
+                if row >= window.row && (window.col..window.col + window.n_cols).contains(&col) {
+                    visit(row, col, self.stored(words.number()?));
                 }
-                let stored = self.stored(words.number()?);
-                cells.push(convert(voids.height(row, col, stored)));
             }
         }
         if window.row + window.n_rows == self.georef.n_rows() && words.next()? {
@@ -132,8 +145,7 @@ impl AsciiGrid {
                 words.error(302, format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells()));
             return Err(error.with_hint("`ncols` and `nrows` may be wrong"));
         }
-        voids.report(&self.path, warnings)?;
-        Ok(Raster::new(part, cells))
+        Ok(())
     }
 
     /// The value as read, and the declared nodata value where the two are the same 32-bit number.

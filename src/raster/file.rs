@@ -1,16 +1,16 @@
-//! Raster files of any format: told apart by what they hold, not by what they are called.
+//! Raster files of any format, and folders of them: told apart by what they hold, not by what they are called.
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Raster};
+use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Mosaic, Raster};
 use crate::error::{Error, Result, Warning};
 
 /// Most memory that the cells of one read may take \[bytes\].
 pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
 
-/// A raster file whose header has been read.
+/// A raster file, or a folder of them, whose headers have been read.
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "one value per input file")]
 pub enum RasterFile {
@@ -18,14 +18,24 @@ pub enum RasterFile {
     GeoTiff(GeoTiff),
     /// An Esri ASCII grid.
     AsciiGrid(AsciiGrid),
+    /// A virtual raster of GDAL, or a folder of tiles.
+    Mosaic(Mosaic),
 }
 
 impl RasterFile {
-    /// Opens a raster file and reads its header, no cell.
+    /// Opens a raster file and reads its header, no cell; of a folder and of a virtual raster those of all tiles.
     ///
     /// # Errors
     /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
     pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        if path.is_dir() {
+            return Mosaic::open_folder(path, warnings).map(RasterFile::Mosaic);
+        }
+        RasterFile::open_within(path, &[], warnings)
+    }
+
+    /// Opens a raster file that is part of virtual rasters, outermost first.
+    pub(super) fn open_within(path: &Path, ancestors: &[PathBuf], warnings: &mut Vec<Warning>) -> Result<RasterFile> {
         let (mut file, len) = open_file(path)?;
         let mut head = Vec::new();
         file.by_ref()
@@ -35,10 +45,11 @@ impl RasterFile {
         match kind_of(&head) {
             Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
             Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
+            Kind::VirtualRaster => Mosaic::open_vrt(path, ancestors, warnings).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
                 let shown = path.display();
                 let text = format!(
-                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF or an Esri ASCII grid"
+                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
                 );
                 Err(Error::file(302, text)
                     .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
@@ -51,6 +62,7 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
             RasterFile::AsciiGrid(_) => None,
+            RasterFile::Mosaic(mosaic) => mosaic.meters_per_height_unit(),
         }
     }
 
@@ -59,6 +71,15 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.georef(),
             RasterFile::AsciiGrid(grid) => grid.georef(),
+            RasterFile::Mosaic(mosaic) => mosaic.georef(),
+        }
+    }
+
+    /// The files that the raster is made of beside its own, in their order.
+    pub fn tile_paths(&self) -> Vec<&Path> {
+        match self {
+            RasterFile::Mosaic(mosaic) => mosaic.tile_paths(),
+            RasterFile::GeoTiff(_) | RasterFile::AsciiGrid(_) => Vec::new(),
         }
     }
 
@@ -67,6 +88,7 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.description(),
             RasterFile::AsciiGrid(grid) => grid.description(),
+            RasterFile::Mosaic(mosaic) => mosaic.description(),
         }
     }
 
@@ -78,7 +100,7 @@ impl RasterFile {
     pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.read_plain_heights(warnings),
-            RasterFile::AsciiGrid(_) => Ok(None),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => Ok(None),
         }
     }
 
@@ -98,6 +120,7 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.read(window, warnings, convert),
             RasterFile::AsciiGrid(grid) => grid.read(window, warnings, convert),
+            RasterFile::Mosaic(mosaic) => mosaic.read(window, warnings, convert),
         }
     }
 
@@ -129,6 +152,7 @@ impl RasterFile {
 enum Kind {
     Tiff,
     AsciiGrid,
+    VirtualRaster,
     Other(&'static str),
 }
 
@@ -166,7 +190,7 @@ fn kind_of(head: &[u8]) -> Kind {
     match first.chars().next() {
         _ if super::ascii_grid::is_header_key(first) => Kind::AsciiGrid,
         Some('{' | '[') => Kind::Other("JSON text"),
-        Some('<') if text.contains("<VRTDataset") => Kind::Other("a GDAL virtual raster"),
+        Some('<') if text.contains("<VRTDataset") => Kind::VirtualRaster,
         Some('<') => Kind::Other("XML or HTML text"),
         Some(_) => Kind::Other("text"),
         None => Kind::Other("blank text"),
@@ -236,7 +260,7 @@ mod tests {
         assert_eq!(kind_of(b"\xef\xbb\xbfcellsize 2"), Kind::AsciiGrid);
         assert_eq!(kind_of(b"\x89PNG\r\n\x1a\n"), Kind::Other("a PNG picture"));
         assert_eq!(kind_of(b"{\"type\":"), Kind::Other("JSON text"));
-        assert_eq!(kind_of(b"<VRTDataset>"), Kind::Other("a GDAL virtual raster"));
+        assert_eq!(kind_of(b"<VRTDataset>"), Kind::VirtualRaster);
         assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
         assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
         assert_eq!(kind_of(b""), Kind::Other("empty"));

@@ -16,6 +16,7 @@ mod georef;
 mod geotiff;
 mod lattice_rows;
 mod lonlat;
+mod mosaic;
 mod npz;
 mod simpler_rings;
 mod tile_store;
@@ -39,6 +40,7 @@ pub use geotiff::{
     write_geotiff,
 };
 pub use lonlat::LonLatGrid;
+pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
 pub use simpler_rings::simpler_rings;
 pub use tile_store::{TileStore, TileStoreWriter};

@@ -12,6 +12,24 @@ use crate::quantity::counted;
 pub(super) const LOWEST_LIKELY: f64 = -9000.0;
 pub(super) const HIGHEST_LIKELY: f64 = 32_000.0;
 
+/// What a file holds for one cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stored {
+    /// A number, which may stand for nodata.
+    Number(f64),
+    /// A number that a mask hides.
+    Hidden(f64),
+    /// Nothing: a sparse file leaves out the block of the cell.
+    Nothing,
+}
+
+/// Whether a stored number stands for no height; NaN equals NaN.
+#[inline]
+#[expect(clippy::float_cmp, reason = "a nodata value is a pattern to recognize, not a quantity")]
+pub(super) fn is_nodata(nodata: Option<f64>, number: f64) -> bool {
+    nodata.is_some_and(|nodata| number == nodata || (number.is_nan() && nodata.is_nan()))
+}
+
 /// How many cells of one kind there were, and between which rows and columns.
 #[derive(Debug, Clone, Copy)]
 struct Found {
@@ -60,11 +78,21 @@ impl Voids {
         }
     }
 
-    /// The height of a cell as stored, NaN where it has none.
+    /// The height of a cell, NaN where it has none.
     #[inline]
-    #[expect(clippy::float_cmp, reason = "a nodata value is a pattern to recognize, not a quantity")]
+    pub(super) fn height_of(&mut self, row: usize, col: usize, stored: Stored) -> f64 {
+        match stored {
+            Stored::Number(number) => return self.height(row, col, number),
+            Stored::Hidden(_) => self.n_nodata += 1,
+            Stored::Nothing => self.n_missing += 1,
+        }
+        f64::NAN
+    }
+
+    /// The height of a cell that holds a number, NaN where that is none.
+    #[inline]
     pub(super) fn height(&mut self, row: usize, col: usize, stored: f64) -> f64 {
-        if self.nodata.is_some_and(|nodata| stored == nodata || (stored.is_nan() && nodata.is_nan())) {
+        if is_nodata(self.nodata, stored) {
             self.n_nodata += 1;
             return f64::NAN;
         }

@@ -11,10 +11,11 @@ use rayon::prelude::*;
 
 use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
 use super::faults::{FootprintFaults, HeightWords};
+use super::heights::{HeightFile, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
 use super::projection::{Projection, project};
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::surface::{SurfaceOptions, ground_steps, read_heights, warn_of_units};
+use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
@@ -152,19 +153,13 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
     let terrain = match &options.terrain {
         None => None,
         Some(terrain_path) => {
-            let surface_options = SurfaceOptions {
-                terrain: None,
-                ground_m: None,
-                building_threshold_m: 0.0,
-                nodata_as: options.nodata_as,
-                crs: options.crs.clone(),
-                always_hash: options.always_hash,
-            };
-            let (terrain, _) = read_heights(terrain_path, &surface_options, warnings)?;
+            let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+            let mut heights = file.read(options.always_hash, warnings)?;
+            let terrain = heights.raster;
             refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
                 format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
             })?;
-            sources.push(Source::of(terrain_path, options.always_hash)?);
+            sources.append(&mut heights.sources);
             Some(terrain)
         }
     };

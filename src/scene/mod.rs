@@ -9,14 +9,17 @@ mod built_up;
 mod faults;
 mod footprints;
 mod geojson_file;
+mod heights;
 mod mesh;
 mod outline;
 mod projection;
 mod receivers_grid;
 mod sites;
 mod streamed;
+mod source;
 mod surface;
 mod table;
+mod terrain;
 mod track;
 mod vector;
 
@@ -30,6 +33,7 @@ pub use outline::even_odd;
 pub use projection::Projection;
 pub use sites::{Site, read_sites};
 pub use streamed::{StreamedSurface, WindowedBase, WindowedSolids, row_bands};
+pub use source::Source;
 pub use surface::{SurfaceOptions, read_surface};
 pub(crate) use table::line_of;
 pub use track::read_track;
@@ -111,47 +115,6 @@ pub enum NodataAs {
     Block,
 }
 
-/// An input file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Source {
-    /// As the user gave it.
-    pub path: String,
-    /// SHA-256 of its bytes in hexadecimal, if it was computed.
-    pub sha256: Option<String>,
-}
-
-/// Files larger than this are hashed only on request.
-const HASH_LIMIT_BYTES: u64 = 64 << 20;
-
-impl Source {
-    /// A source with its hash, which is left out above 64 MiB unless `always_hash`.
-    ///
-    /// # Errors
-    /// If the file cannot be read.
-    pub fn of(path: &Path, always_hash: bool) -> Result<Source> {
-        use std::io::Read;
-
-        use sha2::Digest;
-        let unreadable = |e: std::io::Error| Error::file(301, format!("cannot read {}: {e}", path.display()));
-        let mut file = std::fs::File::open(path).map_err(unreadable)?;
-        let length = file.metadata().map_err(unreadable)?.len();
-        let sha256 = if always_hash || length <= HASH_LIMIT_BYTES {
-            let mut hasher = sha2::Sha256::new();
-            let mut block = vec![0; 1 << 16];
-            loop {
-                match file.read(&mut block).map_err(unreadable)? {
-                    0 => break,
-                    n => hasher.update(&block[..n]),
-                }
-            }
-            Some(hasher.finalize().iter().map(|b| format!("{b:02x}")).collect())
-        } else {
-            None
-        };
-        Ok(Source { path: path.display().to_string(), sha256 })
-    }
-}
-
 /// Refuses to combine files in different CRSs, told apart by EPSG code, or by definition where neither has one; `remedy`
 /// is the command that reprojects one of them. A CRS that is not known is taken for the other's.
 pub(crate) fn refuse_two_crs(
@@ -160,8 +123,7 @@ pub(crate) fn refuse_two_crs(
     remedy: impl Fn(&Crs, &Crs) -> String,
 ) -> Result<()> {
     let (Some(a), Some(b)) = (a, b) else { return Ok(()) };
-    let same = if a.epsg().is_some() || b.epsg().is_some() { a.epsg() == b.epsg() } else { a == b };
-    if same {
+    if a.same_as(b) {
         return Ok(());
     }
     let (a_path, b_path, a_label, b_label) = (a_path.display(), b_path.display(), a.label(), b.label());

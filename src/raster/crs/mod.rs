@@ -163,6 +163,20 @@ impl Crs {
         self.kind
     }
 
+    /// Whether two definitions mean one system: the same EPSG code, or the same definition where neither has one.
+    pub fn same_as(&self, other: &Crs) -> bool {
+        if self.epsg.is_some() || other.epsg.is_some() { self.epsg == other.epsg } else { self == other }
+    }
+
+    /// Whether two definitions certainly mean different systems: different EPSG codes, or degrees and meters. Of two
+    /// writers of one system one may know its code and the other not.
+    pub(super) fn contradicts(&self, other: &Crs) -> bool {
+        match (self.epsg, other.epsg) {
+            (Some(one), Some(other)) => one != other,
+            _ => discriminant(&self.kind) != discriminant(&other.kind),
+        }
+    }
+
     /// Whether this is the Web Mercator projection, whose meters are true at the equator only.
     pub fn is_web_mercator(&self) -> bool {
         self.horizontal()

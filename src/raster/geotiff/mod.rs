@@ -25,6 +25,7 @@ mod lerc;
 mod overview;
 mod placement;
 mod read;
+mod stored;
 mod tags;
 mod write;
 
@@ -35,8 +36,8 @@ pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam
 use std::path::{Path, PathBuf};
 
 use header::{Codec, Image, Sample};
-use placement::{Placement, meters_per_named_unit, read_placement};
-use read::{Region, for_each_span};
+pub(super) use placement::meters_per_named_unit;
+use placement::{Placement, read_placement};
 use tags::{Directory, TiffSource, tag};
 
 use super::file::reserve_cells;
@@ -208,37 +209,11 @@ impl GeoTiff {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let georef = self.georef().part(window);
-        let (mut source, _) = TiffSource::open(&self.path)?;
-        if band >= self.n_bands() {
-            let text = format!("band {} of {}, wanted at most the last", band + 1, self.n_bands());
-            return Err(source.error(302, text));
-        }
-        if source.len() != self.len {
-            return Err(source.error(303, "the file has changed since it was opened"));
-        }
         let mut cells: Vec<T> = reserve_cells(&self.path, &georef)?;
-        let first_row =
-            if self.placement.south_up { self.image.n_rows - window.row - window.n_rows } else { window.row };
-        let region =
-            Region { rows: first_row..first_row + window.n_rows, cols: window.col..window.col + window.n_cols, band };
-        let hidden = self.hidden_cells(&mut source, &region)?;
         let (scale, offset) = self.metadata.scaling(band);
         let mut voids = Voids::new(self.nodata);
-        for_each_span(&mut source, &self.image, &region, |span| match span.samples {
-            None => {
-                voids.n_missing += span.n_cells as u64;
-                cells.extend((0..span.n_cells).map(|_| convert(f64::NAN)));
-            }
-            Some(samples) => samples.for_each(self.image.sample, span.n_cells, |i, stored| {
-                let is_hidden = hidden.as_ref().is_some_and(|hidden| hidden.get(cells.len()));
-                let height = if is_hidden {
-                    voids.n_nodata += 1;
-                    f64::NAN
-                } else {
-                    voids.height(span.row, span.col + i, stored)
-                };
-                cells.push(convert(height * scale + offset));
-            }),
+        self.for_each_stored(band, window, |row, col, stored| {
+            cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
         })?;
         if (scale, offset) != (1.0, 0.0) {
             let path = self.path.display();
@@ -250,18 +225,6 @@ impl GeoTiff {
         }
         voids.report(&self.path, warnings)?;
         Ok(Raster::new(georef, cells))
-    }
-
-    /// The cells of a region that the mask hides, in the order in which they are read.
-    fn hidden_cells(&self, source: &mut TiffSource, region: &Region) -> Result<Option<Bits>> {
-        let Some(mask) = &self.mask else { return Ok(None) };
-        let mut hidden = Bits::default();
-        for_each_span(source, mask, &Region { band: 0, ..region.clone() }, |span| match span.samples {
-            // GDAL leaves out the blocks of a mask that hide all of their cells.
-            None => (0..span.n_cells).for_each(|_| hidden.push(true)),
-            Some(samples) => samples.for_each(mask.sample, span.n_cells, |_, value| hidden.push(value < 0.5)),
-        })?;
-        Ok(Some(hidden))
     }
 }
 
@@ -336,29 +299,6 @@ impl std::fmt::Display for Number {
         } else {
             write!(f, "{}", self.0)
         }
-    }
-}
-
-/// One bit per cell.
-#[derive(Debug, Default)]
-struct Bits {
-    words: Vec<u64>,
-    len: usize,
-}
-
-impl Bits {
-    fn push(&mut self, bit: bool) {
-        if self.len.is_multiple_of(64) {
-            self.words.push(0);
-        }
-        if let Some(last) = self.words.last_mut() {
-            *last |= u64::from(bit) << (self.len % 64);
-        }
-        self.len += 1;
-    }
-
-    fn get(&self, index: usize) -> bool {
-        self.words[index / 64] >> (index % 64) & 1 == 1
     }
 }
 

@@ -263,7 +263,7 @@ impl GeoKeys {
 }
 
 /// Meters per unit of height from the name that GDAL stores for a band.
-pub(super) fn meters_per_named_unit(name: &str) -> Option<f64> {
+pub(in crate::raster) fn meters_per_named_unit(name: &str) -> Option<f64> {
     match name.trim().to_ascii_lowercase().as_str() {
         "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),
         "ft" | "foot" | "feet" | "international foot" => Some(FOOT),

@@ -11,8 +11,9 @@ mod top_surface;
 
 use std::path::Path;
 
+use super::heights::warn_of_units;
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::surface::{Empty, SurfaceOptions, scene_of, warn_of_units};
+use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::{Scene, Source, refuse_degrees};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{VOID, counted};
