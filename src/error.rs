@@ -24,6 +24,8 @@
 //! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
+//! | W335, W339 | footprints and rasters brought into another CRS |
+//! | W336–W338 | mosaics: tiles that differ where they overlap, cells in no source, too many tiles to name |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
 //! | W367 | meshes: cells without a face |

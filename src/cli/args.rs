@@ -20,8 +20,8 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand,
 #[derive(Debug, Parser)]
 #[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "\
-SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc), footprints
-(.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .vrt, or a folder of
+tiles), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
 Heights are above ground unless written 150amsl or 30roof; all lengths are in meters.
 
 Examples:
@@ -101,10 +101,12 @@ impl Command {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneArgs {
-    /// Generated city (itu:…), raster (.tif, .asc), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or mesh (.obj, .ply)
+    /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
+    /// .city.json) or mesh (.obj, .ply)
     #[arg(value_name = "SCENE", help_heading = None::<&'static str>)]
     pub(super) scene: String,
-    /// Terrain model below the surface model or the footprints [raster file]
+    /// Terrain model below the surface model or the footprints [raster file, or folder of tiles]; with `--project` in any
+    /// reference system
     #[arg(long, value_name = "FILE")]
     pub(super) terrain: Option<PathBuf>,
     /// Flat ground at this height above the datum [m]; footprints and generated cities: 0
@@ -135,13 +137,15 @@ pub(super) struct SceneArgs {
     /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true)]
     pub(super) extent: Option<[f64; 4]>,
-    /// Cell size of the grid over footprints, a mesh or a generated city [m]; default 1, or the terrain's own
+    /// Cell size of the grid over footprints, a mesh or a generated city [m]; default 1, or the terrain's own. With
+    /// `--project` that of a raster too; default as many cells diagonally as the file has
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     pub(super) cell: Option<f64>,
     /// Coordinate reference system of the scene, where its files name none or a wrong one
     #[arg(long, value_name = "EPSG:N")]
     pub(super) crs: Option<String>,
-    /// Reference system to bring footprints into: `auto` is the zone of UTM for footprints in degrees; EPSG:n, or as `--crs`
+    /// Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees; EPSG:n, or as
+    /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
     #[arg(long, value_name = "auto|EPSG:N", value_parser = projection)]
     pub(super) project: Option<Projection>,
     /// Edge length of a generated city [m]

@@ -108,7 +108,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         GivenScene::InMemory(scene) => *scene,
         GivenScene::Typed if too_large(args).is_none() => ready(&args.scene, args.engine.max_memory)?,
         not_in_memory => {
-            let run = StreamedRun { args, command, outputs: &outputs, layers: &layers, rx_height, radius_m, start, unit };
+            let run =
+                StreamedRun { args, command, outputs: &outputs, layers: &layers, rx_height, radius_m, start, unit };
             let typed = |grid: &GeoRef| given_sites.map_or_else(|| sites(typed, args.uavs.as_deref(), grid), Ok);
             return match not_in_memory {
                 GivenScene::OnDisk(scene, warnings) => run.over(scene, warnings, typed),

@@ -19,7 +19,7 @@ use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{site_in_names, with_suffix};
 use crate::quantity::counted;
 use crate::raster::{GeoRef, RasterFile};
-use crate::scene::{Site, StreamedSurface, read_surface, surface_grid};
+use crate::scene::{Site, StreamedSurface, SurfaceOptions, WindowedSolids, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
 const SITE: &str = "{site}";
@@ -69,8 +69,11 @@ impl<'a> SiteRuns<'a> {
             return Err(Error::usage(105, text).with_hint(format!("write `{SITE}` into every name, or into none")));
         }
         if args.out.json && n_named > 0 {
-            return Err(Error::usage(116, format!("`--json` has no meaning beside files with `{SITE}` in their names"))
-                .with_hint(format!("`-o NAME-{SITE}.json` writes a document for each UAV")));
+            return Err(Error::usage(
+                116,
+                format!("`--json` has no meaning beside files with `{SITE}` in their names"),
+            )
+            .with_hint(format!("`-o NAME-{SITE}.json` writes a document for each UAV")));
         }
         let radius_m = checked_radius(args.engine.radius)?;
         Ok(Some(SiteRuns { args, radius_m }))
@@ -142,7 +145,7 @@ impl<'a> SiteRuns<'a> {
     fn scenes(&self) -> Result<(SiteScenes, GeoRef)> {
         let args = self.args;
         let mut warnings = Vec::new();
-        if self.radius_m.is_some() && is_raster(&args.scene) {
+        if self.radius_m.is_some() && is_raster(&args.scene) && args.scene.project.is_none() {
             let options = raster_options(&args.scene)?;
             let path = Path::new(&args.scene.scene);
             let file = RasterFile::open(path, &mut Vec::new())?;
@@ -157,7 +160,7 @@ impl<'a> SiteRuns<'a> {
         }
         if too_large(args).is_some() {
             let scene = on_disk(args, &mut warnings)?;
-            let grid = crate::scene::WindowedSolids::grid(&scene).clone();
+            let grid = scene.grid().clone();
             return Ok((SiteScenes::OnDisk(scene, warnings), grid));
         }
         let scene = ready(&args.scene, args.engine.max_memory)?;
@@ -218,11 +221,7 @@ impl<'a> SiteRuns<'a> {
     }
 
     /// The part of a raster in range of a UAV.
-    fn part(
-        &self,
-        (site, grid): (&Site, &GeoRef),
-        stored: Option<(&StreamedSurface, &[Warning])>,
-    ) -> Result<Ready> {
+    fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Ready> {
         let start = Instant::now();
         let args = self.args;
         let radius = self.radius_m.unwrap_or(f64::INFINITY) / meters_per_unit(grid);
@@ -230,12 +229,12 @@ impl<'a> SiteRuns<'a> {
         let mut warnings = Vec::new();
         let scene = match stored {
             None => {
-                let options = crate::scene::SurfaceOptions { around: Some(around), ..raster_options(&args.scene)? };
+                let options = SurfaceOptions { around: Some(around), ..raster_options(&args.scene)? };
                 read_surface(Path::new(&args.scene.scene), &options, &mut warnings)?
             }
             Some((stored, said)) => {
                 warnings.extend_from_slice(said);
-                stored.scene(grid.window_within(around))?
+                stored.part(grid.window_within(around))?
             }
         };
         built(&args.scene, (scene, warnings), (start, args.engine.max_memory))
@@ -250,9 +249,11 @@ impl<'a> SiteRuns<'a> {
         (args.output, args.height_curve) = (Vec::new(), Vec::new());
         (args.resume, args.scratch, args.engine.max_memory) = (false, None, None);
         (args.out.json, args.out.overwrite, args.out.quiet, args.out.threads) = (false, false, false, None);
-        let silent = ["output", "height_curve", "resume", "scratch", "max_memory", "json", "overwrite", "quiet", "threads"];
+        let silent =
+            ["output", "height_curve", "resume", "scratch", "max_memory", "json", "overwrite", "quiet", "threads"];
         args.scene.typed.retain(|typed| !silent.contains(&typed.as_str()));
-        let mut files: Vec<PathBuf> = std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
+        let mut files: Vec<PathBuf> =
+            std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
         match site {
             Some(_) => (args.uav, args.uavs) = (Vec::new(), None),
             None => files.extend(args.uavs.clone()),
@@ -293,7 +294,8 @@ impl<'a> SiteRuns<'a> {
 /// The files that an input consists of.
 fn parts_of(input: &Path) -> Vec<PathBuf> {
     let own = std::iter::once(input.to_path_buf());
-    let tiles = RasterFile::open(input, &mut Vec::new()).map(|file| file.tile_paths().iter().map(|p| p.to_path_buf()).collect());
+    let tiles = RasterFile::open(input, &mut Vec::new())
+        .map(|file| file.tile_paths().iter().map(|p| p.to_path_buf()).collect());
     own.chain(tiles.unwrap_or_else(|_| Vec::new())).collect()
 }
 

@@ -30,7 +30,8 @@ pub(super) struct TooLarge {
 
 /// Whether the scene is a raster of which a map in memory takes more than there is, or than `--max-memory` allows.
 pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
-    if !is_raster(&args.scene) {
+    // What is brought into another system is put together in memory.
+    if !is_raster(&args.scene) || args.scene.project.is_some() {
         return None;
     }
     // What is wrong with the file is told where it is read.

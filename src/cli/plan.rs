@@ -42,7 +42,7 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             seed: args.seed,
             ground_m: args.ground.unwrap_or(0.0),
         };
-        let of_files = ["terrain", "extent", "crs", "building_threshold", "nodata_as"];
+        let of_files = ["terrain", "extent", "crs", "project", "building_threshold", "nodata_as"];
         refuse_flags(args, "a generated city", &OF_FOOTPRINTS)?;
         refuse_flags(args, "a generated city", &of_files)?;
         return city.scene();
@@ -58,7 +58,7 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             read_footprints(path, &footprint_options(args, crs, nodata_as)?, warnings)
         }
         None if ["obj", "ply"].contains(&extension.as_str()) => {
-            refuse_flags(args, "a mesh", &["size"])?;
+            refuse_flags(args, "a mesh", &["size", "project"])?;
             refuse_flags(args, "a mesh", &OF_FOOTPRINTS)?;
             let surface = surface_options(args, crs, nodata_as)?;
             read_mesh(path, &MeshOptions { surface, extent: args.extent, cell_m: args.cell }, warnings)
@@ -76,9 +76,13 @@ pub(super) fn is_raster(args: &SceneArgs) -> bool {
 
 /// How a raster is to be read.
 pub(super) fn raster_options(args: &SceneArgs) -> Result<SurfaceOptions> {
-    refuse_flags(args, "a raster", &["extent", "cell", "size"])?;
+    refuse_flags(args, "a raster", &["extent", "size"])?;
     refuse_flags(args, "a raster", &OF_FOOTPRINTS)?;
-    surface_options(args, typed_crs(args)?, nodata_as(args))
+    if args.project.is_none() {
+        refuse_flags(args, "a raster without `--project`", &["cell"])?;
+    }
+    let surface = surface_options(args, typed_crs(args)?, nodata_as(args))?;
+    Ok(SurfaceOptions { project: args.project.clone(), cell_m: args.cell, ..surface })
 }
 
 /// The CRS that was typed.
@@ -105,12 +109,12 @@ fn surface_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> R
         nodata_as,
         crs,
         always_hash: args.hash,
+        ..SurfaceOptions::default()
     })
 }
 
 /// Flags that only footprints can use.
-const OF_FOOTPRINTS: [&str; 7] =
-    ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer", "project"];
+const OF_FOOTPRINTS: [&str; 6] = ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer"];
 
 /// How footprints are to be read.
 fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> Result<FootprintOptions> {

@@ -124,6 +124,15 @@ impl RasterFile {
         }
     }
 
+    /// Whether reading a part costs what the part costs: not in strips of compressed rows, nor in text.
+    pub fn reads_parts(&self) -> bool {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.reads_parts(),
+            RasterFile::AsciiGrid(_) => false,
+            RasterFile::Mosaic(_) => true,
+        }
+    }
+
     /// Calls `visit` with the index and the heights of every row, from the north or from the south as they are stored;
     /// NaN where there is none. Memory is that of a row of blocks.
     ///

@@ -150,6 +150,35 @@ impl GeoRef {
         Some(CellWindow { row: north, col: west, n_rows: south - north, n_cols: east - west })
     }
 
+    /// The window whose cells are those of another grid, to within a millionth of a cell; `None` if there is none.
+    pub fn window_of(&self, other: &GeoRef) -> Option<CellWindow> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to lie within the grid")]
+        let offset = |cells: f64, n: usize, n_other: usize| {
+            let is_whole = (cells - cells.round()).abs() <= 1e-6;
+            (is_whole && cells.round() >= 0.0 && cells.round() + n_other as f64 <= n as f64)
+                .then_some(cells.round() as usize)
+        };
+        let col = offset((other.x_min - self.x_min) / self.cell_width, self.n_cols, other.n_cols)?;
+        let row = offset((self.y_max - other.y_max) / self.cell_height, self.n_rows, other.n_rows)?;
+        let window = CellWindow { row, col, n_rows: other.n_rows, n_cols: other.n_cols };
+        self.part(window).same_grid(other).then_some(window)
+    }
+
+    /// The smallest window that holds every cell that touches a box, west, south, east, north \[CRS units\]; the cell
+    /// nearest to it where none does.
+    pub fn window_within(&self, [west, south, east, north]: [f64; 4]) -> CellWindow {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+        let clip = |low: f64, high: f64, n: usize| {
+            let low = (low.floor() - 1.0).clamp(0.0, n as f64 - 1.0) as usize;
+            (low, ((high.ceil() + 1.0).clamp(0.0, n as f64) as usize).max(low + 1))
+        };
+        let (col, end_col) =
+            clip((west - self.x_min) / self.cell_width, (east - self.x_min) / self.cell_width, self.n_cols);
+        let (row, end_row) =
+            clip((self.y_max - north) / self.cell_height, (self.y_max - south) / self.cell_height, self.n_rows);
+        CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
+    }
+
     /// Center of a cell in the plane \[CRS units\].
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)

@@ -1,25 +1,20 @@
 //! A grid in longitude and latitude over a grid in another system, for programs that know nothing else.
 
-use rayon::prelude::*;
-
-use super::{Crs, CrsKind, GeoRef, Transformation};
+use super::cell_sources::bounds_through;
+use super::{CellSources, Crs, CrsKind, GeoRef, Transformation};
 use crate::error::{Error, Result};
 
 /// Length of a degree of latitude \[m\], to half a percent everywhere.
 const METERS_PER_DEGREE: f64 = 111_195.0;
 /// Largest number of columns or rows: what globes take as one picture.
 const LARGEST_SIDE: f64 = 4096.0;
-/// Points along each side of a grid between which its outline in degrees is taken for straight.
-const POINTS_PER_SIDE: usize = 32;
-/// No cell of the source.
-const NONE: u32 = u32::MAX;
 
 /// Cells of equal steps in degrees of WGS 84 over a grid, as large as those of the grid or larger, and the cell of the grid
 /// at the center of each.
 #[derive(Debug, Clone)]
 pub struct LonLatGrid {
     georef: GeoRef,
-    sources: Vec<u32>,
+    sources: CellSources,
     to_degrees: Transformation,
 }
 
@@ -32,15 +27,12 @@ impl LonLatGrid {
     /// E310 if the registry has no way from the CRS to WGS 84, E502 beyond 2^32 − 1 cells.
     pub fn over(grid: &GeoRef) -> Result<Option<LonLatGrid>> {
         let Some(crs) = grid.crs() else { return Ok(None) };
-        if u32::try_from(grid.n_cells()).is_err() {
-            return Err(Error::limit(502, format!("cannot reproject {} cells: wanted below 2^32", grid.n_cells())));
-        }
         let wgs84 = Crs::from_epsg(4326)?;
         let middle = ((grid.x_min() + grid.x_max()) / 2.0, (grid.y_min() + grid.y_max()) / 2.0);
         let to_degrees = Transformation::new(crs, &wgs84, middle)?;
         let (lon, lat) = to_degrees.apply(middle)?;
         let from_degrees = Transformation::new(&wgs84, crs, (lon, lat))?;
-        let [west, south, east, north] = bounds(grid, &to_degrees)?;
+        let [west, south, east, north] = bounds_through(grid, &to_degrees)?;
         let unit = match crs.kind() {
             CrsKind::Projected { meters_per_unit } => meters_per_unit,
             CrsKind::Geographic | CrsKind::Other => 1.0,
@@ -54,14 +46,7 @@ impl LonLatGrid {
         let step = ((east - west) / shape[1] as f64, (north - south) / shape[0] as f64);
         let georef = GeoRef::new((west, north), step, (shape[0], shape[1]), Some(wgs84));
         let georef = georef.ok_or_else(|| Error::internal(903, "a grid in degrees has no extent"))?;
-        let sources = (0..georef.n_cells())
-            .into_par_iter()
-            .map(|cell| {
-                let center = georef.world_from_cell(cell / georef.n_cols(), cell % georef.n_cols());
-                // A point that the projection does not know lies in no cell.
-                from_degrees.apply(center).map_or(NONE, |place| cell_at(grid, place))
-            })
-            .collect();
+        let sources = CellSources::new(&georef, grid, &from_degrees)?;
         Ok(Some(LonLatGrid { georef, sources, to_degrees }))
     }
 
@@ -79,40 +64,16 @@ impl LonLatGrid {
     }
 
     /// The values of the cells of the source at the centers of these cells, `outside` where there is none.
-    pub fn resampled<T: Copy>(&self, values: &[T], outside: T) -> Vec<T> {
-        self.sources.iter().map(|source| values.get(*source as usize).copied().unwrap_or(outside)).collect()
+    pub fn resampled<T: Copy + Send + Sync>(&self, values: &[T], outside: T) -> Vec<T> {
+        self.sources.resampled(values, outside)
     }
-}
-
-/// West, south, east, north of a grid in degrees: an outline that is bent reaches beyond its corners.
-fn bounds(grid: &GeoRef, to_degrees: &Transformation) -> Result<[f64; 4]> {
-    let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-    for k in 0..=POINTS_PER_SIDE {
-        let share = k as f64 / POINTS_PER_SIDE as f64;
-        let x = grid.x_min() + share * (grid.x_max() - grid.x_min());
-        let y = grid.y_min() + share * (grid.y_max() - grid.y_min());
-        for place in [(x, grid.y_min()), (x, grid.y_max()), (grid.x_min(), y), (grid.x_max(), y)] {
-            let (lon, lat) = to_degrees.apply(place)?;
-            bounds = [bounds[0].min(lon), bounds[1].min(lat), bounds[2].max(lon), bounds[3].max(lat)];
-        }
-    }
-    Ok(bounds)
-}
-
-fn cell_at(grid: &GeoRef, (x, y): (f64, f64)) -> u32 {
-    let (east, north) = grid.cells_from_world(x, y);
-    let is_inside = east >= 0.0 && north >= 0.0 && east < grid.n_cols() as f64 && north < grid.n_rows() as f64;
-    if !is_inside {
-        return NONE;
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
-    let (col, from_south) = (east as usize, north as usize);
-    u32::try_from((grid.n_rows() - 1 - from_south) * grid.n_cols() + col).unwrap_or(NONE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const NONE: u32 = u32::MAX;
 
     /// Each cell knows its own place.
     #[test]

@@ -11,10 +11,11 @@ use rayon::prelude::*;
 
 use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
 use super::faults::{FootprintFaults, HeightWords};
-use super::heights::{HeightFile, warn_of_units};
+use super::heights::{HeightFile, Heights, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
 use super::projection::{Projection, project};
 use super::receivers_grid::{GridRequest, receivers_grid};
+use super::reprojected::Reprojection;
 use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
@@ -86,7 +87,7 @@ pub struct FootprintOptions {
     pub missing: MissingHeight,
     /// Table of a GeoPackage; needed where it has several.
     pub layer: Option<String>,
-    /// Terrain model, in the same CRS.
+    /// Terrain model, in the same CRS unless `project` is given.
     pub terrain: Option<PathBuf>,
     /// Height of flat ground \[m above the datum\], 0 by default.
     pub ground_m: Option<f64>,
@@ -153,8 +154,7 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
     let terrain = match &options.terrain {
         None => None,
         Some(terrain_path) => {
-            let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
-            let mut heights = file.read(options.always_hash, warnings)?;
+            let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
             let terrain = heights.raster;
             refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
                 format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
@@ -191,6 +191,22 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         sources,
         attribution,
     })
+}
+
+/// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
+fn terrain_heights(
+    path: &Path,
+    scene_crs: Option<&Crs>,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Heights> {
+    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let wanted = scene_crs.filter(|_| options.project.is_some() && file.georef().crs().is_some());
+    let reprojection = match wanted {
+        None => None,
+        Some(crs) => Reprojection::plan(path, file.georef(), &Projection::To(crs.clone()), None)?,
+    };
+    Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
 
 /// An extent with all that can cast a shadow into it: a UAV is at most [`MAX_EXTENT_UNITS`] from any cell that it sees.

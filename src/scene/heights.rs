@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
+use super::terrain::no_terrain_below;
 use super::{Source, refuse_degrees};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
-use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile};
+use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile, TileStore, TileStoreWriter};
 
 /// A raster of heights, opened but not read.
 #[derive(Debug)]
 pub(super) struct HeightFile<'a> {
     path: &'a Path,
     file: RasterFile,
+    /// The part of the file that is read, and where it lies.
+    window: CellWindow,
     georef: GeoRef,
 }
 
@@ -20,6 +23,19 @@ pub(super) struct HeightFile<'a> {
 pub(super) struct Heights {
     /// Heights on the lattice, [`VOID`] where there is none.
     pub(super) raster: Raster<i32>,
+    /// Cells without a height.
+    pub(super) n_void: u64,
+    /// The files that were read.
+    pub(super) sources: Vec<Source>,
+}
+
+/// The same in tiles on disk.
+#[derive(Debug)]
+pub(super) struct StoredHeights {
+    /// Heights on the lattice, [`VOID`] where there is none.
+    pub(super) tiles: TileStore,
+    /// Where the cells lie.
+    pub(super) georef: GeoRef,
     /// Cells without a height.
     pub(super) n_void: u64,
     /// The files that were read.
@@ -40,7 +56,23 @@ impl<'a> HeightFile<'a> {
                 georef.with_crs(Some(crs.clone()))
             }
         };
-        Ok(HeightFile { path, file, georef })
+        Ok(HeightFile { path, window: georef.window(), file, georef })
+    }
+
+    /// The cells that touch a box alone: west, south, east, north \[CRS units\].
+    pub(super) fn around(self, around: [f64; 4]) -> HeightFile<'a> {
+        let window = self.georef.window_within(around);
+        HeightFile { window, georef: self.georef.part(window), ..self }
+    }
+
+    /// The cells under those of another grid alone; its very cells where the grids agree.
+    ///
+    /// # Errors
+    /// E312 if there are none.
+    pub(super) fn under(self, (path, grid): (&Path, &GeoRef)) -> Result<HeightFile<'a>> {
+        let window = self.georef.window_of(grid).or_else(|| self.georef.window_over(grid));
+        let window = window.ok_or_else(|| no_terrain_below((path, grid), (self.path, &self.georef)))?;
+        Ok(HeightFile { window, georef: self.georef.part(window), ..self })
     }
 
     /// Where the cells lie.
@@ -48,7 +80,7 @@ impl<'a> HeightFile<'a> {
         &self.georef
     }
 
-    /// The same file if its coordinates can be those of a scene.
+    /// The same file if its coordinates can be those of a scene as they are.
     ///
     /// # Errors
     /// E310 if they are degrees.
@@ -62,45 +94,90 @@ impl<'a> HeightFile<'a> {
     /// # Errors
     /// If the file cannot be read, no cell holds a height, or one holds a height that is out of range.
     pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
-        let HeightFile { path, file, georef } = self;
-        let (cells, n_void) = match file.read_plain_heights(warnings)? {
+        let HeightFile { path, file, window, georef } = self;
+        let plain = if window == file.georef().window() { file.read_plain_heights(warnings)? } else { None };
+        let (cells, n_void) = match plain {
             Some((raster, n_void)) => (raster.into_cells(), n_void),
-            None => lattice_heights(path, &file, warnings)?,
+            None => lattice_heights((path, &file, window), warnings)?,
         };
         let sources = Source::of_raster(path, &file, always_hash, warnings)?;
         Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
     }
+
+    /// Copies all heights to tiles on disk: memory is that of a row of tiles.
+    ///
+    /// # Errors
+    /// As [`HeightFile::read`], and E401 if there is no room on the disk.
+    pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
+        let HeightFile { path, file, georef, .. } = self;
+        let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
+        let mut sorted = LatticeHeights::of(&file);
+        let mut steps = vec![VOID; georef.n_cols()];
+        let mut failed = Ok(());
+        file.for_each_row(warnings, |row, heights| {
+            steps.iter_mut().zip(heights).for_each(|(steps, height)| *steps = sorted.put(*height));
+            if failed.is_ok() {
+                failed = writer.put_row(row, &steps);
+            }
+        })?;
+        failed?;
+        let n_void = sorted.finish(path, georef.n_cells())?;
+        let sources = Source::of_raster(path, &file, always_hash, warnings)?;
+        Ok(StoredHeights { tiles: writer.finish()?, georef, n_void, sources })
+    }
 }
 
-/// All heights of a file on the lattice, and the number of cells that have none.
-fn lattice_heights(path: &Path, file: &RasterFile, warnings: &mut Vec<Warning>) -> Result<(Vec<i32>, u64)> {
-    let mut out_of_range: Option<f64> = None;
-    let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
-    let raster = file.read(file.georef().window(), warnings, |v| {
-        let v = v * meters_per_unit;
-        if v.is_nan() {
-            return VOID;
+/// The heights of a part of a file on the lattice, and the number of cells that have none.
+fn lattice_heights(
+    (path, file, window): (&Path, &RasterFile, CellWindow),
+    warnings: &mut Vec<Warning>,
+) -> Result<(Vec<i32>, u64)> {
+    let mut sorted = LatticeHeights::of(file);
+    let raster = file.read(window, warnings, |height| sorted.put(height))?;
+    let n_void = sorted.finish(path, raster.cells().len())?;
+    Ok((raster.into_cells(), n_void))
+}
+
+/// Heights put onto the lattice one by one.
+struct LatticeHeights {
+    meters_per_unit: f64,
+    n_void: u64,
+    out_of_range: Option<f64>,
+}
+
+impl LatticeHeights {
+    fn of(file: &RasterFile) -> Self {
+        let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
+        LatticeHeights { meters_per_unit, n_void: 0, out_of_range: None }
+    }
+
+    /// A height on the lattice, [`VOID`] where there is none.
+    #[inline]
+    fn put(&mut self, height: f64) -> i32 {
+        let height = height * self.meters_per_unit;
+        let steps = if height.is_nan() { None } else { height_steps(height) };
+        if steps.is_none() {
+            self.n_void += 1;
+            if !height.is_nan() {
+                self.out_of_range.get_or_insert(height);
+            }
         }
-        height_steps(v).unwrap_or_else(|| {
-            out_of_range.get_or_insert(v);
-            VOID
-        })
-    })?;
-    if let Some(v) = out_of_range {
-        return Err(Error::site(
-            205,
-            format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display()),
-        )
-        .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
+        steps.unwrap_or(VOID)
     }
-    let n_void = raster.cells().iter().filter(|h| **h == VOID).count();
-    if n_void == raster.cells().len() {
-        return Err(Error::file(
-            305,
-            format!("cannot use {}: all {n_void} cells are nodata, wanted heights", path.display()),
-        ));
+
+    /// The number of cells without a height.
+    fn finish(self, path: &Path, n_cells: usize) -> Result<u64> {
+        if let Some(v) = self.out_of_range {
+            let text = format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display());
+            return Err(Error::site(205, text)
+                .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
+        }
+        if self.n_void == n_cells as u64 {
+            let text = format!("cannot use {}: all {n_cells} cells are nodata, wanted heights", path.display());
+            return Err(Error::file(305, text));
+        }
+        Ok(self.n_void)
     }
-    Ok((raster.into_cells(), n_void as u64))
 }
 
 /// Warns where coordinates are not meters.

@@ -1,4 +1,4 @@
-//! Footprints brought into another reference system before they become a scene: from degrees into meters, as a rule.
+//! Which reference system a scene is brought into, from degrees into meters as a rule; and its footprints on their way.
 
 use std::path::Path;
 
@@ -23,6 +23,25 @@ impl Projection {
     pub fn parse(text: &str) -> Result<Projection> {
         if text == "auto" { Ok(Projection::Auto) } else { Crs::parse(text).map(Projection::To) }
     }
+
+    /// Where data in `from` around `middle` are to go; `from` itself where they stay.
+    pub(super) fn target(&self, from: &Crs, middle: (f64, f64)) -> Result<Crs> {
+        match self {
+            Projection::To(to) => Ok(to.clone()),
+            Projection::Auto if !matches!(from.kind(), CrsKind::Geographic) => Ok(from.clone()),
+            Projection::Auto => {
+                let wgs84 = Crs::from_epsg(4326)?;
+                let (lon, lat) = Transformation::new(from, &wgs84, middle)?.apply(middle)?;
+                Crs::from_epsg(utm_for(lon, lat))
+            }
+        }
+    }
+}
+
+/// The refusal to project what is in no known system.
+pub(super) fn no_crs(path: &Path) -> Error {
+    let text = format!("cannot project {}: it names no coordinate reference system", path.display());
+    Error::file(310, text).with_hint("say which it is: `--crs EPSG:n`")
 }
 
 /// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
@@ -43,21 +62,10 @@ pub(super) fn project(
     let from = match from {
         Some(from) => from,
         None if may_be_degrees => Crs::from_epsg(4326)?,
-        None => {
-            let text = format!("cannot project {}: it names no coordinate reference system", path.display());
-            return Err(Error::file(310, text).with_hint("say which it is: `--crs EPSG:n`"));
-        }
+        None => return Err(no_crs(path)),
     };
     let middle = ((west + east) / 2.0, (south + north) / 2.0);
-    let to = match projection {
-        Projection::To(to) => to.clone(),
-        Projection::Auto if !matches!(from.kind(), CrsKind::Geographic) => return Ok(Some(from)),
-        Projection::Auto => {
-            let wgs84 = Crs::from_epsg(4326)?;
-            let (lon, lat) = Transformation::new(&from, &wgs84, middle)?.apply(middle)?;
-            Crs::from_epsg(utm_for(lon, lat))?
-        }
-    };
+    let to = projection.target(&from, middle)?;
     if from == to {
         return Ok(Some(to));
     }

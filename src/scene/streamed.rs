@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
+use super::heights::{HeightFile, StoredHeights};
 use super::surface::{
-    Empty, building_threshold, ground_steps, looked_up, no_terrain_below, open_surface, raise, refuse_all_void,
-    refuse_out_of_range, resampled_warning, warning_of_high_ground, warning_of_high_terrain, warning_of_surface_alone,
-    warning_of_voids,
+    Empty, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
+    warning_of_surface_alone, warning_of_voids,
 };
-use super::{Ground, NodataAs, Solids, Source, SurfaceOptions, name_of, refuse_two_crs};
+use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
+use super::{Ground, NodataAs, Scene, Solids, Source, SurfaceOptions, name_of, refuse_two_crs};
 use crate::error::{Result, Warning};
-use crate::quantity::{VOID, height_steps};
-use crate::raster::{CellWindow, GeoRef, Raster, TileStore, TileStoreWriter};
+use crate::quantity::VOID;
+use crate::raster::{CellWindow, GeoRef, Raster, TileStore};
 
 /// The solids of a scene that is read window by window.
 pub trait WindowedSolids: Sync {
@@ -74,17 +75,19 @@ impl StreamedSurface {
         warnings: &mut Vec<Warning>,
     ) -> Result<StreamedSurface> {
         let building_threshold = building_threshold(options)?;
-        let (surface, grid, n_void) = store(path, options, scratch, warnings)?;
-        let mut sources = vec![Source::of(path, options.always_hash)?];
+        let file = HeightFile::open(path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+        let StoredHeights { tiles: surface, georef: grid, n_void, mut sources } =
+            file.store(scratch, options.always_hash, warnings)?;
         warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
         let ground = match (&options.terrain, options.ground_m) {
             (Some(terrain_path), _) => {
-                let (terrain, from, _) = store(terrain_path, options, scratch, warnings)?;
-                refuse_two_crs((path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
+                let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+                refuse_two_crs((path, grid.crs()), (terrain_path, file.georef().crs()), |wanted, _| {
                     format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
                 })?;
-                sources.push(Source::of(terrain_path, options.always_hash)?);
-                StreamedGround::Terrain(terrain, from)
+                let mut terrain = file.store(scratch, options.always_hash, warnings)?;
+                sources.append(&mut terrain.sources);
+                StreamedGround::Terrain(terrain.tiles, terrain.georef)
             }
             (None, Some(ground_m)) => StreamedGround::Flat(ground_steps(ground_m)?),
             (None, None) => {
@@ -108,6 +111,21 @@ impl StreamedSurface {
     /// Bytes on disk that the heights of a grid take.
     pub fn bytes_on_disk(grid: &GeoRef) -> u64 {
         TileStore::bytes_on_disk((grid.n_rows(), grid.n_cols()))
+    }
+
+    /// The part of the scene over a window.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn part(&self, window: CellWindow) -> Result<Scene> {
+        Ok(Scene {
+            name: self.name.clone(),
+            grid: self.grid.part(window),
+            solids: self.solids(window)?,
+            built_up: None,
+            sources: self.sources.clone(),
+            attribution: None,
+        })
     }
 
     /// Warns where the ground is above the surface, and where it is not known.
@@ -140,7 +158,10 @@ impl StreamedSurface {
         if n_void == n_cells {
             return Err(no_terrain_below((path, &self.grid), (terrain_path, from)));
         }
-        warnings.extend(resampled_warning((path, &self.grid), (terrain_path, from), n_void));
+        if !self.grid.same_grid(from) {
+            let surface = Placed { path, on: &self.grid };
+            warnings.push(warning_of_other_grid(surface, (terrain_path, from, ""), n_void));
+        }
         warnings.extend(warning_of_high_terrain(terrain_path, above, n_cells));
         Ok(())
     }
@@ -196,37 +217,4 @@ pub fn row_bands(grid: &GeoRef) -> impl Iterator<Item = CellWindow> {
     const ROWS: usize = 256;
     let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
     (0..n_rows).step_by(ROWS).map(move |row| CellWindow { row, col: 0, n_rows: ROWS.min(n_rows - row), n_cols })
-}
-
-/// Copies the heights of a raster to tiles on disk, on the lattice; with its grid and the number of cells without one.
-fn store(
-    path: &Path,
-    options: &SurfaceOptions,
-    scratch: &Path,
-    warnings: &mut Vec<Warning>,
-) -> Result<(TileStore, GeoRef, u64)> {
-    let (file, georef) = open_surface(path, options, warnings)?;
-    let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
-    let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
-    let (mut n_void, mut out_of_range, mut failed) = (0, None, Ok(()));
-    let mut steps = vec![VOID; georef.n_cols()];
-    file.for_each_row(warnings, |row, heights| {
-        for (steps, height) in steps.iter_mut().zip(heights) {
-            let height = height * meters_per_unit;
-            *steps = if height.is_nan() { None } else { height_steps(height) }.unwrap_or(VOID);
-            if *steps == VOID {
-                n_void += 1;
-                if !height.is_nan() {
-                    out_of_range.get_or_insert(height);
-                }
-            }
-        }
-        if failed.is_ok() {
-            failed = writer.put_row(row, &steps);
-        }
-    })?;
-    failed?;
-    refuse_out_of_range(path, out_of_range)?;
-    refuse_all_void(path, n_void, &georef)?;
-    Ok((writer.finish()?, georef, n_void))
 }

@@ -45,11 +45,28 @@ fn made(folder: &Folder, line: &str, file: &str) -> Vec<u8> {
     folder.read(file)
 }
 
+/// A virtual raster over a tile that lies beside it: a copy, and one that is scaled and cut.
+const VIRTUAL: &str = r#"<VRTDataset rasterXSize="20" rasterYSize="14">
+<SRS dataAxisToSRSAxisMapping="1,2">EPSG:25832</SRS><GeoTransform>500000, 2.5, 0, 5400000, 0, -2.5</GeoTransform>
+<VRTRasterBand dataType="Float32" band="1"><NoDataValue>-9999</NoDataValue><SimpleSource>
+<SourceFilename relativeToVRT="1">tile.asc</SourceFilename><SourceBand>1</SourceBand>
+<SourceProperties RasterXSize="16" RasterYSize="12" DataType="Float32" BlockXSize="16" BlockYSize="1"/>
+<SrcRect xOff="0" yOff="0" xSize="16" ySize="12"/><DstRect xOff="0" yOff="0" xSize="16" ySize="12"/></SimpleSource>
+<ComplexSource><SourceFilename relativeToVRT="1">tile.asc</SourceFilename>
+<SrcRect xOff="2" yOff="1" xSize="9" ySize="8"/><DstRect xOff="11" yOff="6" xSize="9" ySize="8"/>
+<ScaleOffset>1.5</ScaleOffset><ScaleRatio>0.5</ScaleRatio><NODATA>2</NODATA></ComplexSource>
+</VRTRasterBand></VRTDataset>"#;
+
 fn targets() -> Vec<Target> {
     let folder = Folder::new();
     let text = |t: &str| t.as_bytes().to_vec();
     vec![
         Target { name: "grid.asc", good: text(&grid(" ")), line: "map {} --ground 2 --uav 101,-45,40 -o out.json" },
+        Target {
+            name: "mosaic.vrt",
+            good: text(VIRTUAL),
+            line: "map {} --ground 2 --uav 500003,5399990,40amsl -o out.json",
+        },
         Target {
             name: "surface.tif",
             good: made(&folder, "city itu:urban --size 60 -o surface.tif", "surface.tif"),
@@ -163,6 +180,7 @@ fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
             let bytes = damaged(&target.good, &mut random);
             let folder = Folder::new();
             folder.write("city.geojson", FOOTPRINTS);
+            folder.write("tile.asc", &grid(" "));
             std::fs::write(folder.join(target.name), &bytes).unwrap();
             let line = target.line.replace("{}", target.name);
             let answer = run_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
@@ -173,7 +191,7 @@ fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
             };
             let code = answer.status.code();
             assert!(code.is_some_and(|c| [0, 2, 3, 4, 5].contains(&c)), "{}", keep());
-            let mut expected = vec!["city.geojson".to_string(), target.name.to_string()];
+            let mut expected = vec!["city.geojson".to_string(), "tile.asc".to_string(), target.name.to_string()];
             if code == Some(0) {
                 expected.push("out.json".into());
                 n_done.fetch_add(1, Ordering::Relaxed);

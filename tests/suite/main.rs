@@ -24,6 +24,8 @@ mod los_probability; // P_LoS of generated cities: reference values, brute force
 mod simulators; // both simulators against the product, each other and rays
 mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
+mod mosaic; // rasters made of many: folders and virtual rasters, as a brush and as GDAL makes one of them
+mod reprojected; // rasters in degrees: cell by cell by hand and against gdalwarp
 mod formats_write; // rasters out, and back in
 mod cog; // GeoTIFFs are cloud optimized
 mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsuba, ns-3
@@ -56,6 +58,7 @@ mod regressions; // one test per bug
 mod layering; // data flows one way
 
 mod program; // runs the program from outside
+mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
 mod referee; // one link by an engine and by the oracle
 mod shapes; // small scenes with many ties

@@ -33,6 +33,7 @@ fn raster(dsm: &Path, terrain: &Path) -> HeightField {
         nodata_as: NodataAs::Clear,
         crs: None,
         always_hash: false,
+        ..SurfaceOptions::default()
     };
     built(read_surface(dsm, &options, &mut Vec::new()).unwrap())
 }

@@ -45,6 +45,7 @@ fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> Scene
         nodata_as: NodataAs::Clear,
         crs: None,
         always_hash: false,
+        ..SurfaceOptions::default()
     };
     read_surface(dsm, &options, &mut Vec::new()).unwrap()
 }

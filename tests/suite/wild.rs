@@ -102,7 +102,8 @@ fn rows_6_to_9_of_reference_systems() {
     }
     let west = extent[0];
     refused(&folder, "info city.geojson --project EPSG:999999", (2, "E101"));
-    refused(&folder, "map wall.asc --ground 0 --project auto --uav 1,1,30 --json", (2, "E116"));
+    // What names no system cannot be brought into another one.
+    refused(&folder, "map wall.asc --ground 0 --project auto --uav 1,1,30 --json", (3, "E310"));
     // 7: without a reference system meters are assumed, and that is said.
     assert!(mapped(&folder, "wall.asc --ground 0 --uav 0.5,0.5,30").1.warnings().contains(&"W325"));
     // 8: sites in degrees are brought into the scene's system; where it has none that is said.

@@ -352,6 +352,7 @@ fn a_laser_scan_of_a_city_has_crossroads_and_courtyards() {
         nodata_as: NodataAs::Clear,
         crs: None,
         always_hash: false,
+        ..SurfaceOptions::default()
     };
     let scene = read_surface(&path("dsm_2.5m.tif"), &options, &mut Vec::new()).unwrap();
     let field = build(&scene);

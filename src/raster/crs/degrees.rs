@@ -44,7 +44,8 @@ pub fn degrees_refusal(path: &str, crs: &Crs, kind: InputKind, center: (f64, f64
         match kind {
             InputKind::Raster => {
                 let output = format!("{stem}_{epsg}.tif");
-                format!("gdalwarp -t_srs EPSG:{epsg} -r near {} {}", shell_word(path), shell_word(&output))
+                let (path, output) = (shell_word(path), shell_word(&output));
+                format!("`--project auto`, or gdalwarp -t_srs EPSG:{epsg} -r near {path} {output}")
             }
             InputKind::Vector => {
                 let output = format!("{stem}_{epsg}.geojson");
@@ -95,7 +96,9 @@ mod tests {
         );
         assert_eq!(
             error.hint(),
-            Some("gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'")
+            Some(
+                "`--project auto`, or gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'"
+            )
         );
         let error = degrees_refusal("b.shp", &crs, InputKind::Vector, (-70.0, -33.0));
         assert_eq!(error.hint(), Some("`--project auto`, or ogr2ogr -t_srs EPSG:32719 b_32719.geojson b.shp"));

@@ -127,6 +127,11 @@ impl GeoTiff {
         self.placement.south_up
     }
 
+    /// Whether reading a part costs what the part costs.
+    pub(in crate::raster) fn reads_parts(&self) -> bool {
+        self.image.tiled || self.image.codec == Codec::None
+    }
+
     /// Number of bands.
     pub fn n_bands(&self) -> usize {
         self.image.n_bands
