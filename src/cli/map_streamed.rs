@@ -44,6 +44,10 @@ pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
 /// Copies a raster that does not fit in memory to tiles on the disk, and says so.
 pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
     let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    if !scratch.is_dir() {
+        let text = format!("cannot use `--scratch {}`: it is no folder", scratch.display());
+        return Err(Error::usage(105, text).with_hint("it holds 4 bytes a cell while the map is made"));
+    }
     let options = raster_options(&args.scene)?;
     let path = Path::new(&args.scene.scene);
     if !args.out.quiet {

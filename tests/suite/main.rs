@@ -52,6 +52,8 @@ mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads
 mod cli_chart; // its command: the picture from its table, interrupts, peers, flags
 mod placement; // where to hover: against brute force, optima and linear searches; its command
+mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
+mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod regressions; // one test per bug

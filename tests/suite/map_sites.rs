@@ -1,0 +1,183 @@
+//! Files of their own for each UAV: those of single runs, left alone when they are there, whole at any moment.
+
+use std::time::{Duration, SystemTime};
+
+use serde_json::Value;
+use skyshed::raster::GeoTiff;
+
+use crate::program::{Folder, program, wait};
+use crate::support::{Random, has_program, slow};
+
+/// A raster and UAVs over it.
+fn write_scene(folder: &Folder, n_sites: usize) {
+    folder.type_in("city itu:urban --size 700 --seed 3 -o dsm.tif -q").done();
+    let mut random = Random(5);
+    let mut table = "id,x,y,h\n".to_string();
+    for k in 0..n_sites {
+        table +=
+            &format!("site {k},{},{},{}\n", random.within(20, 680), random.within(20, 680), random.within(80, 140));
+    }
+    folder.write("sites.csv", &table);
+}
+
+fn digest(folder: &Folder, name: &str) -> String {
+    let file = GeoTiff::open(&folder.join(name), &mut Vec::new()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    // Every cell is read, so that a file cut short would be found.
+    file.read(file.georef().window(), &mut Vec::new(), |_| ()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let provenance: Value = serde_json::from_str(file.provenance().expect("provenance")).expect("JSON");
+    provenance["digest"].as_str().expect("a digest").to_string()
+}
+
+#[test]
+fn each_uav_gets_the_files_of_a_run_of_its_own() {
+    let folder = Folder::new();
+    write_scene(&folder, 3);
+    let line = "map dsm.tif --ground 0 --uavs sites.csv -o {site}.tif -o {site}.csv";
+    let answer = folder.type_in(line).done();
+    assert!(answer.err.contains("3 UAVs mapped"), "{answer:?}");
+    let table = folder.text("sites.csv");
+    for (k, row) in table.lines().skip(1).enumerate() {
+        let (_, place) = row.split_once(',').expect("an id");
+        folder.type_in(&format!("map dsm.tif --ground 0 --uav {place} -o alone.tif --overwrite -q")).done();
+        assert_eq!(digest(&folder, &format!("site_{k}.tif")), digest(&folder, "alone.tif"));
+        assert!(folder.text(&format!("site_{k}.csv")).contains(&format!("site {k},")));
+    }
+    // Footprints and generated cities as well.
+    folder.type_in("map itu:urban --size 300 --uav 150,150,90 --uav 100,100,90 -o c{site}.csv -q").done();
+    assert!(folder.files().contains(&"c2.csv".to_string()));
+}
+
+#[test]
+fn with_a_radius_only_what_is_in_range_is_read() {
+    let folder = Folder::new();
+    write_scene(&folder, 4);
+    let whole = "map dsm.tif --ground 0 --uavs sites.csv --radius 90";
+    folder.type_in(&format!("{whole} -o all.json -o all.tif -q")).done();
+    folder.type_in(&format!("{whole} -o {{site}}.json -o {{site}}.tif -q")).done();
+    let all = folder.json("all.json");
+    for k in 0..4 {
+        let own = folder.json(&format!("site_{k}.json"));
+        for key in ["receivers", "los", "p_los", "x", "y", "height_amsl_m", "elevation_bands", "placement"] {
+            // Zones depend on what lies beyond the range; ground and rooftop do not.
+            if key != "placement" {
+                assert_eq!(own["sites"][0][key], all["sites"][k][key], "{k} {key}");
+            }
+        }
+        assert!(own["scene"]["cols"].as_u64() < Some(200), "{}", own["scene"]);
+        // The cells in range are those of the whole map.
+        let read = |name: &str| {
+            let file = GeoTiff::open(&folder.join(name), &mut Vec::new()).expect("a GeoTIFF");
+            let band = if name == "all.tif" { k } else { 0 };
+            let window = file.georef().window();
+            file.read_band(band, window, &mut Vec::new(), |v| if v.is_nan() { 255 } else { v as u8 }).expect("cells")
+        };
+        let (part, whole) = (read(&format!("site_{k}.tif")), read("all.tif"));
+        let window = whole.georef().window_of(part.georef()).expect("the same cells");
+        for row in 0..window.n_rows {
+            let expected = &whole.row(window.row + row)[window.col..window.col + window.n_cols];
+            assert_eq!(part.row(row), expected, "{k}, row {row}");
+        }
+    }
+    // Rows that can only be read whole are copied first, where they do not fit.
+    if has_program("gdal_translate") {
+        let words = ["-q", "-co", "COMPRESS=DEFLATE", "-co", "BLOCKYSIZE=1", "dsm.tif", "rows.tif"];
+        let status = std::process::Command::new("gdal_translate").args(words).current_dir(folder.path()).status();
+        assert!(status.expect("it runs").success());
+        let answer =
+            folder.type_in("map rows.tif --ground 0 --uavs sites.csv --radius 90 -o r-{site}.tif --max-memory 3M");
+        assert!(answer.done().err.contains("tiles"));
+        (0..4).for_each(|k| {
+            assert_eq!(digest(&folder, &format!("r-site_{k}.tif")), digest(&folder, &format!("site_{k}.tif")))
+        });
+    } else {
+        eprintln!("skipped: no gdal_translate to write strips with");
+    }
+}
+
+#[test]
+fn what_is_there_is_left_alone() {
+    let folder = Folder::new();
+    write_scene(&folder, 3);
+    let outputs = "-o {site}.tif -o {site}.png -o {site}.json -o {site}.csv -o {site}.exr -o {site}.asc -o {site}.bil \
+                   -o {site}.npz -o {site}.geojson -o {site}.svg";
+    let line = format!("map dsm.tif --ground 0 --uavs sites.csv --radius 60 {outputs} --resume");
+    let run = |line: &str| folder.type_in(line).done().err;
+    assert!(run(&line).contains("3 UAVs mapped\n"), "nothing was there");
+    let written =
+        |name: &str| -> SystemTime { std::fs::metadata(folder.join(name)).and_then(|m| m.modified()).expect("a file") };
+    let before = written("site_0.tif");
+    // Threads, words and names of other files change nothing.
+    assert!(run(&format!("{line} -j 1")).contains("0 UAVs mapped, 3 there already"));
+    std::fs::remove_file(folder.join("site_1.exr")).expect("a file");
+    assert!(run(&line).contains("1 UAV mapped, 2 there already"));
+    assert!(folder.files().contains(&"site_1.exr".to_string()));
+    assert_eq!(written("site_0.tif"), before);
+    // Another question has another answer.
+    let answer = folder.type_in(&format!("{line} --rx-height 2"));
+    assert!(answer.refused(2)[0].contains("made by another run"), "{answer:?}");
+    assert!(run(&format!("{line} --rx-height 2 --overwrite")).contains("3 UAVs mapped\n"));
+    // So has a changed input.
+    folder.type_in("city itu:urban --size 700 --seed 4 -o dsm.tif --overwrite -q").done();
+    assert!(folder.type_in(&line).refused(2)[0].contains("made by another run"));
+    // A run of all UAVs together can be asked for again, too.
+    let together =
+        "map dsm.tif --ground 0 --uavs sites.csv --radius 60 -o all.tif -o all.kmz --crs EPSG:25832 --resume";
+    run(together);
+    assert!(run(together).contains("nothing to do"));
+}
+
+#[test]
+fn a_uav_that_cannot_be_mapped_does_not_stop_the_others() {
+    let folder = Folder::new();
+    write_scene(&folder, 2);
+    let table = folder.text("sites.csv").replace("site 1", "low") + "below,300,300,-5\n";
+    folder.write("sites.csv", &table);
+    let answer = folder.type_in("map dsm.tif --ground 0 --uavs sites.csv -o {site}.csv");
+    assert_eq!(answer.code(), 4, "{answer:?}");
+    assert!(answer.err.contains("UAV `below`") && answer.err.contains("2 UAVs mapped, 1 not"), "{answer:?}");
+    assert!(folder.files().contains(&"low.csv".to_string()));
+    let mixed = folder.type_in("map dsm.tif --uav 1,1,90 -o {site}.csv -o all.tif");
+    assert!(mixed.refused(2)[1].contains("{site}"));
+    folder.write("twins.csv", "id,x,y,h\na b,9,9,90\na/b,99,99,90\n");
+    assert!(folder.type_in("map dsm.tif --uavs twins.csv -o {site}.csv").refused(4)[0].contains("share the files"));
+}
+
+#[test]
+fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
+    let folder = Folder::new();
+    write_scene(&folder, 6);
+    let line = "map dsm.tif --ground 0 --uavs sites.csv -o {site}.tif -o {site}.json --resume -q";
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let run = || program(folder.path(), &words).spawn().expect("the program starts");
+    let start = std::time::Instant::now();
+    wait(run()).done();
+    let whole = start.elapsed();
+    let names: Vec<String> = (0..6).map(|k| format!("site_{k}.tif")).collect();
+    let expected: Vec<String> = names.iter().map(|name| digest(&folder, name)).collect();
+    let finals = || folder.files().into_iter().filter(|name| name.starts_with("site_")).collect::<Vec<_>>();
+    let mut random = Random(11);
+    let (mut n_partial, n_kills) = (0, if slow() { 200 } else { 20 });
+    for _ in 0..n_kills {
+        finals().iter().for_each(|name| std::fs::remove_file(folder.join(name)).expect("a file"));
+        // At any moment of a run, and then at another one of what is left of it.
+        for _ in 0..2 {
+            let mut child = run();
+            let moment = u64::try_from(random.within(0, 1000)).expect("not negative");
+            std::thread::sleep(Duration::from_micros(whole.as_micros() as u64 * moment / 1000));
+            let _ = child.kill();
+            child.wait().expect("a killed program ends");
+            for name in finals().iter().filter(|name| name.ends_with(".tif")) {
+                let k = names.iter().position(|n| n == name).expect("one of the files");
+                assert_eq!(digest(&folder, name), expected[k], "{name} is whole");
+            }
+            for name in finals().iter().filter(|name| name.ends_with(".json")) {
+                folder.json(name);
+            }
+        }
+        n_partial += usize::from(!finals().is_empty() && finals().len() < 12 + 6);
+        wait(run()).done();
+        let found: Vec<String> = names.iter().map(|name| digest(&folder, name)).collect();
+        assert_eq!(found, expected);
+    }
+    assert!(n_partial > n_kills / 4, "only {n_partial} of {n_kills} were killed with work done and work left");
+}

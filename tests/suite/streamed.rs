@@ -1,0 +1,179 @@
+//! Rasters that do not fit in memory: the same numbers and the same cells as in memory, within the memory that is allowed.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use skyshed::raster::{GeoTiff, encode_geotiff};
+
+use crate::program::Folder;
+use crate::support::Random;
+
+/// Writes a city with relief, houses and holes, and the terrain below it on the same grid and on a coarser one.
+fn write_city(folder: &Folder, (n_rows, n_cols): (usize, usize)) {
+    let ground = |row: usize, col: usize| (60.0 + row as f64 / 9.0 + 7.0 * (col as f64 / 50.0).sin()) as f32;
+    let mut random = Random(7);
+    let roofs: Vec<f32> = (0..4000).map(|_| random.within(0, 40) as f32).collect();
+    let surface = |row: usize, col: usize| {
+        let is_house = row % 20 < 12 && col % 24 < 14;
+        let roof = roofs[(row / 20 * 61 + col / 24) % roofs.len()];
+        match (row / 50 * 7 + col / 50) % 41 {
+            0 => -9999.0,
+            _ if is_house && roof > 8.0 => ground(row, col) + roof,
+            _ => ground(row, col),
+        }
+    };
+    let write = |name: &str, (n_rows, n_cols): (usize, usize), cell: f64, value: &dyn Fn(usize, usize) -> f32| {
+        let georef = skyshed::raster::GeoRef::new((500.0, 9000.0), (cell, cell), (n_rows, n_cols), None).unwrap();
+        let cells: Vec<f32> = (0..n_rows).flat_map(|r| (0..n_cols).map(move |c| value(r, c))).collect();
+        let image = skyshed::raster::GeoTiffImage {
+            georef: &georef,
+            bands: skyshed::raster::Bands::Float(vec![("height".into(), &cells)]),
+            nodata: Some(-9999.0),
+            palette: None,
+            metadata: &[],
+            layout: skyshed::raster::TiffLayout::Cog,
+        };
+        std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
+    };
+    write("dsm.tif", (n_rows, n_cols), 2.0, &surface);
+    write("dtm.tif", (n_rows, n_cols), 2.0, &ground);
+    write("coarse.tif", (n_rows / 3, n_cols / 3), 6.3, &|row, col| ground(3 * row, 3 * col));
+}
+
+/// What a document says of a map, but for its times, its command, and what kind of run it was.
+fn facts(mut document: Value) -> Value {
+    let object = document.as_object_mut().expect("an object");
+    ["command", "timing_s", "unit"].iter().for_each(|key| drop(object.remove(*key)));
+    document
+}
+
+/// All cells of the first band of a GeoTIFF.
+fn cells(path: &Path) -> Vec<u8> {
+    let file = GeoTiff::open(path, &mut Vec::new()).expect("a GeoTIFF");
+    let raster = file.read(file.georef().window(), &mut Vec::new(), |v| if v.is_nan() { 255 } else { v as u8 });
+    raster.expect("its cells").into_cells()
+}
+
+#[test]
+fn maps_strip_by_strip_are_those_in_memory() {
+    let folder = Folder::new();
+    write_city(&folder, (600, 700));
+    let over = "--uav 1200,8400,160amsl";
+    for line in [
+        format!("--terrain dtm.tif {over}"),
+        format!("--terrain dtm.tif {over} --receivers all"),
+        format!("--terrain dtm.tif {over} --receivers roof --rx-height 0"),
+        format!("--terrain coarse.tif {over}"),
+        format!("--terrain dtm.tif {over} --radius 300"),
+        format!("--terrain dtm.tif {over} --nodata-as block"),
+        format!("--ground 70 {over}"),
+        over.to_string(),
+        "--uav 300,9500,400amsl".to_string(),
+        "--terrain dtm.tif --uav 2400,8000,30agl".to_string(),
+        "--uav 1990,7801,3agl".to_string(),
+    ] {
+        let in_memory = folder.type_in(&format!("map dsm.tif {line} -o a.tif --overwrite --json -q")).done().json();
+        let streamed =
+            folder.type_in(&format!("map dsm.tif {line} -o b.tif --overwrite --json -q --max-memory 1M")).done().json();
+        assert!(streamed["sites"][0]["receivers"].as_u64() > Some(1000), "{line}");
+        let (mut a, mut b) = (facts(in_memory), facts(streamed));
+        // Zones need the whole scene at once; without them what is below the UAV is ground or a roof.
+        for document in [&mut a, &mut b] {
+            for part in ["/sites/0/zones", "/union/zones", "/sites/0/placement"] {
+                *document.pointer_mut(part).expect(part) = Value::Null;
+            }
+        }
+        assert_eq!(a, b, "{line}");
+        assert!(cells(&folder.join("a.tif")) == cells(&folder.join("b.tif")), "{line}");
+    }
+}
+
+#[test]
+fn what_needs_all_cells_at_once_is_refused_with_a_way_out() {
+    let folder = Folder::new();
+    write_city(&folder, (300, 300));
+    let refused = |line: &str| {
+        let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {line}"));
+        let lines: Vec<String> = answer.refused(5).into_iter().map(str::to_string).collect();
+        assert!(lines[0].starts_with("error[E501]: cannot map dsm.tif"), "{line}: {lines:?}");
+        assert!(lines[1].starts_with("hint: "), "{line}: {lines:?}");
+    };
+    let over = "--uav 700,8700,160amsl";
+    refused(&format!("{over} -o a.npz"));
+    refused(&format!("{over} -o a.tif --layers margin"));
+    refused(&format!("{over} --uav 800,8700,160amsl -o a.csv -q"));
+    refused(&format!("{over} -o a.tif --tif-layout plain"));
+    assert_eq!(folder.files(), ["coarse.tif", "dsm.tif", "dtm.tif"]);
+    // The same as in memory.
+    folder.type_in("map dsm.tif --max-memory 500K --uav 700,8700,1agl -o a.tif").done();
+    let errors = [("--uav 700,8700,-30agl", 4), ("--uav 700,8700,30roof", 4), (&*format!("{over} --method ray"), 2)];
+    for (line, code) in errors {
+        let small = folder.type_in(&format!("map dsm.tif {line} --json -q")).code();
+        let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {line} --json -q"));
+        answer.refused(code);
+        assert!(small == code || line.contains("ray"), "{line}");
+    }
+    let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {over} -o b.tif --scratch nowhere"));
+    assert!(answer.refused(2)[0].contains("`--scratch nowhere`"), "{answer:?}");
+}
+
+/// A surface model written by the example `large_dsm`, which is built with the tests.
+fn large_dsm(cells: usize, path: &Path) {
+    let program = Path::new(env!("CARGO_BIN_EXE_skyshed")).with_file_name("examples").join("large_dsm");
+    let words = [cells.to_string(), path.display().to_string()];
+    assert!(Command::new(program).args(words).status().expect("the example runs").success());
+}
+
+/// Runs the program without a limit; returns its seconds and its peak memory \[bytes\].
+fn measured(folder: &Folder, line: &str) -> (f64, u64) {
+    let start = Instant::now();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_skyshed"))
+        .args(line.split_whitespace())
+        .current_dir(folder.path())
+        .spawn()
+        .expect("the program starts");
+    let mut peak = 0;
+    loop {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kib = line.and_then(|l| l.trim().trim_end_matches(" kB").trim().parse::<u64>().ok()).unwrap_or(0);
+        peak = peak.max(kib * 1024);
+        if let Some(status) = child.try_wait().expect("the program can be waited for") {
+            assert!(status.success(), "{line:?}");
+            return (start.elapsed().as_secs_f64(), peak);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// 10 GB of heights: takes a quarter of an hour and as much of the disk, so it has a variable of its own.
+#[test]
+fn fifty_thousand_cells_a_side_take_two_gigabytes() {
+    if std::env::var_os("SKYSHED_LARGE").is_none() {
+        eprintln!("skipped: set SKYSHED_LARGE=1 to map 50 000 × 50 000 cells");
+        return;
+    }
+    let folder = Folder::new();
+    large_dsm(16_384, &folder.join("part.tif"));
+    large_dsm(50_000, &folder.join("all.tif"));
+    // Both UAVs stand over the middle.
+    let in_memory = measured(&folder, "map part.tif --uav 408000,5392000,300 -o part-los.tif -q");
+    let streamed = measured(&folder, "map all.tif --uav 425000,5375000,300 -o all-los.tif -q --max-memory 2G");
+    let per_cell = |seconds: f64, cells: f64| seconds / (cells * cells) * 1e9;
+    let (small, large) = (per_cell(in_memory.0, 16_384.0), per_cell(streamed.0, 50_000.0));
+    eprintln!("in memory {small:.1} ns a cell, strip by strip {large:.1}; peak {:.2} GB", streamed.1 as f64 / 1e9);
+    assert!(streamed.1 <= 2_000_000_000, "peak {}", streamed.1);
+    assert!(large <= 3.0 * small, "{large} ns a cell, in memory {small}");
+    // The part is the north-west corner of all: what a UAV there sees of it is the same.
+    let near = "--uav 404000,5396000,300 --radius 3900 -q";
+    measured(&folder, &format!("map part.tif {near} -o a.tif"));
+    measured(&folder, &format!("map all.tif {near} -o b.tif --max-memory 2G"));
+    let part = cells(&folder.join("a.tif"));
+    let all = GeoTiff::open(&folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
+    let window = skyshed::raster::CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };
+    let all = all.read(window, &mut Vec::new(), |v| if v.is_nan() { 255 } else { v as u8 }).expect("its cells");
+    assert!(part == all.cells());
+    assert!(part.iter().filter(|class| **class == 1).count() > 1_000_000);
+}
