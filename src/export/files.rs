@@ -138,6 +138,13 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
         if is_input(path) {
             return Err(refuse("it is an input of this run"));
         }
+        let is_tile = |input: &PathBuf| {
+            let folder = std::fs::canonicalize(input).ok().filter(|folder| folder.is_dir());
+            folder.is_some_and(|folder| place.parent() == Some(&folder))
+        };
+        if matches!(format, Format::GeoTiff | Format::AsciiGrid) && rules.inputs.iter().any(is_tile) {
+            return Err(refuse("it would be a tile of the folder that this run reads"));
+        }
         refuse_to_replace(path, rules.overwrite)?;
         for sidecar in sidecars(path, format, rules.bare) {
             if is_input(&sidecar) {

@@ -25,6 +25,7 @@ mod simulators; // both simulators against the product, each other and rays
 mod intervals; // 95 % intervals cover 95 % of the time
 mod formats_read; // rasters in
 mod mosaic; // rasters made of many: folders and virtual rasters, as a brush and as GDAL makes one of them
+mod mosaic_refusals; // virtual rasters that compute, contradict their tiles, or attack; tiles that do not belong together
 mod reprojected; // rasters in degrees: cell by cell by hand and against gdalwarp
 mod formats_write; // rasters out, and back in
 mod cog; // GeoTIFFs are cloud optimized
