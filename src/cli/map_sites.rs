@@ -249,9 +249,7 @@ impl<'a> SiteRuns<'a> {
         (args.output, args.height_curve) = (Vec::new(), Vec::new());
         (args.resume, args.scratch, args.engine.max_memory) = (false, None, None);
         (args.out.json, args.out.overwrite, args.out.quiet, args.out.threads) = (false, false, false, None);
-        let silent =
-            ["output", "height_curve", "resume", "scratch", "max_memory", "json", "overwrite", "quiet", "threads"];
-        args.scene.typed.retain(|typed| !silent.contains(&typed.as_str()));
+        args.scene.typed.clear();
         let mut files: Vec<PathBuf> =
             std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
         match site {

@@ -214,9 +214,9 @@ impl StreamedRun<'_> {
     fn uav(&self, scene: &StreamedSurface, sites: &[Site], radius: Option<f64>) -> Result<Uav> {
         let [site] = sites else {
             let text = format!(
-                "cannot map {} UAVs over {} at once: it does not fit in memory",
-                sites.len(),
-                self.args.scene.scene
+                "cannot map {}: it does not fit in memory, and strip by strip one UAV is mapped at a time, found {}",
+                self.args.scene.scene,
+                sites.len()
             );
             return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
         };

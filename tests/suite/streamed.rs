@@ -71,8 +71,8 @@ fn maps_strip_by_strip_are_those_in_memory() {
         format!("--ground 70 {over}"),
         over.to_string(),
         "--uav 300,9500,400amsl".to_string(),
-        "--terrain dtm.tif --uav 2400,8000,30agl".to_string(),
-        "--uav 1990,7801,3agl".to_string(),
+        "--terrain dtm.tif --uav 1800,8000,30agl".to_string(),
+        "--uav 1899,7801,3agl".to_string(),
     ] {
         let in_memory = folder.type_in(&format!("map dsm.tif {line} -o a.tif --overwrite --json -q")).done().json();
         let streamed =
