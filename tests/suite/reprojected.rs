@@ -147,7 +147,7 @@ fn gdalwarp_finds_the_same_cells() {
     if n_differing == 0 {
         let map = |line: &str| {
             let document =
-                folder.type_in(&format!("map {line} --uav 691290.3,5334810.7,1400amsl --json")).done().json();
+                folder.type_in(&format!("map {line} --uav 691280.3,5334950.7,1400amsl --json")).done().json();
             document["digest"].clone()
         };
         assert_eq!(map("degrees.tif --project auto"), map("warped.tif"));
@@ -161,13 +161,13 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
     write(&folder, "ground.tif", &georef, &heights);
     // A surface in UTM inside of it, and one in degrees on another grid.
     let utm = Crs::from_epsg(32632).unwrap();
-    let grid = GeoRef::new((691_240.0, 5_334_830.0), (2.0, 2.0), (40, 50), Some(utm)).unwrap();
+    let grid = GeoRef::new((691_230.0, 5_335_000.0), (2.0, 2.0), (40, 50), Some(utm)).unwrap();
     write(&folder, "utm.tif", &grid, &[1500.0; 2000]);
     let options = SurfaceOptions { terrain: Some(folder.join("ground.tif")), ..SurfaceOptions::default() };
     let (scene, warnings) = projected(&folder, "utm.tif", options.clone()).unwrap();
     let Ground::Terrain(terrain) = surface(&scene).1 else { panic!("no terrain") };
     assert_eq!(terrain.georef(), &grid);
-    let way = Transformation::new(grid.crs().unwrap(), georef.crs().unwrap(), (691_290.0, 5_334_790.0)).unwrap();
+    let way = Transformation::new(grid.crs().unwrap(), georef.crs().unwrap(), (691_280.0, 5_334_960.0)).unwrap();
     for (cell, found) in terrain.cells().iter().enumerate() {
         let (east, south) = cells(&georef, way.apply(grid.world_from_cell(cell / 50, cell % 50)).unwrap());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside by the choice of the grid")]
