@@ -88,10 +88,11 @@ fn painted(
             let row = tile.row + i64::try_from(cell / tile.tiff.n_cols).unwrap();
             let col = tile.col + i64::try_from(cell % tile.tiff.n_cols).unwrap();
             let (Ok(row), Ok(col)) = (usize::try_from(row), usize::try_from(col)) else { continue };
-            if row < n_rows && col < n_cols {
-                if let Some(number) = paint(k, tile, *value) {
-                    canvas[row * n_cols + col] = number;
-                }
+            if row < n_rows
+                && col < n_cols
+                && let Some(number) = paint(k, tile, *value)
+            {
+                canvas[row * n_cols + col] = number;
             }
         }
     }
