@@ -241,7 +241,6 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `nowhere.tif`: no such file"),
         ("map nowhere.geojson --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.geojson: "),
         ("map city.shp --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read city.shp: "),
-        ("map . --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `.`: it is a folder, wanted a file"),
         ("SMALL --uavs nowhere.csv", 3, "error[E301]: cannot read nowhere.csv: "),
         // Sites.
         (

@@ -237,9 +237,9 @@ impl Mosaic {
             warnings.push(Warning::new(323, format!("`{path}` has {n_bands} bands: the first is read as heights")));
         }
         if odd.n_differing > 0 {
-            let times = counted(odd.n_differing, "cell", "cells");
+            let heights = counted(odd.n_differing, "height lies", "heights lie");
             let text = format!(
-                "tiles of `{path}` overlap and differ in {times}: the later one by name counts (one raster of each place belongs in the folder)"
+                "tiles of `{path}` overlap and differ: {heights} under another one of a later tile by name, which counts (a folder should hold one raster of each place)"
             );
             warnings.push(Warning::new(336, text));
         }
