@@ -2,11 +2,13 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 use super::chart::ChartArgs;
 use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
+use super::repairs::FoundRepairs;
 use super::stress::StressArgs;
 use crate::error::Error;
 use crate::export::Format;
@@ -48,7 +50,11 @@ impl Cli {
         let mut command = Cli::command();
         let matches = command.try_get_matches_from_mut(words)?;
         let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?;
-        cli.command.scene_mut().typed = matches.subcommand().map_or(Vec::new(), |(_, m)| typed(m));
+        let scene = cli.command.scene_mut();
+        if let Some((_, matches)) = matches.subcommand() {
+            scene.typed = typed(matches);
+            scene.paths = paths(matches);
+        }
         Ok(cli)
     }
 }
@@ -57,6 +63,12 @@ impl Cli {
 fn typed(matches: &ArgMatches) -> Vec<String> {
     let ids = matches.ids().map(|id| id.as_str());
     ids.filter(|id| matches.value_source(id) == Some(ValueSource::CommandLine)).map(str::to_string).collect()
+}
+
+/// The files that were named, other than the scene and `--repairs`.
+fn paths(matches: &ArgMatches) -> Vec<PathBuf> {
+    let ids = matches.ids().map(|id| id.as_str()).filter(|id| *id != "repairs");
+    ids.filter_map(|id| matches.try_get_many::<PathBuf>(id).ok().flatten()).flatten().cloned().collect()
 }
 
 #[derive(Debug, Subcommand)]
@@ -82,6 +94,21 @@ pub(super) enum Command {
 }
 
 impl Command {
+    /// The scene and how it is read.
+    pub(super) fn scene(&self) -> &SceneArgs {
+        match self {
+            Command::Map(args) => &args.scene,
+            Command::Link(args) => &args.scene,
+            Command::City(args) => &args.scene,
+            Command::Info(args) => &args.scene,
+            Command::Plos(args) => &args.scene,
+            Command::Compare(args) => &args.scene,
+            Command::Place(args) => &args.scene,
+            Command::Stress(args) => &args.scene,
+            Command::Chart(args) => &args.scene,
+        }
+    }
+
     fn scene_mut(&mut self) -> &mut SceneArgs {
         match self {
             Command::Map(args) => &mut args.scene,
@@ -160,9 +187,19 @@ pub(super) struct SceneArgs {
     /// Hash inputs above 64 MB too
     #[arg(long)]
     pub(super) hash: bool,
+    /// Table (.csv) or points (.geojson) of everything that was mended or left out while reading footprints: feature, what
+    /// was wrong, what was done, where
+    #[arg(long, value_name = "FILE")]
+    pub(super) repairs: Option<PathBuf>,
     /// Which arguments were typed.
     #[arg(skip)]
     pub(super) typed: Vec<String>,
+    /// The files that were named, other than the scene and that of repairs.
+    #[arg(skip)]
+    pub(super) paths: Vec<PathBuf>,
+    /// What was mended or left out, once footprints are read for a list of that; copies of the arguments share it.
+    #[arg(skip)]
+    pub(super) found_repairs: Arc<OnceLock<FoundRepairs>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

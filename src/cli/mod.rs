@@ -23,6 +23,7 @@ mod place;
 mod plan;
 mod plos;
 mod receivers;
+mod repairs;
 mod sample;
 mod sample_plot;
 mod stress;
@@ -57,17 +58,20 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
-    match cli.command {
-        args::Command::Map(args) => in_pool(args.out.threads, || map::run(&args, command)),
-        args::Command::Link(args) => in_pool(args.out.threads, || link::run(&args, command)),
-        args::Command::City(args) => in_pool(args.out.threads, || city::run(&args, command)),
-        args::Command::Place(args) => in_pool(args.out.threads, || place::run(&args, command)),
-        args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(&args, command)),
-        args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(&args, command)),
-        args::Command::Stress(args) => in_pool(args.out.threads, || stress::run(&args, command)),
-        args::Command::Chart(args) => in_pool(args.out.threads, || chart::run(&args, command)),
-        args::Command::Info(args) => in_pool(args.out.threads, || info::run(&args, command)),
-    }
+    repairs::check(cli.command.scene())?;
+    let words = command.clone();
+    match &cli.command {
+        args::Command::Map(args) => in_pool(args.out.threads, || map::run(args, command)),
+        args::Command::Link(args) => in_pool(args.out.threads, || link::run(args, command)),
+        args::Command::City(args) => in_pool(args.out.threads, || city::run(args, command)),
+        args::Command::Place(args) => in_pool(args.out.threads, || place::run(args, command)),
+        args::Command::Plos(args) => in_pool(args.out.threads, || plos::run(args, command)),
+        args::Command::Compare(args) => in_pool(args.out.threads, || compare::run(args, command)),
+        args::Command::Stress(args) => in_pool(args.out.threads, || stress::run(args, command)),
+        args::Command::Chart(args) => in_pool(args.out.threads, || chart::run(args, command)),
+        args::Command::Info(args) => in_pool(args.out.threads, || info::run(args, command)),
+    }?;
+    repairs::write(cli.command.scene(), words)
 }
 
 /// Runs `work` with the given number of threads; all cores without one.

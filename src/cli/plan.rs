@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{HeightUnitArg, Missing, Nodata, SceneArgs};
+use super::repairs::keep;
 use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs};
@@ -14,7 +15,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
     BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, NodataAs, Scene, Site, Source,
-    SurfaceOptions, VectorFormat, read_footprints, read_mesh, read_surface,
+    SurfaceOptions, VectorFormat, read_footprints, read_footprints_and_repairs, read_mesh, read_surface,
 };
 use crate::zones::{ZoneBasis, ZoneMap};
 
@@ -55,7 +56,13 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             if format != VectorFormat::GeoPackage {
                 refuse_flags(args, "a file that is no GeoPackage", &["layer"])?;
             }
-            read_footprints(path, &footprint_options(args, crs, nodata_as)?, warnings)
+            let options = footprint_options(args, crs, nodata_as)?;
+            if args.repairs.is_none() {
+                return read_footprints(path, &options, warnings);
+            }
+            let (scene, repairs) = read_footprints_and_repairs(path, &options, warnings)?;
+            keep(args, &scene, repairs, warnings);
+            Ok(scene)
         }
         None if ["obj", "ply"].contains(&extension.as_str()) => {
             refuse_flags(args, "a mesh", &["size", "project"])?;

@@ -8,7 +8,9 @@
 
 use std::path::Path;
 
+use super::faults::Fault;
 use super::footprints::FootprintOptions;
+use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property};
 use crate::error::{Error, Result};
 
@@ -44,12 +46,6 @@ const HEIGHT: &str = "height";
 #[derive(Debug, Default)]
 pub(super) struct Buildings {
     pub(super) footprints: Vec<RawFootprint>,
-    /// Features that are not areas.
-    pub(super) not_areas: usize,
-    /// Areas that say that they are no building.
-    pub(super) not_buildings: usize,
-    /// Parts inside outlines.
-    pub(super) parts: usize,
     /// Names of properties, where none is the one that heights are read from.
     pub(super) other_names: Vec<String>,
 }
@@ -57,6 +53,8 @@ pub(super) struct Buildings {
 /// One feature with areas.
 #[derive(Debug, Clone)]
 pub(super) struct RawFootprint {
+    /// Number of the feature in the file, from 1.
+    pub(super) number: usize,
     pub(super) id: String,
     /// Polygons of rings of positions, last point dropped if it repeats the first.
     pub(super) polygons: Vec<Polygon>,
@@ -81,30 +79,39 @@ pub(super) enum FoundHeight {
 }
 
 impl Buildings {
-    /// The buildings among the features of a file.
+    /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
     ///
     /// # Errors
     /// E302 for a coordinate that is not finite.
-    pub(super) fn of(path: &Path, set: FeatureSet, options: &FootprintOptions) -> Result<Buildings> {
+    pub(super) fn of(
+        path: &Path,
+        set: FeatureSet,
+        options: &FootprintOptions,
+        log: &mut FaultLog,
+    ) -> Result<Buildings> {
         let mut buildings = Buildings { other_names: other_names(&set, options), ..Buildings::default() };
-        for (number, feature) in set.features.into_iter().enumerate() {
+        for (index, feature) in set.features.into_iter().enumerate() {
+            let number = index + 1;
+            let says = Says { feature: &feature, name_limit: set.name_limit, options };
             if feature.polygons.is_empty() {
-                buildings.not_areas += 1;
+                log.note(Fault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
                 continue;
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
             if let Some(bad) = bad {
-                let (path, number) = (path.display(), number + 1);
+                let path = path.display();
                 let text = format!("cannot read {path}: feature {number}: found coordinate `{bad}`, wanted a number");
                 return Err(Error::file(302, text));
             }
-            let says = Says { feature: &feature, name_limit: set.name_limit, options };
+            let footprint = says.footprint(number);
             if says.is_no_building() {
-                buildings.not_buildings += 1;
+                log.note(Fault::NotABuilding, Culprit::of(&footprint));
                 continue;
             }
-            buildings.parts += usize::from(says.is_part());
-            buildings.footprints.push(says.footprint(number + 1));
+            if says.is_part() {
+                log.note(Fault::Part, Culprit::of(&footprint));
+            }
+            buildings.footprints.push(footprint);
         }
         Ok(buildings)
     }
@@ -207,12 +214,18 @@ impl Says<'_> {
         }
     }
 
+    /// What the feature is called; its number where it has no name.
+    fn id(&self, number: usize) -> String {
+        let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
+        id.unwrap_or_else(|| number.to_string())
+    }
+
     fn footprint(&self, number: usize) -> RawFootprint {
         let (polygons, unclosed) = opened(self.feature.polygons.clone());
-        let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
         let (height, above_datum) = self.height();
         RawFootprint {
-            id: id.unwrap_or_else(|| number.to_string()),
+            number,
+            id: self.id(number),
             polygons,
             unclosed,
             height,

@@ -1,4 +1,4 @@
-//! What was mended or left out while reading footprints, counted and told.
+//! What was mended or left out while reading footprints: the kinds of faults, counted and told.
 
 use std::path::Path;
 
@@ -68,21 +68,177 @@ impl HeightWords {
     }
 }
 
-/// A kind of fault: the code of its warning, how many there are, what one and many are called, what was done.
-type Kind<'a> = (u16, usize, [&'a str; 2], &'a str);
+/// A kind of fault. Its order is that of warnings, and of what is listed for one feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Fault {
+    /// No area at all: a point, a line, no geometry.
+    NotAnArea,
+    /// Rings that cross or touch themselves.
+    SelfIntersection,
+    /// A ring whose last point is not its first.
+    UnclosedRing,
+    /// A polygon without area.
+    TooSmall,
+    /// No ground below it, but nodata.
+    NoGround,
+    /// Too far from the grid to matter.
+    TooFar,
+    /// An area that says that it is no building.
+    NotABuilding,
+    /// No usable height.
+    MissingHeight,
+    /// A height below zero.
+    NegativeHeight,
+    /// A decimal comma.
+    DecimalComma,
+    /// A building that begins above the ground.
+    Floating,
+    /// A part of a building.
+    Part,
+    /// A missing height that is that of the storeys.
+    HeightFromLevels,
+}
+
+impl Fault {
+    /// All kinds.
+    pub const ALL: [Fault; 13] = [
+        Fault::NotAnArea,
+        Fault::SelfIntersection,
+        Fault::UnclosedRing,
+        Fault::TooSmall,
+        Fault::NoGround,
+        Fault::TooFar,
+        Fault::NotABuilding,
+        Fault::MissingHeight,
+        Fault::NegativeHeight,
+        Fault::DecimalComma,
+        Fault::Floating,
+        Fault::Part,
+        Fault::HeightFromLevels,
+    ];
+
+    /// A word that never changes its meaning.
+    pub fn word(self) -> &'static str {
+        match self {
+            Fault::NotAnArea => "not-an-area",
+            Fault::SelfIntersection => "self-intersection",
+            Fault::UnclosedRing => "unclosed-ring",
+            Fault::TooSmall => "too-small",
+            Fault::NoGround => "no-ground",
+            Fault::TooFar => "too-far",
+            Fault::NotABuilding => "not-a-building",
+            Fault::MissingHeight => "missing-height",
+            Fault::NegativeHeight => "negative-height",
+            Fault::DecimalComma => "decimal-comma",
+            Fault::Floating => "floating",
+            Fault::Part => "building-part",
+            Fault::HeightFromLevels => "height-from-levels",
+        }
+    }
+
+    /// The code of the warning that counts it.
+    pub fn code(self) -> u16 {
+        match self {
+            Fault::NotAnArea => 350,
+            Fault::SelfIntersection => 351,
+            Fault::UnclosedRing => 352,
+            Fault::TooSmall => 353,
+            Fault::NoGround => 357,
+            Fault::TooFar => 358,
+            Fault::NotABuilding => 361,
+            Fault::MissingHeight => 354,
+            Fault::NegativeHeight => 355,
+            Fault::DecimalComma => 356,
+            Fault::Floating => 362,
+            Fault::Part => 363,
+            Fault::HeightFromLevels => 364,
+        }
+    }
+
+    /// What one and many of them are called.
+    fn names(self) -> [&'static str; 2] {
+        match self {
+            Fault::NotAnArea => ["feature that is no polygon", "features that are no polygons"],
+            Fault::SelfIntersection => {
+                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"]
+            }
+            Fault::UnclosedRing => ["ring that does not end where it begins", "rings that do not end where they begin"],
+            Fault::TooSmall => ["polygon without area", "polygons without area"],
+            Fault::NoGround => ["footprint over nodata terrain", "footprints over nodata terrain"],
+            Fault::TooFar => {
+                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"]
+            }
+            Fault::NotABuilding => {
+                ["area that is `building=no` or `demolished`", "areas that are `building=no` or `demolished`"]
+            }
+            Fault::MissingHeight => ["footprint without a usable height", "footprints without a usable height"],
+            Fault::NegativeHeight => ["footprint with a negative height", "footprints with a negative height"],
+            Fault::DecimalComma => ["height with a decimal comma", "heights with a decimal comma"],
+            Fault::Floating => ["footprint that begins above the ground", "footprints that begin above the ground"],
+            Fault::Part => ["part of a building", "parts of buildings"],
+            Fault::HeightFromLevels => ["height from a number of storeys", "heights from numbers of storeys"],
+        }
+    }
+
+    /// What is done about it; of a missing height that depends on the policy.
+    pub(super) fn done(self) -> &'static str {
+        match self {
+            Fault::SelfIntersection => "repaired by the even-odd rule",
+            Fault::UnclosedRing => "closed",
+            Fault::DecimalComma => "the comma is read as a point",
+            Fault::Floating => "taken as solid from the ground up",
+            Fault::Part => "joined with their outlines, the highest of what overlaps counts",
+            Fault::HeightFromLevels => "3 m for each",
+            Fault::NotAnArea
+            | Fault::TooSmall
+            | Fault::NoGround
+            | Fault::TooFar
+            | Fault::NotABuilding
+            | Fault::MissingHeight
+            | Fault::NegativeHeight => LEFT_OUT,
+        }
+    }
+}
+
+/// What is done with most of what cannot be used.
+pub(super) const LEFT_OUT: &str = "left out";
 
 impl FootprintFaults {
+    /// How many there are of a kind.
+    pub fn of(&self, fault: Fault) -> usize {
+        let mut counts = *self;
+        *counts.of_mut(fault)
+    }
+
+    pub(super) fn of_mut(&mut self, fault: Fault) -> &mut usize {
+        match fault {
+            Fault::NotAnArea => &mut self.not_areas,
+            Fault::SelfIntersection => &mut self.repaired,
+            Fault::UnclosedRing => &mut self.unclosed,
+            Fault::TooSmall => &mut self.degenerate,
+            Fault::NoGround => &mut self.no_ground,
+            Fault::TooFar => &mut self.too_far,
+            Fault::NotABuilding => &mut self.not_buildings,
+            Fault::MissingHeight => &mut self.missing_height,
+            Fault::NegativeHeight => &mut self.negative_height,
+            Fault::DecimalComma => &mut self.decimal_comma,
+            Fault::Floating => &mut self.floating,
+            Fault::Part => &mut self.parts,
+            Fault::HeightFromLevels => &mut self.from_levels,
+        }
+    }
+
     pub(super) fn warn(&self, path: &Path, words: &HeightWords, missing_area_share: f64, warnings: &mut Vec<Warning>) {
         let share = format!(
             "left out, {:.1} % of the footprint area (`--missing levels|median|fail`)",
             missing_area_share * 100.0
         );
         let treated = if words.drops { share.as_str() } else { words.treated.as_str() };
-        for (code, count, [one, many], done) in self.of_shapes().into_iter().chain(self.of_heights(treated)) {
-            if count > 0 {
-                let what = counted(count as u64, one, many);
-                warnings.push(Warning::new(code, format!("{}: {what}: {done}", path.display())));
-            }
+        for fault in Fault::ALL.into_iter().filter(|fault| self.of(*fault) > 0) {
+            let done = if fault == Fault::MissingHeight { treated } else { fault.done() };
+            let [one, many] = fault.names();
+            let what = counted(self.of(fault) as u64, one, many);
+            warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", path.display())));
         }
         if self.missing_height > 0 && !words.other_names.is_empty() {
             let names: Vec<String> = words.other_names.iter().map(|name| format!("`{name}`")).collect();
@@ -94,78 +250,5 @@ impl FootprintFaults {
             );
             warnings.push(Warning::new(365, text));
         }
-    }
-
-    fn of_shapes(&self) -> [Kind<'static>; 7] {
-        [
-            (350, self.not_areas, ["feature that is no polygon", "features that are no polygons"], "left out"),
-            (
-                351,
-                self.repaired,
-                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"],
-                "repaired by the even-odd rule",
-            ),
-            (
-                352,
-                self.unclosed,
-                ["ring that does not end where it begins", "rings that do not end where they begin"],
-                "closed",
-            ),
-            (353, self.degenerate, ["polygon without area", "polygons without area"], "left out"),
-            (357, self.no_ground, ["footprint over nodata terrain", "footprints over nodata terrain"], "left out"),
-            (
-                358,
-                self.too_far,
-                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"],
-                "left out",
-            ),
-            (
-                361,
-                self.not_buildings,
-                ["area that is `building=no` or `demolished`", "areas that are `building=no` or `demolished`"],
-                "left out",
-            ),
-        ]
-    }
-
-    fn of_heights<'a>(&self, treated: &'a str) -> [Kind<'a>; 6] {
-        [
-            (
-                354,
-                self.missing_height,
-                ["footprint without a usable height", "footprints without a usable height"],
-                treated,
-            ),
-            (
-                355,
-                self.negative_height,
-                ["footprint with a negative height", "footprints with a negative height"],
-                "left out",
-            ),
-            (
-                356,
-                self.decimal_comma,
-                ["height with a decimal comma", "heights with a decimal comma"],
-                "the comma is read as a point",
-            ),
-            (
-                362,
-                self.floating,
-                ["footprint that begins above the ground", "footprints that begin above the ground"],
-                "taken as solid from the ground up",
-            ),
-            (
-                363,
-                self.parts,
-                ["part of a building", "parts of buildings"],
-                "joined with their outlines, the highest of what overlaps counts",
-            ),
-            (
-                364,
-                self.from_levels,
-                ["height from a number of storeys", "heights from numbers of storeys"],
-                "3 m for each",
-            ),
-        ]
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
 //! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
-//! left-out thing is counted in [`FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
+//! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
 use std::path::{Path, PathBuf};
@@ -10,18 +10,19 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
-use super::faults::{FootprintFaults, HeightWords};
+use super::faults::{Fault, HeightWords, LEFT_OUT};
 use super::heights::{HeightFile, Heights, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
 use super::projection::{Projection, project};
 use super::receivers_grid::{GridRequest, receivers_grid};
+use super::repairs::{Culprit, FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
 use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, height_steps, meters, tidy};
-use crate::raster::{Crs, GeoRef, InputKind};
+use crate::raster::{Crs, GeoRef, InputKind, Transformation};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -133,6 +134,28 @@ impl Default for FootprintOptions {
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
 /// errors for bad numbers and layers; limit errors for huge grids.
 pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    read(path, options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
+}
+
+/// Reads footprints as [`read_footprints`] does, and lists everything that was mended or left out, in the order of the
+/// file.
+///
+/// # Errors
+/// As [`read_footprints`].
+pub fn read_footprints_and_repairs(
+    path: &Path,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Scene, Vec<Repair>)> {
+    read(path, options, Listing::EachOne, warnings)
+}
+
+fn read(
+    path: &Path,
+    options: &FootprintOptions,
+    listing: Listing,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Scene, Vec<Repair>)> {
     // The extent is in the scene's CRS: of a file in another one all must be read.
     let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
     let selection = Selection { layer: options.layer.as_deref(), bounds };
@@ -143,9 +166,15 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         None => std::mem::replace(&mut set.crs, Ok(None))?,
     };
     let attribution = set.attribution.take();
-    let mut raw = Buildings::of(path, set, options)?;
+    let mut log = FaultLog::new(listing);
+    let mut raw = Buildings::of(path, set, options, &mut log)?;
     let file_crs = match &options.project {
-        Some(projection) => project(path, &mut raw, file_crs, projection, warnings)?,
+        Some(projection) => {
+            let (from, bounds) = (file_crs.clone(), raw.bounds());
+            let to = project(path, &mut raw, file_crs, projection, warnings)?;
+            move_listed(&mut log, from, to.as_ref(), bounds)?;
+            to
+        }
         None => file_crs,
     };
     let bounds = raw.bounds();
@@ -181,16 +210,31 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
     warn_of_the_ground(path, &raw, &ground, warnings);
-    let (footprints, faults) = build(path, raw, options, &ground, frame, warnings)?;
+    let making = Making { path, options, ground: &ground, frame };
+    let footprints = making.prisms(raw, &mut log, warnings)?;
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
-    Ok(Scene {
+    let faults = log.counts;
+    let scene = Scene {
         name: name_of(path),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults },
         built_up: None,
         sources,
         attribution,
-    })
+    };
+    Ok((scene, log.into_list()))
+}
+
+/// Brings the places that are listed so far, those of a file within `bounds`, into the system of the scene.
+fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+    let (Some(to), Some([west, south, east, north]), true) = (to, bounds, log.has_listed()) else { return Ok(()) };
+    // Positions in no system of their own were taken for degrees.
+    let from = from.map_or_else(|| Crs::from_epsg(4326), Ok)?;
+    if from != *to {
+        let way = Transformation::new(&from, to, ((west + east) / 2.0, (south + north) / 2.0))?;
+        log.move_places(|place| way.apply(place).ok());
+    }
+    Ok(())
 }
 
 /// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
@@ -250,106 +294,138 @@ fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Re
     Ok(())
 }
 
-/// Positions to the lattice, repair, heights.
-fn build(
-    path: &Path,
-    raw: Buildings,
-    options: &FootprintOptions,
-    ground: &Ground,
+/// What prisms are made of buildings with.
+#[derive(Clone, Copy)]
+struct Making<'a> {
+    path: &'a Path,
+    options: &'a FootprintOptions,
+    ground: &'a Ground,
     frame: Frame,
-    warnings: &mut Vec<Warning>,
-) -> Result<(Vec<Footprint>, FootprintFaults)> {
-    let mut faults = FootprintFaults {
-        not_areas: raw.not_areas,
-        not_buildings: raw.not_buildings,
-        parts: raw.parts,
-        ..FootprintFaults::default()
-    };
-    let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, ground, frame)).collect();
+}
 
-    let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
-    let known: Vec<f64> = shaped
-        .iter()
-        .filter_map(|s| match s.raw.height {
-            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || s.raw.above_datum => Some(m),
-            _ => None,
-        })
-        .collect();
-    let median = median(known);
-    let height_words = HeightWords::of(options, raw.other_names);
-    let (mut missing_area, mut total_area) = (0.0, 0.0);
-    let mut footprints = Vec::with_capacity(shaped.len());
-    for shaped in shaped {
-        faults.repaired += shaped.repaired;
-        faults.unclosed += shaped.raw.unclosed;
-        faults.degenerate += shaped.degenerate;
-        total_area += area(&shaped);
-        if shaped.too_far {
-            faults.too_far += 1;
-            continue;
-        }
-        if shaped.polygons.is_empty() {
-            continue;
-        }
-        faults.floating += usize::from(shaped.raw.floats);
-        faults.decimal_comma += usize::from(matches!(shaped.raw.height, FoundHeight::DecimalComma(_)));
-        // Storeys are counted from the ground, whatever the property would have been measured from.
-        let mut above_datum = shaped.raw.above_datum;
-        let height = match shaped.raw.height {
-            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
-            FoundHeight::Missing => {
-                faults.missing_height += 1;
-                missing_area += area(&shaped);
-                match options.missing {
-                    MissingHeight::Fail => {
-                        return Err(Error::file(
-                            309,
-                            format!(
-                                "cannot use {}: feature `{}` has no usable `{}`",
-                                path.display(),
-                                shaped.raw.id,
-                                height_words.property
-                            ),
-                        )
-                        .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
-                    }
-                    MissingHeight::Drop => None,
-                    MissingHeight::Levels => {
-                        above_datum = false;
-                        faults.from_levels += usize::from(shaped.raw.levels.is_some());
-                        shaped.raw.levels.map(|levels| levels * METERS_PER_LEVEL)
-                    }
-                    MissingHeight::Median => median,
-                }
+impl Making<'_> {
+    /// Positions to the lattice, repair, heights.
+    fn prisms(self, raw: Buildings, log: &mut FaultLog, warnings: &mut Vec<Warning>) -> Result<Vec<Footprint>> {
+        let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, self.ground, self.frame)).collect();
+        let median = median_height(&shaped);
+        let words = HeightWords::of(self.options, raw.other_names);
+        let missing_share = missing_area_share(&shaped);
+        let mut footprints = Vec::with_capacity(shaped.len());
+        for shaped in shaped {
+            note_shape(&shaped, log);
+            if !is_usable(&shaped) {
+                continue;
             }
-        };
-        let Some(height) = height else { continue };
-        if !above_datum && height < 0.0 {
-            faults.negative_height += 1;
-            continue;
+            let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
+            if !above_datum && height < 0.0 {
+                log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
+                continue;
+            }
+            let Some(base) = shaped.base else {
+                log.note(Fault::NoGround, Culprit::of(&shaped.raw));
+                continue;
+            };
+            let top = self.top(&shaped, (height, above_datum), base)?;
+            footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
         }
-        let Some(base) = shaped.base else {
-            faults.no_ground += 1;
-            continue;
+        log.counts.warn(self.path, &words, missing_share, warnings);
+        Ok(footprints)
+    }
+
+    /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
+    ///
+    /// # Errors
+    /// E309 for a missing height, where that is the policy.
+    fn height(
+        self,
+        shaped: &Shaped,
+        median: Option<f64>,
+        words: &HeightWords,
+        log: &mut FaultLog,
+    ) -> Result<Option<(f64, bool)>> {
+        let culprit = Culprit::of(&shaped.raw);
+        match shaped.raw.height {
+            FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
+            FoundHeight::DecimalComma(m) => {
+                log.note(Fault::DecimalComma, culprit);
+                return Ok(Some((m, shaped.raw.above_datum)));
+            }
+            FoundHeight::Missing => {}
+        }
+        let found = match self.options.missing {
+            MissingHeight::Fail => {
+                let (path, id, name) = (self.path.display(), culprit.id, &words.property);
+                let text = format!("cannot use {path}: feature `{id}` has no usable `{name}`");
+                return Err(Error::file(309, text)
+                    .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
+            }
+            MissingHeight::Drop => None,
+            // Storeys are counted from the ground, whatever the property would have been measured from.
+            MissingHeight::Levels => {
+                let height = shaped.raw.levels.map(|levels| (levels * METERS_PER_LEVEL, false));
+                height.map(|height| (height, "given the height of its storeys"))
+            }
+            MissingHeight::Median => median.map(|height| ((height, shaped.raw.above_datum), "given the median height")),
         };
-        let top = height_steps(height)
+        log.note_done(Fault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
+        if self.options.missing == MissingHeight::Levels && found.is_some() {
+            log.note(Fault::HeightFromLevels, culprit);
+        }
+        Ok(found.map(|(height, _)| height))
+    }
+
+    /// The top on the lattice.
+    ///
+    /// # Errors
+    /// E205 for one beyond it.
+    fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool), base: i32) -> Result<i32> {
+        height_steps(height)
             .and_then(|steps| if above_datum { Some(steps) } else { base.checked_add(steps) })
             .filter(|top| height_steps(meters(*top)).is_some())
             .ok_or_else(|| {
-                Error::site(
-                    205,
-                    format!(
-                        "cannot use {}: feature `{}` has height `{height}` m, wanted within ±32768 m of the datum",
-                        path.display(),
-                        shaped.raw.id
-                    ),
-                )
-            })?;
-        footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
+                let (path, id) = (self.path.display(), &shaped.raw.id);
+                let text = format!(
+                    "cannot use {path}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
+                );
+                Error::site(205, text)
+            })
     }
-    let share = if total_area > 0.0 { missing_area / total_area } else { 0.0 };
-    faults.warn(path, &height_words, share, warnings);
-    Ok((footprints, faults))
+}
+
+/// Whether anything is left of a building after repair, and near enough.
+fn is_usable(shaped: &Shaped) -> bool {
+    !shaped.too_far && !shaped.polygons.is_empty()
+}
+
+/// Notes what is odd about a building whatever its height is.
+fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
+    let raw = &shaped.raw;
+    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
+    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
+    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
+    if shaped.too_far {
+        log.note(Fault::TooFar, Culprit::of(raw));
+    } else if is_usable(shaped) && raw.floats {
+        log.note(Fault::Floating, Culprit::of(raw));
+    }
+}
+
+/// The median of the heights that are known \[m\].
+fn median_height(shaped: &[Shaped]) -> Option<f64> {
+    let known = |s: &Shaped| match s.raw.height {
+        FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || s.raw.above_datum => Some(m),
+        _ => None,
+    };
+    median(shaped.iter().filter_map(known).collect())
+}
+
+/// The share of the area of all footprints that those without a height have.
+fn missing_area_share(shaped: &[Shaped]) -> f64 {
+    let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
+    let total: f64 = shaped.iter().map(area).sum();
+    let is_missing = |s: &&Shaped| is_usable(s) && s.raw.height == FoundHeight::Missing;
+    let missing: f64 = shaped.iter().filter(is_missing).map(area).sum();
+    if total > 0.0 { missing / total } else { 0.0 }
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

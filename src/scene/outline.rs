@@ -14,8 +14,10 @@ use crate::raster::Raster;
 pub(super) struct Shaped {
     pub(super) raw: RawFootprint,
     pub(super) polygons: Vec<Vec<Vec<[i32; 2]>>>,
-    pub(super) repaired: usize,
-    pub(super) degenerate: usize,
+    /// Which of the raw polygons were repaired.
+    pub(super) repaired: Vec<usize>,
+    /// Which of them have no area.
+    pub(super) degenerate: Vec<usize>,
     pub(super) too_far: bool,
     /// The lowest ground under the footprint, `None` over nodata.
     pub(super) base: Option<i32>,
@@ -23,9 +25,10 @@ pub(super) struct Shaped {
 
 /// Brings a footprint onto the lattice, repairs its polygons and finds the ground under it.
 pub(super) fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped {
-    let mut shaped = Shaped { polygons: Vec::new(), repaired: 0, degenerate: 0, too_far: false, base: None, raw };
+    let mut shaped =
+        Shaped { polygons: Vec::new(), repaired: Vec::new(), degenerate: Vec::new(), too_far: false, base: None, raw };
     let limit = 1_i64 << 26;
-    for polygon in &shaped.raw.polygons {
+    for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
         let mut rings: Vec<Vec<[i32; 2]>> = Vec::new();
         for ring in polygon {
             let mut points: Vec<[i32; 2]> = Vec::with_capacity(ring.len());
@@ -50,9 +53,9 @@ pub(super) fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped 
         }
         let (mended, repaired) = even_odd(&rings);
         if mended.is_empty() {
-            shaped.degenerate += 1;
-        } else {
-            shaped.repaired += usize::from(repaired);
+            shaped.degenerate.push(k);
+        } else if repaired {
+            shaped.repaired.push(k);
         }
         shaped.polygons.extend(mended);
     }

@@ -238,8 +238,9 @@ const FLAGS: [(&str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 16] = [
+const OTHER: [&str; 17] = [
     "--project",
+    "--repairs",
     "--height-unit",
     "--levels-field",
     "--layer",

@@ -276,8 +276,9 @@ const FLAGS: [(&str, &str); 36] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 17] = [
+const OTHER: [&str; 18] = [
     "--project",
+    "--repairs",
     "--levels-field",
     "--layer",
     "--tolerance",

@@ -378,8 +378,9 @@ const FLAGS: [(&str, &str); 21] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 14] = [
+const OTHER: [&str; 15] = [
     "--project",
+    "--repairs",
     "--levels-field",
     "--layer",
     "--output",

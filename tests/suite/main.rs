@@ -36,6 +36,7 @@ mod walkthrough; // every command of docs/walkthrough.md runs
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
+mod repairs; // what was mended or left out, thing by thing
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_flags; // every flag of map, link, city and info changes something

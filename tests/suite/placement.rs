@@ -404,8 +404,9 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 29] = [
+const OTHER: [&str; 30] = [
     "--project",
+    "--repairs",
     "--levels-field",
     "--layer",
     "--output",

@@ -287,7 +287,8 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change no answer, and the tests that show what they do.
-const OTHER: [(&str, &str); 11] = [
+const OTHER: [(&str, &str); 12] = [
+    ("--repairs", "every_command_that_reads_footprints_lists_repairs"),
     ("--project", "rows_6_to_9_of_reference_systems"),
     ("--levels-field", "every_flag_changes_the_plan"),
     ("--layer", "one_table_of_several_is_read_when_it_is_named"),
