@@ -515,8 +515,13 @@ pub(super) struct InfoArgs {
     /// Find the zones of the city, street, crossroad, courtyard and rooftop, and count them
     #[arg(long)]
     pub(super) zones: bool,
+    /// Also α, β and γ of squares of this size, from the north-west corner: a raster (.tif) or a table (.csv); squares that
+    /// the extent cuts have the values of what is left of them [m]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, conflicts_with_all = ["zones", "uav"])]
+    pub(super) tile: Option<f64>,
     /// File to write, by extension: .json; with `--zones` also a map of them (.png .svg), a raster (.tif) or polygons
-    /// (.geojson); with `--uav` also the table of what limits P_LoS (.csv); repeat for more
+    /// (.geojson); with `--uav` also the table of what limits P_LoS (.csv); with `--tile` also a raster of α, β, γ (.tif) or
+    /// their table (.csv); repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]

@@ -18,7 +18,6 @@ mod map_files;
 mod map_sites;
 mod map_streamed;
 mod messages;
-mod needs;
 mod place;
 mod plan;
 mod plos;

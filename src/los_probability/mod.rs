@@ -22,3 +22,4 @@ pub mod real_city;
 pub mod setting;
 pub mod street_grid;
 pub mod study;
+pub mod tiles;

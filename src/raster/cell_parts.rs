@@ -20,7 +20,7 @@ pub struct CellPart {
 ///
 /// Cost: a few operations per cell of the grid.
 pub fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
-    let (labels, sizes) = labelled(set);
+    let (labels, sizes) = labelled_parts(set);
     let mut parts: Vec<CellPart> = sizes.iter().map(|n| CellPart { n_cells: *n, rings: Vec::new() }).collect();
     let (shells, holes): (Vec<_>, Vec<_>) =
         traced_around(set).iter().flat_map(|ring| simple_rings(ring)).partition(|ring| is_counterclockwise(ring));
@@ -34,12 +34,12 @@ pub fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
 
 /// Number of parts of a set.
 pub fn n_cell_parts(set: &BitGrid) -> usize {
-    labelled(set).1.len()
+    labelled_parts(set).1.len()
 }
 
 /// Numbers the parts of a set in the order of their first cells from the south-west, rows first: the number of each of its
 /// cells, and the sizes.
-fn labelled(set: &BitGrid) -> (Vec<u32>, Vec<u64>) {
+pub(crate) fn labelled_parts(set: &BitGrid) -> (Vec<u32>, Vec<u64>) {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let mut labels = vec![u32::MAX; n_rows * n_cols];
     let mut sizes = Vec::new();

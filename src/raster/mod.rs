@@ -29,6 +29,7 @@ pub use bil_file::{BilValues, bil_header};
 pub use bit_grid::{BitGrid, set_bits};
 pub use cell_blocks::CellBlocks;
 pub(crate) use cell_outline::traced_around;
+pub(crate) use cell_parts::labelled_parts;
 pub use cell_parts::{CellPart, cell_parts, n_cell_parts};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
 pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};

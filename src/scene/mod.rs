@@ -31,7 +31,7 @@ pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use faults::{Fault, FootprintFaults};
 pub use footprints::{Footprint, FootprintOptions, MissingHeight, read_footprints, read_footprints_and_repairs};
 pub use mesh::{MeshOptions, read_mesh};
-pub use outline::even_odd;
+pub use outline::{covered_area, even_odd};
 pub use projection::Projection;
 pub use repairs::Repair;
 pub use sites::{Site, read_sites};

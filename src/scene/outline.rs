@@ -89,6 +89,29 @@ pub fn even_odd(rings: &[Vec<[i32; 2]>]) -> (Vec<Vec<Vec<[i32; 2]>>>, bool) {
     (polygons, repaired)
 }
 
+/// Twice the area of what some polygons (shell first, edges that do not cross) cover of a rectangle from its south-west to
+/// its north-east corner; what several of them cover counts once.
+///
+/// Where edges cross off the lattice, the crossing is rounded to it. Coordinates are within ±2^26.
+pub fn covered_area(polygons: &[&[Vec<[i32; 2]>]], [x0, y0, x1, y1]: [i32; 4]) -> u64 {
+    // Wound alike, shells and holes add up to 1 inside each polygon and to 0 outside.
+    let wound = |(k, ring): (usize, &Vec<[i32; 2]>)| {
+        let mut points: Vec<IntPoint<i32>> = ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect();
+        if (doubled_area(ring) > 0) != (k == 0) {
+            points.reverse();
+        }
+        points
+    };
+    let contours: Vec<_> = polygons.iter().flat_map(|rings| rings.iter().enumerate().map(wound)).collect();
+    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| IntPoint { x, y });
+    let clipped = Overlay::<i32>::from_subj_and_clip(&contours, &vec![corners.to_vec()])
+        .overlay(OverlayRule::Intersect, FillRule::NonZero);
+    let area = |contour: &Vec<IntPoint<i32>>| {
+        doubled_area(&contour.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()).unsigned_abs()
+    };
+    clipped.iter().map(|shape| area(&shape[0]) - shape[1..].iter().map(area).sum::<u64>()).sum()
+}
+
 /// Twice the signed area of a ring of lattice points within ±2^26: below 2^55 for any ring that does not wind many
 /// times, and only compared.
 fn doubled_area(ring: &[[i32; 2]]) -> i64 {
@@ -179,6 +202,24 @@ mod tests {
         assert!(!repaired);
         assert_eq!(polygons.len(), 1);
         assert_eq!(polygons[0].len(), 2);
+    }
+
+    #[test]
+    fn what_several_polygons_cover_counts_once_and_holes_count_as_they_are() {
+        let square = |x: i32, y: i32, s: i32| vec![[x, y], [x + s, y], [x + s, y + s], [x, y + s]];
+        let mut hole = square(2, 2, 4);
+        // The first overlaps the second by 4 × 4; the hole, wound either way, is half covered by a third.
+        for _ in 0..2 {
+            let court = vec![square(0, 0, 8), hole.clone()];
+            let (second, third) = (vec![square(4, 4, 8)], vec![square(2, 2, 2)]);
+            let all: [&[Vec<[i32; 2]>]; 3] = [&court, &second, &third];
+            // 64 − 16 of the first, 64 − (16 − 4 in the hole) of the second, 4 of the third in the hole.
+            assert_eq!(covered_area(&all, [-100, -100, 100, 100]), 2 * (48 + 52 + 4));
+            // Of 5 × 5 in its corner: less 3 × 3 of the hole, which the third covers by 2 × 2 and the second by 1.
+            assert_eq!(covered_area(&all, [0, 0, 5, 5]), 2 * (25 - 9 + 4 + 1));
+            hole.reverse();
+        }
+        assert_eq!(covered_area(&[], [0, 0, 5, 5]), 0);
     }
 
     #[test]

@@ -2,15 +2,15 @@
 
 use serde_json::{Value, json};
 
-use super::args::InfoArgs;
-use super::expected::Expected;
-use super::plan::{checked_radius, meters_per_unit, parse_uav, receiver_height};
-use super::receivers::{Asked, check_receivers};
-use super::words::idle_in_words;
 use crate::accuracy::{
     BudgetLine, CellEffect, NO_CHANGE, Setup, Simpler, TerrainEffect, Uncertain, cell_effects, coarsest_unchanged,
     error_budget, terrain_effect,
 };
+use crate::cli::args::InfoArgs;
+use crate::cli::expected::Expected;
+use crate::cli::plan::{checked_radius, meters_per_unit, parse_uav, receiver_height};
+use crate::cli::receivers::{Asked, check_receivers};
+use crate::cli::words::idle_in_words;
 use crate::coverage::{IdleFootprints, Mapper, Uav};
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;

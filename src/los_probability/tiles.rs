@@ -1,0 +1,328 @@
+//! α, β and γ of a city tile by tile: where it is dense, fine-grained or tall.
+//!
+//! Tiles are squares that begin at the north-west corner of the extent; those in the last row and column hold what the
+//! extent leaves of them, and their values are of that part alone. A building belongs to the tile that holds its centroid
+//! (half-open towards the north-east, decided in integers). Of footprints, α is the share of the tile that their union
+//! covers; of a raster it is the share of its known cells that are buildings, and a building is a part of them that hangs
+//! together by cell sides, as high as its cells are on average.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::height_field::HeightField;
+use crate::quantity::{Frame, STEPS_PER_UNIT, meters};
+use crate::raster::{GeoRef, labelled_parts};
+use crate::scene::{Footprint, covered_area};
+
+/// Fewest buildings whose heights give a γ.
+pub const FEWEST_BUILDINGS: u64 = 2;
+
+/// The built-up parameters of a tile, or of several.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BuiltUpTile {
+    /// Ground, in lattice squares or cells.
+    ground: u64,
+    /// Of it, what buildings cover.
+    built: u64,
+    buildings: u64,
+    /// Sum of the squared heights \[m²\].
+    squares: f64,
+}
+
+impl BuiltUpTile {
+    /// Number of buildings.
+    pub fn buildings(&self) -> u64 {
+        self.buildings
+    }
+
+    /// α: the share of the ground that buildings cover, 0 to 1; `None` without any known ground.
+    pub fn built_up_ratio(&self) -> Option<f64> {
+        (self.ground > 0).then(|| self.built as f64 / self.ground as f64)
+    }
+
+    /// γ: the scale of the Rayleigh distribution that makes the heights most likely \[m\], γ² = ΣH²/(2n); `None` for fewer
+    /// than [`FEWEST_BUILDINGS`] buildings, or none that is higher than 0.
+    pub fn height_scale(&self) -> Option<f64> {
+        let is_known = self.buildings >= FEWEST_BUILDINGS && self.squares > 0.0;
+        is_known.then(|| (self.squares / (2.0 * self.buildings as f64)).sqrt())
+    }
+
+    fn add(&mut self, other: &BuiltUpTile) {
+        self.ground += other.ground;
+        self.built += other.built;
+        self.buildings += other.buildings;
+        self.squares += other.squares;
+    }
+}
+
+/// A city cut into tiles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BuiltUpTiles {
+    georef: GeoRef,
+    tiles: Vec<BuiltUpTile>,
+    /// Area of a unit of ground \[m²\].
+    unit_m2: f64,
+    buildings_outside: u64,
+}
+
+/// How a city is cut.
+#[derive(Debug, Clone, Copy)]
+pub struct TileSize {
+    /// Edge of a tile \[CRS units\], above 0.
+    pub edge: f64,
+    /// Length of a CRS unit \[m\].
+    pub meters_per_unit: f64,
+}
+
+/// The most tiles of a city.
+pub const MOST_TILES: f64 = 16_777_216.0;
+
+impl TileSize {
+    /// Rows and columns of tiles over a grid; `None` for more than [`MOST_TILES`], or an edge that is not above 0.
+    pub fn shape(&self, grid: &GeoRef) -> Option<(usize, usize)> {
+        let count = |length: f64| (length / self.edge - 1e-9).ceil().max(1.0);
+        let (rows, cols) = (count(grid.y_max() - grid.y_min()), count(grid.x_max() - grid.x_min()));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most MOST_TILES")]
+        let shape = (rows as usize, cols as usize);
+        (self.edge > 0.0 && rows * cols <= MOST_TILES).then_some(shape)
+    }
+
+    fn georef(&self, grid: &GeoRef) -> Option<GeoRef> {
+        GeoRef::new((grid.x_min(), grid.y_max()), (self.edge, self.edge), self.shape(grid)?, grid.crs().cloned())
+    }
+}
+
+impl BuiltUpTiles {
+    /// The tiles of footprints on the lattice of `frame`, over the extent of a grid; `None` as [`TileSize::shape`].
+    ///
+    /// Cost: the union of the footprints of each tile.
+    pub fn of_footprints(footprints: &[Footprint], frame: Frame, grid: &GeoRef, size: TileSize) -> Option<Self> {
+        let georef = size.georef(grid)?;
+        let edges = Edges::on_lattice(&georef, grid, frame);
+        let n_cols = georef.n_cols();
+        let mut tiles = vec![BuiltUpTile::default(); georef.n_cells()];
+        let mut touching: Vec<Vec<usize>> = vec![Vec::new(); georef.n_cells()];
+        let mut buildings_outside = 0;
+        for (k, footprint) in footprints.iter().enumerate() {
+            match centroid(footprint).and_then(|centroid| edges.tile_of(centroid)) {
+                Some((row, col)) => {
+                    let height = meters(footprint.top) - meters(footprint.base);
+                    let tile = &mut tiles[row * n_cols + col];
+                    tile.buildings += 1;
+                    tile.squares += height * height;
+                }
+                None => buildings_outside += 1,
+            }
+            let (rows, cols) = edges.touched_by(footprint);
+            for row in rows {
+                cols.clone().for_each(|col| touching[row * n_cols + col].push(k));
+            }
+        }
+        tiles.par_iter_mut().enumerate().for_each(|(at, tile)| {
+            let rectangle = edges.rectangle(at / n_cols, at % n_cols);
+            let polygons: Vec<&[Vec<[i32; 2]>]> =
+                touching[at].iter().flat_map(|k| &footprints[*k].polygons).map(Vec::as_slice).collect();
+            let [width, height] = [rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]].map(i64::from);
+            tile.ground = 2 * (width * height).unsigned_abs();
+            tile.built = covered_area(&polygons, rectangle);
+        });
+        let step_m = size.meters_per_unit / f64::from(STEPS_PER_UNIT);
+        Some(BuiltUpTiles { georef, tiles, unit_m2: step_m * step_m / 2.0, buildings_outside })
+    }
+
+    /// The tiles of a raster scene; `None` as [`TileSize::shape`]. A cell belongs to the tile that holds its center.
+    pub fn of_cells(field: &HeightField, size: TileSize) -> Option<Self> {
+        let grid = field.grid();
+        let georef = size.georef(grid)?;
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        let cells_per_tile = [size.edge / grid.cell_width(), size.edge / grid.cell_height()];
+        // From the west and from the north: a place on an edge belongs to the tile east or north of it.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
+        let col_of = |x: f64| ((x / cells_per_tile[0]).floor() as usize).min(georef.n_cols() - 1);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
+        let row_of = |y: f64| ((y / cells_per_tile[1]).ceil() as usize).clamp(1, georef.n_rows()) - 1;
+        let cols: Vec<usize> = (0..n_cols).map(|col| col_of(col as f64 + 0.5)).collect();
+        let mut tiles = vec![BuiltUpTile::default(); georef.n_cells()];
+        let sets = field.cells();
+        for row in 0..n_rows {
+            let of_row = row_of(row as f64 + 0.5) * georef.n_cols();
+            for (col, tile) in cols.iter().enumerate() {
+                let is_building = sets.building.contains(row, col);
+                tiles[of_row + tile].built += u64::from(is_building);
+                tiles[of_row + tile].ground += u64::from(is_building || sets.open.contains(row, col));
+            }
+        }
+        for part in parts(field) {
+            let [x, y] = [part.x, part.y].map(|sum| sum / part.n_cells);
+            let tile = row_of(y) * georef.n_cols() + col_of(x);
+            let height = part.height / part.n_cells;
+            tiles[tile].buildings += 1;
+            tiles[tile].squares += height * height;
+        }
+        let unit_m2 = grid.cell_width() * grid.cell_height() * size.meters_per_unit * size.meters_per_unit;
+        Some(BuiltUpTiles { georef, tiles, unit_m2, buildings_outside: 0 })
+    }
+
+    /// A grid with a cell for each tile. Its last row and column may reach beyond the city.
+    pub fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// The tiles, row by row from the north-west.
+    pub fn tiles(&self) -> &[BuiltUpTile] {
+        &self.tiles
+    }
+
+    /// All tiles together.
+    pub fn whole(&self) -> BuiltUpTile {
+        self.tiles.iter().fold(BuiltUpTile::default(), |mut sum, tile| {
+            sum.add(tile);
+            sum
+        })
+    }
+
+    /// Area of the ground of a tile that is known \[m²\].
+    pub fn area_m2(&self, tile: &BuiltUpTile) -> f64 {
+        tile.ground as f64 * self.unit_m2
+    }
+
+    /// β: buildings per area \[1/km²\]; `None` without any known ground.
+    pub fn buildings_per_km2(&self, tile: &BuiltUpTile) -> Option<f64> {
+        (tile.ground > 0).then(|| tile.buildings as f64 / (self.area_m2(tile) / 1e6))
+    }
+
+    /// Buildings whose centroid is beyond the extent: in no tile.
+    pub fn buildings_outside(&self) -> u64 {
+        self.buildings_outside
+    }
+}
+
+/// The borders of tiles on the lattice: of columns from the west, of rows from the north.
+#[derive(Debug)]
+struct Edges {
+    xs: Vec<i64>,
+    ys: Vec<i64>,
+}
+
+impl Edges {
+    fn on_lattice(georef: &GeoRef, grid: &GeoRef, frame: Frame) -> Edges {
+        let x = |col: usize| (georef.x_min() + col as f64 * georef.cell_width()).min(grid.x_max());
+        let y = |row: usize| (georef.y_max() - row as f64 * georef.cell_height()).max(grid.y_min());
+        Edges {
+            xs: (0..=georef.n_cols()).map(|col| frame.lattice_from_world(x(col), grid.y_min()).0).collect(),
+            ys: (0..=georef.n_rows()).map(|row| frame.lattice_from_world(grid.x_min(), y(row)).1).collect(),
+        }
+    }
+
+    /// The tile that holds a point, given as numerators and one denominator; `None` beyond the extent.
+    fn tile_of(&self, ([x, y], denominator): ([i128; 2], i128)) -> Option<(usize, usize)> {
+        let col = self.xs.partition_point(|edge| i128::from(*edge) * denominator <= x);
+        // From the north: an edge belongs to the tile above it.
+        let row = self.ys.partition_point(|edge| i128::from(*edge) * denominator > y);
+        let is_inside = (1..self.xs.len()).contains(&col) && (1..self.ys.len()).contains(&row);
+        is_inside.then(|| (row - 1, col - 1))
+    }
+
+    /// Rows and columns of the tiles that a footprint may reach into.
+    fn touched_by(&self, footprint: &Footprint) -> (Range<usize>, Range<usize>) {
+        let points = || footprint.polygons.iter().flatten().flatten();
+        let range = |k: usize| {
+            let of_axis = || points().map(move |p| i64::from(p[k]));
+            of_axis().min().zip(of_axis().max())
+        };
+        let (Some((west, east)), Some((south, north))) = (range(0), range(1)) else { return (0..0, 0..0) };
+        let first_col = self.xs[1..].partition_point(|edge| *edge <= west);
+        let end_col = self.xs[..self.xs.len() - 1].partition_point(|edge| *edge < east);
+        let first_row = self.ys[1..].partition_point(|edge| *edge >= north);
+        let end_row = self.ys[..self.ys.len() - 1].partition_point(|edge| *edge > south);
+        (first_row..end_row.max(first_row), first_col..end_col.max(first_col))
+    }
+
+    /// West, south, east, north of a tile; the lattice of a scene is within ±2^26.
+    fn rectangle(&self, row: usize, col: usize) -> [i32; 4] {
+        let narrow = |v: i64| i32::try_from(v).unwrap_or(if v < 0 { i32::MIN } else { i32::MAX });
+        [self.xs[col], self.ys[row + 1], self.xs[col + 1], self.ys[row]].map(narrow)
+    }
+}
+
+/// The centroid of a footprint as numerators and one denominator above 0, in lattice steps; `None` without area.
+fn centroid(footprint: &Footprint) -> Option<([i128; 2], i128)> {
+    let mut sums = [0_i128; 3];
+    for rings in &footprint.polygons {
+        for (k, ring) in rings.iter().enumerate() {
+            let of_ring = moments(ring);
+            // Whatever their winding, shells add and holes take away.
+            let adds = (of_ring[2] > 0) == (k == 0);
+            for (sum, moment) in sums.iter_mut().zip(of_ring) {
+                *sum += if adds { moment } else { -moment };
+            }
+        }
+    }
+    let [x, y, doubled_area] = sums;
+    (doubled_area > 0).then_some(([x, y], 3 * doubled_area))
+}
+
+/// Sums over the edges of a ring: six times its first moments along x and y, and twice its area, with the sign of its
+/// winding.
+fn moments(ring: &[[i32; 2]]) -> [i128; 3] {
+    let mut sums = [0_i128; 3];
+    for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+        let [[ax, ay], [bx, by]] = [a, b].map(|p| p.map(i128::from));
+        let cross = ax * by - bx * ay;
+        sums[0] += (ax + bx) * cross;
+        sums[1] += (ay + by) * cross;
+        sums[2] += cross;
+    }
+    sums
+}
+
+/// A building of a raster: sums over its cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Part {
+    n_cells: f64,
+    /// Of the centers of its cells, east and south of the north-west corner \[cells\].
+    x: f64,
+    y: f64,
+    /// Above the ground \[m\].
+    height: f64,
+}
+
+/// The buildings of a raster scene.
+fn parts(field: &HeightField) -> Vec<Part> {
+    let (labels, sizes) = labelled_parts(&field.cells().building);
+    let heights = field.above_ground_m();
+    let n_cols = field.grid().n_cols();
+    let mut parts = vec![Part::default(); sizes.len()];
+    for (cell, label) in labels.iter().enumerate().filter(|(_, label)| **label != u32::MAX) {
+        let part = &mut parts[*label as usize];
+        part.n_cells += 1.0;
+        part.x += (cell % n_cols) as f64 + 0.5;
+        part.y += (cell / n_cols) as f64 + 0.5;
+        part.height += f64::from(heights[cell]);
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centroid_of_a_footprint_is_that_of_its_area() {
+        let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
+        let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
+            centroid(&Footprint { id: String::new(), polygons, top: 1, base: 0 })
+                .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
+        };
+        // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.
+        assert_eq!(of(vec![vec![square(0, 6)]]), Some((36, 36)));
+        let turned: Vec<[i32; 2]> = square(0, 6).into_iter().rev().collect();
+        assert_eq!(of(vec![vec![turned]]), Some((36, 36)));
+        let hole: Vec<[i32; 2]> = vec![[0, 2], [2, 2], [2, 4], [0, 4]];
+        assert_eq!(of(vec![vec![square(0, 6), hole]]), Some((39, 36)));
+        // Two squares of 2 and 4 at 0 and 10: x = (4·1 + 16·12)/20, y = (4·1 + 16·2)/20.
+        assert_eq!(of(vec![vec![square(0, 2)], vec![square(10, 4)]]), Some((12 * 196 / 20, 12 * 36 / 20)));
+        assert_eq!(of(vec![]), None);
+    }
+}
