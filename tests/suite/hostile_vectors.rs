@@ -139,3 +139,25 @@ fn counts_that_lie_take_no_memory() {
         folder.type_in(&format!("info {file}")).refused(3);
     }
 }
+
+/// Found by fuzzing: the names of columns were asked of a statement, which panics where one is no UTF-8.
+#[test]
+fn a_column_whose_name_is_no_text_is_no_panic() {
+    let folder = Folder::new();
+    let path = folder.join("e.gpkg");
+    write_geopackage(&path, &[("buildings", &city())]);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let name = b"height";
+    let places: Vec<usize> = (0..bytes.len() - name.len()).filter(|at| bytes[*at..].starts_with(name)).collect();
+    assert!(!places.is_empty());
+    for at in places {
+        bytes[at + 3..at + 5].copy_from_slice(b"\xff\xe1");
+    }
+    std::fs::write(&path, bytes).unwrap();
+    let extent = Some([EAST, NORTH, EAST + 80.0, NORTH + 80.0]);
+    let options = FootprintOptions { extent, ..FootprintOptions::default() };
+    let mut warnings = Vec::new();
+    // The heights are lost with the name of their column; nothing else is.
+    let scene = read_footprints(&path, &options, &mut warnings);
+    assert!(scene.is_err() || warnings.iter().any(|w| w.code() == "W354"), "{warnings:?}");
+}

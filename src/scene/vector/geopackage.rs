@@ -140,7 +140,10 @@ impl<'a> Table<'a> {
         let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
         let quoted = self.name.replace('"', "\"\"");
         let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(broken)?;
-        let columns: Vec<String> = query.column_names().map(str::to_string).collect();
+        let columns = self.columns(database).map_err(broken)?;
+        if columns.len() != query.column_count() {
+            return Err(malformed(path, "a table whose columns are not those that it names", "a GeoPackage"));
+        }
         let mut rows = query.query([]).map_err(broken)?;
         let mut features = Vec::new();
         let mut n_bytes = 0;
@@ -155,6 +158,14 @@ impl<'a> Table<'a> {
             features.push(self.feature(row, &columns).map_err(wrong)?);
         }
         Ok(features)
+    }
+
+    /// The names of the columns. Statements name them too, but panic where a damaged name is no UTF-8.
+    fn columns(&self, database: &Connection) -> rusqlite::Result<Vec<String>> {
+        let mut query = database.prepare("SELECT name FROM pragma_table_info(?1)")?;
+        let name =
+            |row: &Row<'_>| Ok(String::from_utf8_lossy(row.get_ref(0)?.as_bytes().unwrap_or_default()).into_owned());
+        query.query_map([self.name], name)?.collect()
     }
 
     fn is_geometry(&self, column: &str) -> bool {

@@ -1,0 +1,7 @@
+//! Esri ASCII grids as surface models.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::surface("input.asc", bytes));

@@ -1,0 +1,7 @@
+//! Footprints as FlatGeobuf.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::footprints("input.fgb", bytes));

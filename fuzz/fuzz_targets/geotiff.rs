@@ -1,0 +1,7 @@
+//! GeoTIFFs as surface models.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::surface("input.tif", bytes));

@@ -1,0 +1,70 @@
+//! What the targets share: a file on a memory disk that holds the input, and what a reader may answer.
+
+use std::fmt::Debug;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use skyshed::height_field::HeightField;
+use skyshed::raster::GeoRef;
+use skyshed::scene::{FootprintOptions, MeshOptions, Scene, SurfaceOptions, read_footprints, read_mesh, read_surface};
+use skyshed::{ErrorClass, Result};
+
+/// A folder of this process on a memory disk, if the machine has one.
+static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+    let memory = Path::new("/dev/shm");
+    let parent = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
+    let folder = parent.join(format!("skyshed-fuzz-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder for inputs");
+    folder
+});
+
+/// Largest extent of the receivers' grid \[units\]: what is fuzzed is reading, not drawing of large maps.
+const EXTENT: [f64; 4] = [-8.0, -8.0, 72.0, 72.0];
+
+/// Writes the input under a name, whose extension tells the format, and returns its path.
+pub fn written(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = FOLDER.join(name);
+    std::fs::write(&path, bytes).expect("an input on the memory disk");
+    path
+}
+
+/// The value, if there is one. A refusal must blame what was read, in words, and never the program itself.
+pub fn answered<T: Debug>(result: Result<T>) -> Option<T> {
+    match result {
+        Ok(value) => Some(value),
+        Err(error) => {
+            assert_ne!(error.class(), ErrorClass::Internal, "{error}");
+            assert!(!error.to_string().is_empty());
+            None
+        }
+    }
+}
+
+/// Reads footprints and cuts them into prisms.
+pub fn footprints(name: &str, bytes: &[u8]) {
+    let options = FootprintOptions { extent: Some(EXTENT), ..FootprintOptions::default() };
+    build(answered(read_footprints(&written(name, bytes), &options, &mut Vec::new())));
+}
+
+/// Reads a mesh onto a grid.
+pub fn mesh(name: &str, bytes: &[u8]) {
+    let options = MeshOptions { extent: Some(EXTENT), ..MeshOptions::default() };
+    build(answered(read_mesh(&written(name, bytes), &options, &mut Vec::new())));
+}
+
+/// Reads a surface model.
+pub fn surface(name: &str, bytes: &[u8]) {
+    build(answered(read_surface(&written(name, bytes), &SurfaceOptions::default(), &mut Vec::new())));
+}
+
+fn build(scene: Option<Scene>) {
+    if let Some(scene) = scene {
+        HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    }
+}
+
+/// A grid for files that name places in a scene, in UTM so that degrees are brought into it.
+pub fn grid() -> GeoRef {
+    let crs = skyshed::raster::Crs::from_epsg(25832).expect("a registered system");
+    GeoRef::new((691_000.0, 5_335_000.0), (1.0, 1.0), (64, 64), Some(crs)).expect("a valid grid")
+}
