@@ -29,6 +29,8 @@
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
 //! | W367 | meshes: cells without a face |
+//! | W370–W372 | vertical systems: one of two files names none, datums that differ, units that contradict each other |
+//! | W373 | results of this program given as a scene |
 
 use std::fmt;
 

@@ -79,7 +79,7 @@ pub(super) enum Command {
     Link(LinkArgs),
     /// Make or convert a city, and draw it
     City(CityArgs),
-    /// What a scene is: size, CRS, heights, faults found
+    /// What a file is: size, CRS, heights and faults of a scene; what UAVs, a track, or an output of this program hold
     Info(InfoArgs),
     /// Probability of line of sight: curves by exact products, simulators, published models, and over real cities
     Plos(Box<PlosArgs>),

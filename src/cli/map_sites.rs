@@ -13,7 +13,9 @@ use sha2::{Digest, Sha256};
 use super::args::MapArgs;
 use super::map::{Given, GivenScene, run_one, sites, typed_sites};
 use super::map_streamed::{on_disk, too_large};
-use super::plan::{Ready, built, checked_radius, is_raster, meters_per_unit, raster_options, ready};
+use super::plan::{
+    Ready, built, checked_radius, is_raster_scene, meters_per_unit, raster_options, ready, warn_of_raster,
+};
 use super::{interrupt, messages};
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{site_in_names, with_suffix};
@@ -145,7 +147,7 @@ impl<'a> SiteRuns<'a> {
     fn scenes(&self) -> Result<(SiteScenes, GeoRef)> {
         let args = self.args;
         let mut warnings = Vec::new();
-        if self.radius_m.is_some() && is_raster(&args.scene) && args.scene.project.is_none() {
+        if self.radius_m.is_some() && is_raster_scene(&args.scene) && args.scene.project.is_none() {
             let options = raster_options(&args.scene)?;
             let path = Path::new(&args.scene.scene);
             let file = RasterFile::open(path, &mut Vec::new())?;
@@ -230,7 +232,9 @@ impl<'a> SiteRuns<'a> {
         let scene = match stored {
             None => {
                 let options = SurfaceOptions { around: Some(around), ..raster_options(&args.scene)? };
-                read_surface(Path::new(&args.scene.scene), &options, &mut warnings)?
+                let scene = read_surface(Path::new(&args.scene.scene), &options, &mut warnings)?;
+                warn_of_raster(&args.scene, &mut warnings)?;
+                scene
             }
             Some((stored, said)) => {
                 warnings.extend_from_slice(said);

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::args::{MapArgs, TifLayoutArg};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, available_memory, is_raster, memory_words, meters_per_unit, raster_options,
-    warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
+    warn_of_flat_earth, warn_of_raster,
 };
 use super::receivers::{Asked, check_surface_receivers};
 use super::words::pretty;
@@ -31,7 +31,7 @@ pub(super) struct TooLarge {
 /// Whether the scene is a raster of which a map in memory takes more than there is, or than `--max-memory` allows.
 pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
     // What is brought into another system is put together in memory.
-    if !is_raster(&args.scene) || args.scene.project.is_some() {
+    if !is_raster_scene(&args.scene) || args.scene.project.is_some() {
         return None;
     }
     // What is wrong with the file is told where it is read.
@@ -60,7 +60,9 @@ pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<Str
         );
         messages::note(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
     }
-    StreamedSurface::read(path, &options, &scratch, warnings)
+    let scene = StreamedSurface::read(path, &options, &scratch, warnings)?;
+    warn_of_raster(&args.scene, warnings)?;
+    Ok(scene)
 }
 
 /// What was asked for, checked.

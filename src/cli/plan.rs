@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{HeightUnitArg, Missing, Nodata, SceneArgs};
+use super::info::results_in;
 use super::repairs::keep;
 use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
@@ -15,7 +16,8 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
     BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, NodataAs, Scene, Site, Source,
-    SurfaceOptions, VectorFormat, read_footprints, read_footprints_and_repairs, read_mesh, read_surface,
+    SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
+    read_mesh, read_surface, vertical_of,
 };
 use crate::zones::{ZoneBasis, ZoneMap};
 
@@ -48,10 +50,60 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         refuse_flags(args, "a generated city", &of_files)?;
         return city.scene();
     }
+    let scene = read_file(args, warnings)?;
+    warn_of_raster(args, warnings)?;
+    Ok(scene)
+}
+
+/// Warns of what else a raster says of its values than that they are heights, and of what these are above.
+pub(super) fn warn_of_raster(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Result<()> {
+    warn_of_results(args, warnings);
+    warn_of_heights(args, warnings)
+}
+
+/// Warns of a raster that this program wrote for something else than heights.
+fn warn_of_results(args: &SceneArgs, warnings: &mut Vec<Warning>) {
+    let path = Path::new(&args.scene);
+    if let Some(schema) = Some(path).filter(|path| is_raster(path)).and_then(results_in) {
+        let text = format!(
+            "{}: it holds results of this program ({schema}), not heights; its values are read as heights (`skyshed info` \
+             tells what it is)",
+            path.display()
+        );
+        warnings.push(Warning::new(373, text));
+    }
+}
+
+/// Compares what the heights of a raster scene and of its terrain are above.
+fn warn_of_heights(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Result<()> {
+    let scene = Path::new(&args.scene);
+    let (Some(terrain), true) = (&args.terrain, is_raster(scene)) else { return Ok(()) };
+    let said = if args.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
+    let [of_scene, of_terrain] = [scene, terrain].map(vertical_of);
+    compare_vertical((scene, of_scene.as_ref()), (terrain, of_terrain.as_ref()), said, warnings)
+}
+
+/// The extension of a path in lower case.
+fn extension_of(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Whether a scene of this name is read as a raster: any file that is neither footprints nor a mesh.
+pub(super) fn is_raster(path: &Path) -> bool {
+    let extension = extension_of(path);
+    VectorFormat::of_extension(&extension).is_none() && !["obj", "ply"].contains(&extension.as_str())
+}
+
+/// Whether a scene as typed is a raster.
+pub(super) fn is_raster_scene(args: &SceneArgs) -> bool {
+    BuiltUpCity::parse_built_up(&args.scene).is_none() && is_raster(Path::new(&args.scene))
+}
+
+/// Reads the scene of a file.
+fn read_file(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let path = Path::new(&args.scene);
     let (crs, nodata_as) = (typed_crs(args)?, nodata_as(args));
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match VectorFormat::of_extension(&extension) {
+    match VectorFormat::of_extension(&extension_of(path)) {
         Some(format) => {
             if format != VectorFormat::GeoPackage {
                 refuse_flags(args, "a file that is no GeoPackage", &["layer"])?;
@@ -64,7 +116,7 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
             keep(args, &scene, repairs, warnings);
             Ok(scene)
         }
-        None if ["obj", "ply"].contains(&extension.as_str()) => {
+        None if !is_raster(path) => {
             refuse_flags(args, "a mesh", &["size", "project"])?;
             refuse_flags(args, "a mesh", &OF_FOOTPRINTS)?;
             let surface = surface_options(args, crs, nodata_as)?;
@@ -72,13 +124,6 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         }
         None => read_surface(path, &raster_options(args)?, warnings),
     }
-}
-
-/// Whether a scene is a raster, by its name.
-pub(super) fn is_raster(args: &SceneArgs) -> bool {
-    let extension = Path::new(&args.scene).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let is_other = VectorFormat::of_extension(&extension).is_some() || ["obj", "ply"].contains(&extension.as_str());
-    BuiltUpCity::parse_built_up(&args.scene).is_none() && !is_other
 }
 
 /// How a raster is to be read.

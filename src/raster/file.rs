@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Mosaic, Raster};
+use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Mosaic, Raster, VerticalCrs};
 use crate::error::{Error, Result, Warning};
 
 /// Most memory that the cells of one read may take \[bytes\].
@@ -63,6 +63,15 @@ impl RasterFile {
             RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
             RasterFile::AsciiGrid(_) => None,
             RasterFile::Mosaic(mosaic) => mosaic.meters_per_height_unit(),
+        }
+    }
+
+    /// What heights are above, where the file names it.
+    pub fn vertical(&self) -> Option<&VerticalCrs> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.vertical(),
+            RasterFile::AsciiGrid(_) => None,
+            RasterFile::Mosaic(mosaic) => mosaic.vertical(),
         }
     }
 

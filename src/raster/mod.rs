@@ -19,6 +19,7 @@ mod lattice_rows;
 mod lonlat;
 mod mosaic;
 mod npz;
+mod origin;
 mod simpler_rings;
 mod tile_store;
 mod voids;
@@ -32,7 +33,9 @@ pub(crate) use cell_outline::traced_around;
 pub(crate) use cell_parts::labelled_parts;
 pub use cell_parts::{CellPart, cell_parts, n_cell_parts};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
-pub use crs::{Crs, CrsKind, InputKind, Transformation, degrees_refusal, transform, utm_for};
+pub use crs::{
+    Crs, CrsKind, InputKind, Transformation, VerticalCrs, VerticalDifference, degrees_refusal, transform, utm_for,
+};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
 pub(crate) use file::reserve_cells;
@@ -45,6 +48,7 @@ pub use geotiff::{
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
+pub use origin::origin_of;
 pub use simpler_rings::simpler_rings;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;

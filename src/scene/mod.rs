@@ -24,6 +24,7 @@ mod table;
 mod terrain;
 mod track;
 mod vector;
+mod vertical;
 
 pub use area::{Area, read_area};
 pub use building::HeightUnit;
@@ -41,6 +42,7 @@ pub use surface::{SurfaceOptions, read_surface, surface_grid};
 pub(crate) use table::line_of;
 pub use track::read_track;
 pub use vector::VectorFormat;
+pub use vertical::{SystemSaid, compare_vertical, vertical_of};
 
 use std::path::Path;
 

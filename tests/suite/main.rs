@@ -18,6 +18,7 @@ mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, e
 mod truth; // real cities against an independent engine's masks
 
 mod cities; // generated cities: golden hashes, statistics
+mod tiles; // α, β, γ by tile: by hand, of generated cities, read back by GDAL
 mod zones; // street, crossroad, courtyard, rooftop: drawn cases, and the triangulation against the construction
 mod models; // every published P_LoS model against its table of values
 mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
@@ -33,6 +34,8 @@ mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsu
 mod polygon_files; // coverage polygons, simplified and not
 mod bad_inputs; // every bad file gets its documented answer
 mod walkthrough; // every command of docs/walkthrough.md runs
+mod inputs; // any file given to `info`: UAVs, tracks, own outputs, strangers
+mod vertical; // what heights are above, and in which unit
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::tiles::{self, Tiles};
 use crate::cli::args::InfoArgs;
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
+use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, is_raster, meters_per_unit, read_scene};
 use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
 use crate::cli::{interrupt, messages};
@@ -15,10 +15,10 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{Frame, VOID, counted, meters, tidy};
-use crate::raster::Crs;
+use crate::raster::{Crs, VerticalCrs};
 use crate::render::grouped;
 use crate::report::RunFacts;
-use crate::scene::{BuiltUp, Footprint, FootprintFaults, Scene, Solids};
+use crate::scene::{BuiltUp, Footprint, FootprintFaults, Scene, Solids, Source, vertical_of};
 use crate::zones::{Zone, ZoneBasis, ZoneMap};
 
 const FORMATS: [Format; 7] =
@@ -79,6 +79,8 @@ struct Found {
     needs: Option<Needs>,
     zones: Option<ZoneMap>,
     tiles: Option<Tiles>,
+    /// The raster files that hold heights, with what these are above.
+    vertical: Vec<(PathBuf, Option<VerticalCrs>)>,
     warnings: Vec<Warning>,
 }
 
@@ -86,7 +88,7 @@ struct Found {
 struct Named {
     name: String,
     built_up: Option<BuiltUp>,
-    sources: Vec<crate::scene::Source>,
+    sources: Vec<Source>,
     attribution: Option<String>,
 }
 
@@ -125,7 +127,11 @@ impl Found {
         let built_up_ratio = counts.building as f64 / (counts.building + counts.open) as f64;
         let estimate = BuiltUp::estimated(built_up_ratio, &heights, area_km2);
         let scene = Named { name, built_up, sources, attribution };
-        Ok(Found { scene, field, counts, faults, estimate, needs, zones, tiles, warnings })
+        let rasters =
+            std::iter::once(PathBuf::from(&args.scene.scene)).filter(|path| is_raster(path) && path.is_file());
+        let vertical =
+            rasters.chain(args.scene.terrain.clone()).map(|path| (path.clone(), vertical_of(&path))).collect();
+        Ok(Found { scene, field, counts, faults, estimate, needs, zones, tiles, vertical, warnings })
     }
 
     fn kind(&self) -> &'static str {
@@ -170,6 +176,7 @@ impl Found {
             "extent": [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
             "crs": grid.crs().map(Crs::label),
             "crs_name": grid.crs().map(Crs::name),
+            "vertical": self.vertical.iter().map(vertical_json).collect::<Vec<_>>(),
             "ground_m": range_json(counts.ground),
             "surface_m": range_json(counts.surface),
             "cells": {"open": counts.open, "building": counts.building, "nodata": counts.void},
@@ -271,6 +278,10 @@ impl Found {
             tidy(grid.y_max())
         );
         text += &format!("CRS        {crs}\n");
+        for (path, vertical) in &self.vertical {
+            let system = vertical.as_ref().map_or("a datum that it does not name".to_string(), VerticalCrs::in_words);
+            text += &format!("heights    of {} above {system}\n", path.display());
+        }
         text += &format!("ground     {}\n", range(counts.ground));
         text += &format!("surface    {}\n", range(counts.surface));
         text += &format!(
@@ -354,6 +365,16 @@ impl Counts {
         }
         counts
     }
+}
+
+/// What the heights of a file are above, null where it does not say so.
+fn vertical_json((path, vertical): &(PathBuf, Option<VerticalCrs>)) -> Value {
+    json!({
+        "path": path.display().to_string(),
+        "crs": vertical.as_ref().and_then(VerticalCrs::epsg).map(|code| format!("EPSG:{code}")),
+        "name": vertical.as_ref().map(VerticalCrs::name),
+        "reason": vertical.is_none().then_some("the file names no vertical datum"),
+    })
 }
 
 fn range_json(range: Option<(i32, i32)>) -> Value {

@@ -6,9 +6,11 @@
 //! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
 
 mod degrees;
+mod vertical;
 mod wkt;
 
 pub use degrees::{InputKind, degrees_refusal, utm_for};
+pub use vertical::{VerticalCrs, VerticalDifference};
 
 use std::fmt;
 use std::mem::discriminant;

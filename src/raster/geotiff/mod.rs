@@ -42,7 +42,7 @@ use tags::{Directory, TiffSource, tag};
 
 use super::file::reserve_cells;
 use super::voids::Voids;
-use super::{CellWindow, GeoRef, Raster};
+use super::{CellWindow, GeoRef, Raster, VerticalCrs};
 use crate::error::{Result, Warning};
 
 /// Most image directories to look through for a mask.
@@ -111,6 +111,16 @@ impl GeoTiff {
             );
             warnings.push(Warning::new(334, text));
         }
+        let of_band = self.metadata.unit.as_deref().and_then(meters_per_named_unit);
+        if let (Some(band), Some(system)) = (of_band, self.placement.meters_per_height_unit)
+            && (band - system).abs() > 1e-9
+        {
+            let text = format!(
+                "`{path}` gives its heights in units of {band} m by its band, of {system} m by its vertical system: the \
+                 band is believed"
+            );
+            warnings.push(Warning::new(372, text));
+        }
         if let Some(size) = self.meters_per_height_unit().filter(|size| (size - 1.0).abs() > 1e-9) {
             let text = format!("`{path}` gives its heights in units of {size} m; scenes convert them");
             warnings.push(Warning::new(332, text));
@@ -151,6 +161,11 @@ impl GeoTiff {
     /// Meters per unit of height, where the file says so; [`GeoTiff::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         self.metadata.unit.as_deref().and_then(meters_per_named_unit).or(self.placement.meters_per_height_unit)
+    }
+
+    /// What heights are above, where the file names it.
+    pub fn vertical(&self) -> Option<&VerticalCrs> {
+        self.placement.vertical.as_ref()
     }
 
     /// How the file is encoded, in a few words: `float32, deflate, tiles 256x256, nodata -9999`.

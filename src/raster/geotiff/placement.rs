@@ -9,11 +9,13 @@ use std::path::Path;
 
 use super::tags::{Directory, TiffSource, tag};
 use crate::error::{Result, Warning};
-use crate::raster::{Crs, GeoRef};
+use crate::raster::{Crs, GeoRef, VerticalCrs};
 
 /// Meters in a foot and in a US survey foot.
 const FOOT: f64 = 0.3048;
 const US_FOOT: f64 = 1200.0 / 3937.0;
+/// Value of a key for a system that other keys define.
+const USER_DEFINED: u16 = 32767;
 /// Value of the key of the raster type for tie points in the middle of cells.
 const PIXEL_IS_POINT: u16 = 2;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
@@ -27,6 +29,8 @@ pub(super) struct Placement {
     pub(super) south_up: bool,
     /// Meters per unit of height, where the CRS says so.
     pub(super) meters_per_height_unit: Option<f64>,
+    /// What heights are above, where the file names it.
+    pub(super) vertical: Option<VerticalCrs>,
 }
 
 /// Affine map from (column, row) of a file to the plane: `x = a·col + b·row + c`, `y = d·col + e·row + f`.
@@ -91,7 +95,11 @@ pub(super) fn read_placement(
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
     let crs = crs(&keys, &shown, warnings);
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
-    Ok(Placement { georef, south_up, meters_per_height_unit: keys.meters_per_unit(4099, 4098) })
+    let vertical = vertical(&keys);
+    // The unit of a system of the registry is part of it, and often not repeated.
+    let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
+    let meters_per_height_unit = keys.meters_per_unit(4099, 4098).or(of_system);
+    Ok(Placement { georef, south_up, meters_per_height_unit, vertical })
 }
 
 /// The affine map that the tags of the file give.
@@ -136,7 +144,6 @@ fn world_file(path: &Path) -> Option<Affine> {
 
 /// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
 fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
-    const USER_DEFINED: u16 = 32767;
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
         (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
@@ -182,6 +189,17 @@ fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
         warnings.push(Warning::new(331, text));
     }
     crs
+}
+
+/// The vertical system that the keys name.
+fn vertical(keys: &GeoKeys) -> Option<VerticalCrs> {
+    let citation = keys.text(4097);
+    match keys.short(4096) {
+        Some(code) if code != USER_DEFINED && code != 0 => {
+            Some(VerticalCrs::from_epsg(u32::from(code), citation.as_deref()))
+        }
+        _ => citation.map(|name| VerticalCrs::named(&name)),
+    }
 }
 
 /// The GeoKey directory: numbers and texts by key.
@@ -253,7 +271,7 @@ impl GeoKeys {
             9002 => Some(FOOT),
             9003 => Some(US_FOOT),
             9036 => Some(1000.0),
-            32767 => match self.get(size_key)? {
+            USER_DEFINED => match self.get(size_key)? {
                 GeoValue::Double(size) if size.is_finite() && *size > 0.0 => Some(*size),
                 _ => None,
             },

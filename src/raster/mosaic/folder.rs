@@ -49,6 +49,7 @@ impl Mosaic {
         Ok(Mosaic {
             path: path.to_owned(),
             kind: Kind::Folder,
+            vertical: headers.iter().find_map(|header| header.vertical.clone()),
             meters_per_height_unit: headers.iter().find_map(|header| header.meters_per_height_unit),
             georef,
             tiles: headers.into_iter().map(|header| header.tile).collect(),

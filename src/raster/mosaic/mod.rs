@@ -34,7 +34,7 @@ use tile::Tile;
 
 use super::file::reserve_cells;
 use super::voids::Voids;
-use super::{CellWindow, GeoRef, Raster};
+use super::{CellWindow, GeoRef, Raster, VerticalCrs};
 use crate::error::{Result, Warning};
 use crate::quantity::counted;
 
@@ -61,6 +61,7 @@ pub struct Mosaic {
     /// Factor and summand that turn numbers into heights.
     scaling: (f64, f64),
     meters_per_height_unit: Option<f64>,
+    vertical: Option<VerticalCrs>,
     /// Cells in no tile.
     n_gaps: u64,
 }
@@ -104,6 +105,11 @@ impl Mosaic {
     /// Meters per unit of height, where the virtual raster or the tiles say so; [`Mosaic::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         self.meters_per_height_unit
+    }
+
+    /// What heights are above, where a tile names it.
+    pub fn vertical(&self) -> Option<&VerticalCrs> {
+        self.vertical.as_ref()
     }
 
     /// What it is made of, in a few words: `mosaic of 24 tiles, 1200 cells in no tile`.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Mosaic;
 use crate::error::{Error, Result, Warning};
 use crate::raster::voids::{Stored, is_nodata};
-use crate::raster::{AsciiGrid, CellWindow, GeoRef, GeoTiff, RasterFile};
+use crate::raster::{AsciiGrid, CellWindow, GeoRef, GeoTiff, RasterFile, VerticalCrs};
 
 /// A raster of a mosaic.
 #[derive(Debug, Clone)]
@@ -37,6 +37,7 @@ pub(super) struct Header {
     pub(super) georef: GeoRef,
     pub(super) n_bands: usize,
     pub(super) meters_per_height_unit: Option<f64>,
+    pub(super) vertical: Option<VerticalCrs>,
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -53,6 +54,7 @@ fn read_header(path: &Path, ancestors: &[PathBuf]) -> Result<Header> {
     let file = RasterFile::open_within(path, ancestors, &mut warnings)?;
     let georef = file.georef().clone();
     let meters_per_height_unit = file.meters_per_height_unit();
+    let vertical = file.vertical().cloned();
     let (n_bands, nodata, scaling) = match &file {
         RasterFile::GeoTiff(tiff) => (tiff.n_bands(), tiff.nodata(), tiff.scaling(0)),
         RasterFile::AsciiGrid(grid) => (1, Some(grid.nodata()), (1.0, 0.0)),
@@ -65,7 +67,7 @@ fn read_header(path: &Path, ancestors: &[PathBuf]) -> Result<Header> {
     };
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
     let tile = Tile { path: path.to_owned(), n_rows, n_cols, nodata, scaling, content };
-    Ok(Header { tile, georef, n_bands, meters_per_height_unit, warnings })
+    Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, warnings })
 }
 
 impl Tile {

@@ -95,6 +95,7 @@ impl Mosaic {
             let text = format!("`{}` gives its heights in units of {unit} m; scenes convert them", path.display());
             warnings.push(Warning::new(332, text));
         }
+        let vertical = headers.iter().find_map(|header| header.vertical.clone());
         Ok(Mosaic {
             path: path.to_owned(),
             kind: Kind::VirtualRaster { numbers: described.numbers, n_bands: described.n_bands },
@@ -105,6 +106,7 @@ impl Mosaic {
             nodata: described.nodata,
             scaling: described.scaling,
             meters_per_height_unit: unit,
+            vertical,
             n_gaps,
         })
     }

@@ -1,0 +1,224 @@
+//! `skyshed info` of a file that names places: UAVs for `--uavs`, or the track of a user.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use crate::cli::args::SceneArgs;
+use crate::error::{Error, Result};
+use crate::quantity::{Height, counted, tidy};
+use crate::raster::{Crs, CrsKind, GeoRef};
+use crate::scene::{Site, read_sites, read_track};
+
+/// Places that a file names.
+pub(super) struct Places {
+    path: PathBuf,
+    what: What,
+    crs: Option<Crs>,
+}
+
+enum What {
+    Uavs(Vec<Site>),
+    Track(Vec<[f64; 2]>),
+}
+
+/// What a file is by its beginning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Looks {
+    Uavs,
+    Track,
+    Neither,
+}
+
+impl Places {
+    /// The places of a file; `None` if it names none.
+    ///
+    /// # Errors
+    /// Those of [`read_sites`] and [`read_track`]: what is wrong with the file.
+    pub(super) fn of(args: &SceneArgs) -> Result<Option<Places>> {
+        let path = Path::new(&args.scene);
+        let looks = looks_of(path);
+        if looks == Looks::Neither {
+            return Ok(None);
+        }
+        let crs =
+            args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
+        let places = match read(path, looks, crs.clone()) {
+            // Degrees without a scene to bring them into stay degrees.
+            Err(error) if error.code() == "E206" && crs.is_none() => {
+                let degrees = Some(Crs::from_epsg(4326)?);
+                Places { path: path.to_path_buf(), what: read(path, looks, degrees.clone())?, crs: degrees }
+            }
+            read => Places { path: path.to_path_buf(), what: read?, crs },
+        };
+        Ok(Some(places))
+    }
+
+    fn positions(&self) -> Vec<[f64; 2]> {
+        match &self.what {
+            What::Uavs(sites) => sites.iter().map(|site| [site.x, site.y]).collect(),
+            What::Track(places) => places.clone(),
+        }
+    }
+
+    /// West, south, east, north.
+    fn extent(&self) -> [f64; 4] {
+        let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        self.positions().iter().fold(start, |[w, s, e, n], [x, y]| [w.min(*x), s.min(*y), e.max(*x), n.max(*y)])
+    }
+
+    /// Length of a track \[CRS units\]; none of places in degrees, or of UAVs.
+    fn length(&self) -> Option<f64> {
+        let is_degrees = self.crs.as_ref().is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
+        match &self.what {
+            What::Track(places) if !is_degrees => {
+                Some(places.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum())
+            }
+            _ => None,
+        }
+    }
+
+    /// Heights by what they are above: their number and range.
+    fn heights(&self) -> BTreeMap<&'static str, (usize, [f64; 2])> {
+        let mut heights = BTreeMap::new();
+        let What::Uavs(sites) = &self.what else { return heights };
+        for site in sites {
+            let above = match site.height {
+                Height::AboveGround(_) => "ground",
+                Height::AboveRoof(_) => "roof",
+                Height::AboveDatum(_) => "datum",
+            };
+            let h = site.height.value();
+            let (n, [low, high]) = heights.entry(above).or_insert((0, [h, h]));
+            (*n, *low, *high) = (*n + 1, low.min(h), high.max(h));
+        }
+        heights
+    }
+
+    /// What a run with these places would stumble over, or what they say twice.
+    fn faults(&self) -> Vec<String> {
+        let What::Uavs(sites) = &self.what else { return Vec::new() };
+        let (mut ids, mut places) = (BTreeSet::new(), BTreeSet::new());
+        let mut faults = Vec::new();
+        for site in sites {
+            if !ids.insert(site.id.as_str()) {
+                faults.push(format!("id `{}` is given twice: a map refuses that", site.id));
+            }
+            if !places.insert((site.x.to_bits(), site.y.to_bits(), site.height.to_string())) {
+                faults.push(format!("`{}` is at the place and height of another", site.id));
+            }
+        }
+        faults
+    }
+
+    fn kind(&self) -> &'static str {
+        match self.what {
+            What::Uavs(_) => "uavs",
+            What::Track(_) => "track",
+        }
+    }
+
+    fn advice(&self) -> String {
+        let path = self.path.display();
+        match self.what {
+            What::Uavs(_) => format!("skyshed map SCENE --uavs {path} -o coverage.png"),
+            What::Track(_) => format!("skyshed link SCENE --uav X,Y,H --track {path} -o track.png"),
+        }
+    }
+
+    pub(super) fn document(&self, command: &[String]) -> Value {
+        let heights: Map<String, Value> = self
+            .heights()
+            .into_iter()
+            .map(|(above, (n, range))| (above.to_string(), json!({"places": n, "range_m": range})))
+            .collect();
+        let length = self.length();
+        json!({
+            "schema": "skyshed/info/1",
+            "version": env!("CARGO_PKG_VERSION"),
+            "command": command,
+            "kind": self.kind(),
+            "path": self.path.display().to_string(),
+            "places": self.positions().len(),
+            "extent": self.extent(),
+            "crs": self.crs.as_ref().map(Crs::label),
+            "heights": heights,
+            "length": length,
+            "reason": length.is_none().then_some("a length needs a track in a plane"),
+            "faults": self.faults(),
+            "use": self.advice(),
+        })
+    }
+
+    pub(super) fn text(&self) -> String {
+        let [west, south, east, north] = self.extent().map(tidy);
+        let crs = self
+            .crs
+            .as_ref()
+            .map_or("coordinates of the scene".to_string(), |c| format!("{}, {}", c.label(), c.name()));
+        let kind = match self.what {
+            What::Uavs(_) => "places of UAVs",
+            What::Track(_) => "track of a user",
+        };
+        let n = counted(self.positions().len() as u64, "place", "places");
+        let mut text = format!("{} ({kind})\nplaces     {n}\n", self.path.display());
+        text += &format!("extent     x {west} to {east}, y {south} to {north}\nCRS        {crs}\n");
+        for (above, (n, [low, high])) in self.heights() {
+            text += &format!("heights    {n} above the {above}: {} to {} m\n", tidy(low), tidy(high));
+        }
+        if let Some(length) = self.length() {
+            text += &format!("length     {}\n", tidy(length));
+        }
+        for fault in self.faults() {
+            text += &format!("fault      {fault}\n");
+        }
+        text + &format!("use        {}\n", self.advice())
+    }
+}
+
+fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
+    if looks == Looks::Track {
+        return read_track(path, crs.as_ref()).map(What::Track);
+    }
+    // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
+    let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs)
+        .ok_or_else(|| Error::internal(901, "a grid of one cell is valid"))?;
+    read_sites(path, &grid, 1).map(What::Uavs)
+}
+
+/// What a file is by its name and beginning: a table with positions, or GeoJSON without a polygon.
+fn looks_of(path: &Path) -> Looks {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "csv" | "txt" | "tsv" => table_looks(path).unwrap_or(Looks::Neither),
+        "geojson" | "json" => geojson_looks(path).unwrap_or(Looks::Neither),
+        _ => Looks::Neither,
+    }
+}
+
+/// A table of UAVs has heights; any other is a track, which says what it lacks.
+fn table_looks(path: &Path) -> Option<Looks> {
+    let lines = BufReader::new(File::open(path).ok()?.take(1 << 16)).lines();
+    let header = lines.map_while(std::io::Result::ok).find(|line| !line.starts_with('#'))?.to_lowercase();
+    let names: Vec<&str> =
+        header.trim_start_matches('\u{feff}').split(',').map(|name| name.trim().trim_matches('"')).collect();
+    let has_height = ["h", "h_m", "height", "height_m"].iter().any(|name| names.contains(name));
+    Some(if has_height { Looks::Uavs } else { Looks::Track })
+}
+
+/// GeoJSON that names a polygon anywhere is a scene; else lines are a track and points are UAVs.
+fn geojson_looks(path: &Path) -> Option<Looks> {
+    let mut text = String::new();
+    File::open(path).ok()?.read_to_string(&mut text).ok()?;
+    let has = |kind: &str| text.contains(&format!("\"{kind}\""));
+    if ["Polygon", "MultiPolygon", "CityJSON"].into_iter().any(has) {
+        return Some(Looks::Neither);
+    }
+    if ["LineString", "MultiLineString"].into_iter().any(has) {
+        return Some(Looks::Track);
+    }
+    Some(if has("Point") { Looks::Uavs } else { Looks::Neither })
+}

@@ -1,0 +1,119 @@
+//! What heights are measured from, and in which unit: vertical systems of the EPSG registry, or as a file names its own.
+
+use proj_core::lookup_vertical_epsg;
+
+/// A vertical coordinate reference system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerticalCrs {
+    epsg: Option<u32>,
+    name: String,
+    meters_per_unit: Option<f64>,
+    reference: Reference,
+}
+
+/// What heights are above.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reference {
+    /// A datum of the registry, near mean sea level.
+    Datum(u32),
+    /// An ellipsoid: tens of meters from any sea level.
+    Ellipsoid,
+    /// What is only known by name.
+    Named,
+}
+
+/// How two vertical systems differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VerticalDifference {
+    /// Not at all, but perhaps in their unit.
+    None,
+    /// In their datum, by what is not known here: centimeters to meters, or anything.
+    Datum,
+    /// One is above an ellipsoid and the other above a datum: they are tens of meters apart.
+    Ellipsoid,
+}
+
+/// Three-dimensional geographic systems, whose heights are above their ellipsoid: WGS 84, ETRS89, NAD83(2011), NAD83.
+const ELLIPSOIDAL: [u32; 4] = [4979, 4937, 6319, 4957];
+
+impl VerticalCrs {
+    /// The system with an EPSG code, by its name in the registry; one that the registry does not know is known by `name`
+    /// alone, or by its code.
+    pub fn from_epsg(code: u32, name: Option<&str>) -> VerticalCrs {
+        if let Some(known) = lookup_vertical_epsg(code) {
+            let reference = known.vertical_datum_epsg().map_or(Reference::Ellipsoid, Reference::Datum);
+            let meters_per_unit = Some(known.linear_unit_to_meter());
+            return VerticalCrs { epsg: Some(code), name: known.name().to_string(), meters_per_unit, reference };
+        }
+        let is_ellipsoidal = ELLIPSOIDAL.contains(&code);
+        let reference = if is_ellipsoidal { Reference::Ellipsoid } else { Reference::Named };
+        let name = match name {
+            Some(name) => name.to_string(),
+            None if is_ellipsoidal => "ellipsoidal height".to_string(),
+            None => format!("EPSG:{code}"),
+        };
+        VerticalCrs { epsg: Some(code), name, meters_per_unit: is_ellipsoidal.then_some(1.0), reference }
+    }
+
+    /// A system that a file describes by name.
+    pub fn named(name: &str) -> VerticalCrs {
+        let name = name.trim().to_string();
+        VerticalCrs { epsg: None, name, meters_per_unit: None, reference: Reference::Named }
+    }
+
+    /// The EPSG code.
+    pub fn epsg(&self) -> Option<u32> {
+        self.epsg
+    }
+
+    /// The name, for example `NAVD88 height (ftUS)`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The name with the code, for messages.
+    pub fn in_words(&self) -> String {
+        match self.epsg {
+            Some(code) if self.name != format!("EPSG:{code}") => format!("{} (EPSG:{code})", self.name),
+            _ => self.name.clone(),
+        }
+    }
+
+    /// Length of the unit of its heights \[m\], where that is known.
+    pub fn meters_per_unit(&self) -> Option<f64> {
+        self.meters_per_unit
+    }
+
+    /// How the heights of another system differ, units apart.
+    pub fn difference(&self, other: &VerticalCrs) -> VerticalDifference {
+        match (self.reference, other.reference) {
+            (Reference::Datum(a), Reference::Datum(b)) if a == b => VerticalDifference::None,
+            (Reference::Ellipsoid, Reference::Ellipsoid) => VerticalDifference::None,
+            (Reference::Named, Reference::Named) if self.name == other.name => VerticalDifference::None,
+            (Reference::Ellipsoid, Reference::Datum(_)) | (Reference::Datum(_), Reference::Ellipsoid) => {
+                VerticalDifference::Ellipsoid
+            }
+            _ => VerticalDifference::Datum,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_of_one_datum_differ_in_their_unit_alone() {
+        // EPSG: 5703 is NAVD88 height, 6360 the same in US survey feet, 5783 DHHN92 height, 4979 WGS 84 with heights.
+        let of = |code| VerticalCrs::from_epsg(code, None);
+        assert_eq!(of(5703).difference(&of(6360)), VerticalDifference::None);
+        assert_eq!(of(5703).difference(&of(5783)), VerticalDifference::Datum);
+        assert_eq!(of(5703).difference(&of(4979)), VerticalDifference::Ellipsoid);
+        assert_eq!(of(5703).difference(&VerticalCrs::named("the pier")), VerticalDifference::Datum);
+        assert_eq!(VerticalCrs::named("a ").difference(&VerticalCrs::named("a")), VerticalDifference::None);
+        let foot = of(6360).meters_per_unit().expect("a unit");
+        assert!((foot - 1200.0 / 3937.0).abs() < 1e-12, "{foot}");
+        assert_eq!(of(5703).in_words(), "NAVD88 height (EPSG:5703)");
+        assert_eq!(of(65_000).in_words(), "EPSG:65000");
+    }
+}

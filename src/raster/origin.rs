@@ -1,0 +1,64 @@
+//! What this program wrote into a picture, raster or archive about its origin.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use exr::meta::MetaData;
+use exr::meta::attribute::AttributeValue;
+
+use super::RasterFile;
+
+/// Longest text that is looked at \[bytes\].
+const MOST_BYTES: u64 = 64 << 20;
+
+/// How every text about the origin of a file begins.
+const BEGINNING: &str = "{\"schema\":\"skyshed/";
+
+/// The text about its origin that a GeoTIFF, PNG, OpenEXR file or numpy archive of this program holds, as JSON; `None` for
+/// the files of others, damaged ones, and formats that hold none.
+pub fn origin_of(path: &Path) -> Option<String> {
+    let mut head = [0; 4];
+    File::open(path).ok()?.read_exact(&mut head).ok()?;
+    let text = match &head {
+        b"\x89PNG" => of_png(path),
+        b"v/1\x01" => of_exr(path),
+        b"PK\x03\x04" => of_npz(path),
+        [b'I', b'I', ..] | [b'M', b'M', ..] => match RasterFile::open(path, &mut Vec::new()).ok()? {
+            RasterFile::GeoTiff(tiff) => tiff.provenance().map(str::to_string),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => None,
+        },
+        _ => None,
+    };
+    text.filter(|text| text.starts_with(BEGINNING))
+}
+
+fn of_png(path: &Path) -> Option<String> {
+    let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+    let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "skyshed")?;
+    chunk.get_text().ok()
+}
+
+fn of_exr(path: &Path) -> Option<String> {
+    let headers = MetaData::read_from_file(path, false).ok()?.headers;
+    let mut attributes = headers.first()?.own_attributes.other.values();
+    attributes.find_map(|value| match value {
+        AttributeValue::Text(text) => {
+            std::str::from_utf8(text.bytes()).ok().filter(|text| text.starts_with(BEGINNING)).map(str::to_string)
+        }
+        _ => None,
+    })
+}
+
+/// The entry `meta` of an archive: a numpy array of one text in UTF-32.
+fn of_npz(path: &Path) -> Option<String> {
+    let mut archive = zip::ZipArchive::new(BufReader::new(File::open(path).ok()?)).ok()?;
+    let mut bytes = Vec::new();
+    archive.by_name("meta.npy").ok()?.take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
+    // Six bytes of magic, two of version, two of the length of the header.
+    let header = usize::from(u16::from_le_bytes(*bytes.get(8..)?.first_chunk::<2>()?));
+    let text = bytes.get(10 + header..)?.chunks_exact(4);
+    text.map(|unit| char::from_u32(u32::from_le_bytes([unit[0], unit[1], unit[2], unit[3]])))
+        .take_while(|unit| *unit != Some('\0'))
+        .collect()
+}

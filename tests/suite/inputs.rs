@@ -1,0 +1,122 @@
+//! `info` of any file: what UAVs, tracks and outputs of this program hold, and what a stranger's file is.
+
+use serde_json::{Value, json};
+
+use crate::program::Folder;
+
+fn info(folder: &Folder, line: &str) -> Value {
+    folder.type_in(&format!("info {line} --json")).done().json()
+}
+
+#[test]
+fn tables_of_uavs_are_told_with_their_heights_and_what_is_twice() {
+    let folder = Folder::new();
+    folder.write(
+        "sites.csv",
+        "# places\nid,x,y,h,h_above\na,5,8,60,ground\nb,35.5,30,90,amsl\na,12,12,20,ground\nc,5,8,60,\n",
+    );
+    let found = info(&folder, "sites.csv");
+    assert_eq!((&found["kind"], &found["places"]), (&json!("uavs"), &json!(4)));
+    assert_eq!(found["extent"], json!([5.0, 8.0, 35.5, 30.0]));
+    assert_eq!(found["heights"]["ground"], json!({"places": 3, "range_m": [20.0, 60.0]}));
+    assert_eq!(found["heights"]["datum"], json!({"places": 1, "range_m": [90.0, 90.0]}));
+    let faults = found["faults"].as_array().unwrap();
+    assert_eq!(faults.len(), 2, "{faults:?}");
+    assert!(faults[0].as_str().unwrap().contains("id `a` is given twice"), "{faults:?}");
+    assert!(faults[1].as_str().unwrap().contains("`c` is at the place"), "{faults:?}");
+    let said = folder.type_in("info sites.csv").done().out;
+    assert!(said.contains("4 places") && said.contains("--uavs sites.csv"), "{said}");
+    // What cannot be read is refused with its line, as by a map.
+    folder.write("bad.csv", "x,y,h\n1,2,tall\n");
+    assert!(folder.type_in("info bad.csv").refused(3)[0].contains("line 2"));
+    folder.write("names.csv", "what,ever\n1,2\n");
+    assert!(folder.type_in("info names.csv").refused(3)[0].contains("wanted a position"));
+    // A flag of scenes would be ignored.
+    assert!(folder.type_in("info sites.csv --zones").refused(2)[0].starts_with("error[E116]"));
+}
+
+#[test]
+fn points_and_lines_in_degrees_stay_in_degrees() {
+    let folder = Folder::new();
+    let feature = |geometry: &str, properties: &str| {
+        format!(r#"{{"type": "Feature", "properties": {{{properties}}}, "geometry": {geometry}}}"#)
+    };
+    folder.write("point.geojson", &feature(r#"{"type": "Point", "coordinates": [11.5, 48.1]}"#, r#""h": "30roof""#));
+    let found = info(&folder, "point.geojson");
+    assert_eq!((&found["kind"], &found["crs"]), (&json!("uavs"), &json!("EPSG:4326")));
+    assert_eq!(found["extent"], json!([11.5, 48.1, 11.5, 48.1]));
+    assert_eq!(found["heights"]["roof"]["places"], 1);
+    let line = r#"{"type": "LineString", "coordinates": [[11.5, 48.1], [11.6, 48.2], [11.6, 48.2]]}"#;
+    folder.write("walk.geojson", &feature(line, ""));
+    let found = info(&folder, "walk.geojson");
+    // A place that repeats the one before is one place; degrees have no length.
+    assert_eq!((&found["kind"], &found["places"], &found["length"]), (&json!("track"), &json!(2), &Value::Null));
+    folder.write("walk.csv", "x,y\n0,0\n3,4\n3,10\n");
+    let found = info(&folder, "walk.csv");
+    assert_eq!((&found["kind"], &found["length"], &found["reason"]), (&json!("track"), &json!(11.0), &Value::Null));
+}
+
+#[test]
+fn outputs_of_this_program_tell_what_made_them() {
+    let folder = Folder::new();
+    let outputs = "-o a.tif -o a.exr -o a.npz -o a.png -o a.json -o a.csv -o a.geojson -o b.asc";
+    let line = format!("map itu:urban --size 60 --cell 2 --uav 5,5,80 {outputs} --json -q");
+    let map = folder.type_in(&line).done().json();
+    folder.type_in("map itu:urban --size 60 --cell 2 --uav 5,5,80 -o bare.png --bare -q").done();
+    for file in ["a.tif", "a.exr", "a.npz", "a.png", "a.json", "a.csv", "a.geojson", "b.asc", "bare.png"] {
+        let found = info(&folder, file);
+        assert_eq!(found["kind"], "output", "{file}");
+        assert_eq!(found["made_by"]["schema"], "skyshed/map/1", "{file}");
+        assert_eq!(found["made_by"]["digest"], map["digest"], "{file}");
+        let said = folder.type_in(&format!("info {file}")).done().out;
+        assert!(said.contains("made by    skyshed map itu:urban --size 60"), "{file}: {said}");
+    }
+    // The cells of a mask by class are what the map counted, and give its digest.
+    let found = info(&folder, "a.tif");
+    let (site, classes) = (&map["sites"][0], &found["classes"]);
+    assert_eq!(classes["los"], site["los"]);
+    assert_eq!(
+        classes["los"].as_u64().unwrap() + classes["nlos"].as_u64().unwrap(),
+        site["receivers"].as_u64().unwrap()
+    );
+    assert_eq!(found["digest_agrees"], true);
+    assert_eq!(found["bands"][0]["name"], "1.los");
+}
+
+#[test]
+fn a_city_that_this_program_made_is_a_scene_and_a_mask_is_not() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 60 --cell 2 -o city.tif -o city.geojson -q").done();
+    for (scene, kind) in [("city.tif", "raster"), ("city.geojson", "footprints")] {
+        assert_eq!(
+            info(&folder, &format!("{scene} --ground 0").replace("geojson --ground 0", "geojson"))["kind"],
+            kind
+        );
+    }
+    folder.type_in("map city.geojson --uav 5,5,80 -o mask.tif -q").done();
+    let said = folder.type_in("info mask.tif").done().out;
+    assert!(said.contains("a mask, not a scene"), "{said}");
+    // A map of a mask is a mistake; a map of a city is none.
+    let warned = folder.type_in("map mask.tif --uav 5,5,80amsl --json").done();
+    assert!(warned.warnings().contains(&"W373"), "{}", warned.err);
+    let fine = folder.type_in("map city.tif --uav 5,5,80amsl --json").done();
+    assert!(!fine.warnings().contains(&"W373"), "{}", fine.err);
+}
+
+#[test]
+fn a_strangers_file_is_refused_by_its_kind() {
+    let folder = Folder::new();
+    let said = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).unwrap();
+        folder.type_in(&format!("info {name}")).refused(3)[0].to_string()
+    };
+    assert!(said("a.pdf", b"%PDF-1.7").contains("a PDF document"));
+    assert!(said("a.las", b"LASF").contains("a LAS point cloud"));
+    assert!(said("a.png", b"\x89PNG\r\n\x1a\n").contains("a PNG picture"));
+    assert!(said("a.zip", b"PK\x03\x04....").contains("a ZIP archive"));
+    assert!(said("a.txt", b"").contains("empty") || said("a.txt", b"").contains("wanted a position"));
+    assert!(said("a.exr", b"v/1\x01abc").contains("an OpenEXR picture"));
+    // Documents of others are no output of ours.
+    assert!(said("a.json", br#"{"schema": "other/map/1"}"#).starts_with("error[E3"));
+    assert!(folder.type_in("info nothing.csv").refused(3)[0].contains("nothing.csv"));
+}
