@@ -6,7 +6,7 @@
 //! cargo run --release --example large_dsm -- 50000 large_strips.tif strips
 //! ```
 //!
-//! The heights at a cell depend on its row and column alone, so a smaller file is the north-west corner of a larger one.
+//! Without words it writes `out/large_dsm.tif`, of 2048 cells a side. The heights at a cell depend on its row and column alone, so a smaller file is the north-west corner of a larger one.
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -20,6 +20,10 @@ const TILE: usize = 512;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    let words = match words.is_empty() {
+        true if std::fs::create_dir_all("out").is_ok() => vec!["2048".to_string(), "out/large_dsm.tif".to_string()],
+        _ => words,
+    };
     let [cells, path, layout @ ..] = words.as_slice() else { fail("wanted CELLS FILE [strips]") };
     let Ok(n) = cells.parse::<usize>() else { fail("CELLS is no number") };
     let block = if layout.first().is_some_and(|word| word == "strips") { (1, n) } else { (TILE, TILE) };

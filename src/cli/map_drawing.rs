@@ -3,7 +3,7 @@
 use super::args::{PictureWords, ReceiversArg};
 use super::map::{crop, height_words, mark, undrawable};
 use super::plan::{Ready, meters_per_unit};
-use super::receivers::{cell_names, setting_line};
+use super::receivers::{cell_names, setting_line_on};
 use super::tolerance::in_words as tolerance_in_words;
 use super::words::unbreakable;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally};
@@ -25,6 +25,8 @@ pub(super) struct MapDrawing<'a> {
     pub(super) report: &'a MapReport,
     pub(super) receivers: ReceiversArg,
     pub(super) words: &'a PictureWords,
+    /// What else must be said of the picture.
+    pub(super) note: Option<String>,
 }
 
 impl MapDrawing<'_> {
@@ -186,7 +188,9 @@ impl MapDrawing<'_> {
             lines.push(stability.in_words());
         }
         let heights = (self.report.rx_height_m, self.report.radius_m);
-        lines.push(setting_line(self.scene, self.receivers, heights, self.report.facts.method));
+        let facts = &self.report.facts;
+        lines.push(setting_line_on(&facts.grid, self.scene, self.receivers, heights, facts.method));
+        lines.extend(self.note.clone());
         lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
         lines.extend(self.words.credit(self.scene.attribution.as_ref()));
         lines

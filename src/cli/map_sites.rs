@@ -20,7 +20,7 @@ use super::{interrupt, messages};
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{site_in_names, with_suffix};
 use crate::quantity::counted;
-use crate::raster::{GeoRef, RasterFile};
+use crate::raster::{GeoRef, RasterFile, origin_of};
 use crate::scene::{Site, StreamedSurface, SurfaceOptions, WindowedSolids, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
@@ -301,7 +301,8 @@ fn parts_of(input: &Path) -> Vec<PathBuf> {
     own.chain(tiles.unwrap_or_else(|_| Vec::new())).collect()
 }
 
-/// Whether a file, or the document beside it, was made by a unit: they hold its hash.
+/// Whether a file was made by a unit: its hash is in what the file, or the document beside it, says of its origin, or among
+/// its bytes as they are or as members of an archive.
 fn is_of(file: &Path, unit: &str) -> bool {
     let in_file = |path: &Path| std::fs::File::open(path).is_ok_and(|file| holds(file, unit.as_bytes()));
     let in_archive = |path: &Path| {
@@ -310,7 +311,10 @@ fn is_of(file: &Path, unit: &str) -> bool {
             (0..archive.len()).any(|k| archive.by_index(k).is_ok_and(|member| holds(member, unit.as_bytes())))
         })
     };
-    in_file(file) || in_file(&with_suffix(file, ".json")) || in_archive(file)
+    origin_of(file).is_some_and(|origin| origin.contains(unit))
+        || in_file(&with_suffix(file, ".json"))
+        || in_file(file)
+        || in_archive(file)
 }
 
 /// Whether bytes are among those of a file.

@@ -4,18 +4,20 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{MapArgs, TifLayoutArg};
+use super::map_drawing::MapDrawing;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
+    FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
     warn_of_flat_earth, warn_of_raster,
 };
 use super::receivers::{Asked, check_surface_receivers};
-use super::words::pretty;
+use super::words::{picture_provenance, pretty};
 use super::{interrupt, messages};
-use crate::coverage::{Control, StreamedMapper, Uav};
+use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
+use crate::height_field::HeightField;
 use crate::los::Method;
-use crate::raster::{ClassPyramid, GeoRef, RasterFile};
+use crate::raster::{ClassPyramid, GeoRef, RasterFile, most_frequent_classes};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
 use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
 
@@ -39,6 +41,12 @@ pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
     let needed = file.georef().n_cells() as u64 * BYTES_IN_MEMORY;
     let limit = args.engine.max_memory.or_else(available_memory)?;
     (needed > limit).then_some(TooLarge { needed, limit })
+}
+
+/// How many times larger the cells of a picture are: a power of two, so that rows of tiles hold whole ones.
+fn picture_factor(grid: &GeoRef) -> usize {
+    const LARGEST: usize = 2048;
+    grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(256)
 }
 
 /// Copies a raster that does not fit in memory to tiles on the disk, and says so.
@@ -86,10 +94,19 @@ impl StreamedRun<'_> {
         let refuse = |what: String| {
             let text =
                 format!("cannot map {}: it does not fit in memory, and strip by strip {what}", self.args.scene.scene);
-            Err(Error::limit(501, text).with_hint("write .tif, .csv and .json of one UAV, or cut out a part"))
+            Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
         };
         if let Some((path, _)) = self.outputs.iter().find(|(_, format)| {
-            !matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
+            !matches!(
+                format,
+                Format::GeoTiff
+                    | Format::Png
+                    | Format::Svg
+                    | Format::Csv
+                    | Format::Json
+                    | Format::GeoJson
+                    | Format::Stdout
+            )
         }) {
             return refuse(format!("{} cannot be made", path.display()));
         }
@@ -100,6 +117,7 @@ impl StreamedRun<'_> {
             ("--tolerance", self.args.tolerance.is_some()),
             ("--height-curve", !self.args.height_curve.is_empty()),
             ("--polygons", self.args.polygons.is_some()),
+            ("--bare", self.args.bare),
             ("--tif-layout plain", matches!(self.args.tif_layout, TifLayoutArg::Plain)),
             ("--receivers of a zone", self.args.receivers.zone().is_some()),
         ];
@@ -143,10 +161,15 @@ impl StreamedRun<'_> {
         let mask_values = if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes };
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
+        let factor = if self.has_picture() { picture_factor(grid) } else { 0 };
+        let mut shown = Vec::new();
         let coverage = messages::with_progress(&control, (grid.n_cells() as u64, "cells"), quiet, || {
             let mapper = StreamedMapper::new(scene, &options, &control)?;
             mapper.map(&uav, &control, |_, mask| {
                 digest.add(mask);
+                if factor > 0 {
+                    shown.extend(most_frequent_classes(mask, grid.n_cols(), factor));
+                }
                 if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
             })
         })?;
@@ -194,6 +217,11 @@ impl StreamedRun<'_> {
                     batch.add(path, &encode_table(&report.table())?)?;
                     batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
                 }
+                Format::Png | Format::Svg => {
+                    let picture =
+                        self.picture(scene, (&report, &coverage), (factor, &shown), *format == Format::Svg)?;
+                    batch.add(path, &picture)?;
+                }
                 Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes())?,
                 Format::GeoJson => batch.add(path, pretty(&report.geojson()).as_bytes())?,
                 _ => {}
@@ -210,6 +238,46 @@ impl StreamedRun<'_> {
             messages::answer(&pretty(&report.document(Some(timing))))?;
         }
         Ok(())
+    }
+
+    fn has_picture(&self) -> bool {
+        self.outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg))
+    }
+
+    /// The picture, of a scene with `factor` times larger cells: the highest surface in each, and the classes `shown`.
+    fn picture(
+        &self,
+        scene: &StreamedSurface,
+        (report, coverage): (&MapReport, &SiteCoverage),
+        (factor, shown): (usize, &[u8]),
+        as_vectors: bool,
+    ) -> Result<Vec<u8>> {
+        let grid = scene.grid().coarser(factor);
+        let field = HeightField::build(&grid, scene.highest(factor)?, &mut Vec::new());
+        let ready = Ready {
+            name: scene.name.clone(),
+            field,
+            sources: Vec::new(),
+            attribution: None,
+            built_up: None,
+            seed: None,
+            warnings: Vec::new(),
+            timing: Timing::default(),
+        };
+        let coverage = SiteCoverage { mask: shown.to_vec(), ..coverage.clone() };
+        let drawing = MapDrawing {
+            scene: &ready,
+            coverages: std::slice::from_ref(&coverage),
+            overlay: None,
+            layers: self.layers,
+            report,
+            receivers: self.args.receivers,
+            words: &self.args.words,
+            note: (factor > 1).then(|| {
+                format!("Drawn smaller: a pixel shows the most frequent class of {factor} × {factor} cells; counts are of all")
+            }),
+        };
+        drawing.draw(as_vectors, &picture_provenance(&report.document(None)))
     }
 
     /// The one UAV of the run.

@@ -74,10 +74,20 @@ pub(super) fn cell_names(receivers: ReceiversArg, field: &HeightField) -> (&'sta
 pub(super) fn setting_line(
     scene: &Ready,
     receivers: ReceiversArg,
+    heights: (f64, Option<f64>),
+    method: Option<Method>,
+) -> String {
+    setting_line_on(scene.field.grid(), scene, receivers, heights, method)
+}
+
+/// The same for a map on a grid of which the scene shows less.
+pub(super) fn setting_line_on(
+    grid: &GeoRef,
+    scene: &Ready,
+    receivers: ReceiversArg,
     (rx_height_m, radius_m): (f64, Option<f64>),
     method: Option<Method>,
 ) -> String {
-    let grid = scene.field.grid();
     let unit = meters_per_unit(grid);
     let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
     let cell = if (width - height).abs() < 1e-9 * width {

@@ -179,6 +179,17 @@ impl GeoRef {
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
+    /// The same extent, grown to whole cells, in cells `factor` times as wide and high, from the same north-west corner.
+    pub fn coarser(&self, factor: usize) -> GeoRef {
+        GeoRef {
+            cell_width: self.cell_width * factor as f64,
+            cell_height: self.cell_height * factor as f64,
+            n_cols: self.n_cols.div_ceil(factor),
+            n_rows: self.n_rows.div_ceil(factor),
+            ..self.clone()
+        }
+    }
+
     /// Center of a cell in the plane \[CRS units\].
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)

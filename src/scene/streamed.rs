@@ -128,6 +128,41 @@ impl StreamedSurface {
         })
     }
 
+    /// The scene in cells `factor` times as large, at the highest surface and ground in each: for pictures.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn highest(&self, factor: usize) -> Result<Solids> {
+        let grid = self.grid.coarser(factor);
+        let n_cols = self.grid.n_cols();
+        let highest = |cells: &[i32], above: &mut Vec<i32>| {
+            for rows in cells.chunks(factor * n_cols) {
+                let of_col = |col: usize| {
+                    let cols = col * factor..((col + 1) * factor).min(n_cols);
+                    rows.chunks(n_cols).flat_map(|row| &row[cols.clone()]).fold(VOID, |top, z| top.max(*z))
+                };
+                above.extend((0..grid.n_cols()).map(of_col));
+            }
+        };
+        let (mut surface, mut ground) = (Vec::new(), Vec::new());
+        for window in row_bands(&self.grid) {
+            let Solids::Raster { surface: tops, ground: below, .. } = self.solids(window)? else { continue };
+            highest(tops.cells(), &mut surface);
+            if let Ground::Terrain(terrain) = below {
+                highest(terrain.cells(), &mut ground);
+            }
+        }
+        Ok(Solids::Raster {
+            surface: Raster::new(grid.clone(), surface),
+            ground: match &self.ground {
+                StreamedGround::Surface => Ground::Surface,
+                StreamedGround::Flat(z) => Ground::Flat(*z),
+                StreamedGround::Terrain(..) => Ground::Terrain(Raster::new(grid, ground)),
+            },
+            building_threshold: self.building_threshold,
+        })
+    }
+
     /// Warns where the ground is above the surface, and where it is not known.
     fn compare_ground(&self, (path, options): (&Path, &SurfaceOptions), warnings: &mut Vec<Warning>) -> Result<()> {
         if matches!(self.ground, StreamedGround::Surface) {

@@ -27,7 +27,7 @@ const PLAN_FLAGS: [(&str, &str, &str); 20] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 29] = [
+const OTHER_FLAGS: [(&str, &str); 31] = [
     ("--tile", "tiles_of_footprints_hold_what_a_hand_counts"),
     ("--repairs", "every_thing_mended_or_left_out_is_listed_once"),
     ("--project", "rows_6_to_9_of_reference_systems"),
@@ -43,6 +43,8 @@ const OTHER_FLAGS: [(&str, &str); 29] = [
     ("--height-curve", "table_document_and_plot_of_a_curve_agree_with_maps"),
     ("--curve-heights", "the_heights_of_a_curve_are_chosen_or_asked_for"),
     ("--tif-layout", "a_plain_geotiff_of_a_map_differs_in_its_layout_alone"),
+    ("--scratch", "what_needs_all_cells_at_once_is_refused_with_a_way_out"),
+    ("--resume", "what_is_there_is_left_alone"),
     ("--gdal-values", "values_of_gdal_are_255_where_the_class_is_line_of_sight_and_0_elsewhere"),
     ("--polygons", "a_cell_is_inside_one_polygon_of_its_class_and_of_no_other"),
     ("--simplify", "simpler_outlines_stay_near_and_keep_parts_and_holes"),

@@ -91,6 +91,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         report: &report.map,
         receivers: args.receivers,
         words: &args.words,
+        note: None,
     };
     for (path, format) in &outputs {
         interrupt::check()?;

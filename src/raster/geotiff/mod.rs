@@ -29,7 +29,7 @@ mod stored;
 mod tags;
 mod write;
 
-pub use class_pyramid::{ClassImage, ClassPyramid};
+pub use class_pyramid::{ClassImage, ClassPyramid, most_frequent_classes};
 pub(crate) use write::xml_text;
 pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 
