@@ -183,3 +183,33 @@ fn houses_of_equal_height_around_an_inner_corner_cast_their_whole_shadow() {
         assert_eq!(digest("shadow"), digest("ray"), "{uav}");
     }
 }
+
+/// Found by fuzzing: a file of 200 bytes that holds no block made 15 GiB of nodata before it was refused.
+#[test]
+fn a_tiff_without_any_block_takes_no_memory() {
+    let folder = Folder::new();
+    // Width, height, bits, compression, photometric, strip offset, samples, rows per strip, strip length, format.
+    let tags: [(u16, u32); 10] = [
+        (256, 268_435_471),
+        (257, 15),
+        (258, 32),
+        (259, 1),
+        (262, 1),
+        (273, 0),
+        (277, 1),
+        (278, 15),
+        (279, 0),
+        (339, 3),
+    ];
+    let mut bytes = b"II*\0\x08\0\0\0\x0a\0".to_vec();
+    for (tag, value) in tags {
+        bytes.extend(tag.to_le_bytes());
+        bytes.extend(4_u16.to_le_bytes());
+        bytes.extend(1_u32.to_le_bytes());
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0; 4]);
+    std::fs::write(folder.join("sparse.tif"), bytes).unwrap();
+    let answer = folder.type_in("map sparse.tif --uav 1,1,50amsl --json");
+    assert!(answer.refused(3)[0].starts_with("error[E305]"), "{}", answer.err);
+}

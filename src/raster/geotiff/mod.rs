@@ -229,6 +229,12 @@ impl GeoTiff {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let georef = self.georef().part(window);
+        if self.image.blocks.iter().all(|(_, len)| *len == 0) {
+            // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
+            let mut voids = Voids::new(self.nodata);
+            voids.n_missing = georef.n_cells() as u64;
+            voids.report(&self.path, warnings)?;
+        }
         let mut cells: Vec<T> = reserve_cells(&self.path, &georef)?;
         let (scale, offset) = self.metadata.scaling(band);
         let mut voids = Voids::new(self.nodata);
