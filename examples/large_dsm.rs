@@ -18,23 +18,18 @@ use tiff_writer::compress::{BlockEncodingOptions, compress_block};
 /// Rows and columns of a tile \[cells\].
 const TILE: usize = 512;
 
-fn main() {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let words = match words.is_empty() {
-        true if std::fs::create_dir_all("out").is_ok() => vec!["2048".to_string(), "out/large_dsm.tif".to_string()],
-        _ => words,
+    let words = if words.is_empty() {
+        std::fs::create_dir_all("out")?;
+        vec!["2048".to_string(), "out/large_dsm.tif".to_string()]
+    } else {
+        words
     };
-    let [cells, path, layout @ ..] = words.as_slice() else { fail("wanted CELLS FILE [strips]") };
-    let Ok(n) = cells.parse::<usize>() else { fail("CELLS is no number") };
+    let [cells, path, layout @ ..] = words.as_slice() else { return Err("wanted CELLS FILE [strips]".into()) };
+    let n: usize = cells.parse()?;
     let block = if layout.first().is_some_and(|word| word == "strips") { (1, n) } else { (TILE, TILE) };
-    if let Err(error) = write(path, n, block) {
-        fail(&format!("cannot write {path}: {error}"));
-    }
-}
-
-fn fail(text: &str) -> ! {
-    eprintln!("error: {text}");
-    std::process::exit(2)
+    Ok(write(path, n, block)?)
 }
 
 /// Height at a cell \[m\]: hills, and on them houses of 12 × 12 cells between streets of 8.
@@ -55,7 +50,9 @@ fn height(row: usize, col: usize) -> f32 {
         63 => 60.0,
         _ => 3.0 * (2 + storeys % 7) as f64,
     };
-    (ground + if is_house { roof } else { 0.0 }) as f32
+    #[expect(clippy::cast_possible_truncation, reason = "a multiple of a quarter below 1000 is exact")]
+    let height = (ground + if is_house { roof } else { 0.0 }) as f32;
+    height
 }
 
 fn write(path: &str, n: usize, (block_rows, block_cols): (usize, usize)) -> std::io::Result<()> {

@@ -94,6 +94,12 @@ pub(crate) fn truth() -> Option<PathBuf> {
     Some(folder)
 }
 
+/// The class of a mask's cell as a raster reader hands it out.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes are 0 to 255")]
+pub(crate) fn class_of(value: f64) -> u8 {
+    if value.is_nan() { 255 } else { value as u8 }
+}
+
 /// Whether Python is at hand and has a module; a line says where it has not.
 pub(crate) fn python_with(module: &str) -> bool {
     let found = std::process::Command::new("python3").args(["-c", &format!("import {module}")]).output();
