@@ -62,6 +62,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         sources,
         seed: built_up.map(|_| args.scene.seed),
         warnings,
+        unit: None,
     };
     let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref(), attribution };
 

@@ -24,7 +24,7 @@ use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::Mark;
-use crate::report::{MapReport, MaskDigest, SiteFacts, Timing, zone_tallies};
+use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tallies};
 use crate::scene::{Site, StreamedSurface, read_sites};
 
 /// Formats of `skyshed map`.
@@ -205,7 +205,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         scene.warnings.push(Warning::new(202, text));
     }
     let report = MapReport {
-        facts: scene.facts(command, Some(method)),
+        facts: RunFacts { unit, ..scene.facts(command, Some(method)) },
         rx_height_m: args.rx_height,
         receivers: args.receivers.name(),
         radius_m,
@@ -221,7 +221,6 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         tolerance,
         idle: (idle.footprints > 0).then_some(idle),
         digest: digest.finish(),
-        unit,
     };
     let curves = curve_plan.make(args, &scene, &coverages, &report)?;
     let before_write = Instant::now();

@@ -189,6 +189,7 @@ impl StreamedRun<'_> {
                 sources: scene.sources.clone(),
                 seed: None,
                 warnings,
+                unit: self.unit.clone(),
             },
             rx_height_m: args.rx_height,
             receivers: args.receivers.name(),
@@ -199,7 +200,6 @@ impl StreamedRun<'_> {
             tolerance: None,
             idle: None,
             digest: digest.finish(),
-            unit: self.unit.clone(),
         };
         let before_write = Instant::now();
         timing.total = self.start.elapsed().as_secs_f64();

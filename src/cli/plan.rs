@@ -305,6 +305,7 @@ impl Ready {
             sources: self.sources.clone(),
             seed: self.seed,
             warnings: self.warnings.clone(),
+            unit: None,
         }
     }
 

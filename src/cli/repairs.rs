@@ -35,6 +35,7 @@ pub(super) fn keep(args: &SceneArgs, scene: &Scene, repairs: Vec<Repair>, warnin
         sources: scene.sources.clone(),
         seed: None,
         warnings: warnings.to_vec(),
+        unit: None,
     };
     // A scene that is read twice is the same.
     let _ = args.found_repairs.set(FoundRepairs { repairs, facts });

@@ -34,6 +34,8 @@ pub struct RunFacts {
     pub seed: Option<u64>,
     /// What was odd.
     pub warnings: Vec<Warning>,
+    /// A hash of all that the run depends on, if it may be asked for again and found done.
+    pub unit: Option<String>,
 }
 
 /// Seconds spent.
@@ -154,8 +156,6 @@ pub struct MapReport {
     pub tolerance: Option<ToleranceFacts>,
     /// Digest of the masks, see [`digest`].
     pub digest: String,
-    /// What the run is one of, if it can be asked for again and found done.
-    pub unit: Option<String>,
 }
 
 /// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
@@ -232,6 +232,7 @@ impl RunFacts {
         document.insert("method".into(), self.method_name().into());
         document.extend(self.method.map(|method| ("exact".to_string(), Value::from(method.is_exact()))));
         document.insert("scene".into(), self.scene());
+        document.extend(self.unit.clone().map(|unit| ("unit".to_string(), unit.into())));
         document
     }
 
@@ -297,7 +298,6 @@ impl MapReport {
         }
         document.insert("warnings".into(), self.facts.warnings());
         document.insert("digest".into(), self.digest.clone().into());
-        document.extend(self.unit.clone().map(|unit| ("unit".to_string(), unit.into())));
         Value::Object(document)
     }
 

@@ -149,6 +149,7 @@ impl Found {
             sources: self.scene.sources.clone(),
             seed: self.scene.built_up.map(|_| args.scene.seed),
             warnings: self.warnings.clone(),
+            unit: None,
         }
     }
 

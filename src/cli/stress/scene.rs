@@ -75,7 +75,6 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         union: coverage.tally,
         union_zones: None,
         digest: digest(scene.field.grid(), std::iter::once(coverage.mask.as_slice())),
-        unit: None,
     };
     let report = StressSceneReport { map, margins };
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
