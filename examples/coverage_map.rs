@@ -43,6 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }],
         receivers_name: "open-ground cells",
         others_name: "Buildings",
+        counts: None,
     };
     std::fs::create_dir_all("out")?;
     std::fs::write("out/munich_coverage.png", draw_map(&picture, &[])?)?;

@@ -25,6 +25,8 @@ pub(super) struct MapDrawing<'a> {
     pub(super) report: &'a MapReport,
     pub(super) receivers: ReceiversArg,
     pub(super) words: &'a PictureWords,
+    /// The counts of the legend, where they are not those of what is drawn.
+    pub(super) counts: Option<Tally>,
     /// What else must be said of the picture.
     pub(super) note: Option<String>,
 }
@@ -87,6 +89,7 @@ impl MapDrawing<'_> {
             uavs: &marks,
             receivers_name,
             others_name,
+            counts: self.counts,
         };
         if as_vectors {
             render::draw_map_svg(&picture, provenance).map(String::into_bytes).map_err(undrawable)

@@ -140,6 +140,7 @@ impl Writer<'_> {
             report: self.report,
             receivers: self.args.receivers,
             words: &self.args.words,
+            counts: None,
             note: None,
         };
         drawing.draw(as_vectors, &self.provenance())

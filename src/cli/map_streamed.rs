@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{MapArgs, TifLayoutArg};
+use super::args::{MapArgs, ReceiversArg, TifLayoutArg};
 use super::map_drawing::MapDrawing;
 use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
@@ -17,7 +17,8 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
 use crate::height_field::HeightField;
 use crate::los::Method;
-use crate::raster::{ClassPyramid, GeoRef, RasterFile, most_frequent_classes};
+use crate::quantity::MAX_EXTENT_UNITS;
+use crate::raster::{ClassPyramid, GeoRef, RasterFile};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
 use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
 
@@ -38,9 +39,22 @@ pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
     }
     // What is wrong with the file is told where it is read.
     let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new()).ok()?;
+    if file.is_empty() {
+        return None;
+    }
     let needed = file.georef().n_cells() as u64 * BYTES_IN_MEMORY;
     let limit = args.engine.max_memory.or_else(available_memory)?;
     (needed > limit).then_some(TooLarge { needed, limit })
+}
+
+/// The middle one of each `factor` × `factor` cells of some rows: as many of each class as there are, which the most
+/// frequent class would not show.
+fn sampled(mask: &[u8], n_cols: usize, factor: usize) -> impl Iterator<Item = u8> {
+    mask.chunks(factor * n_cols).flat_map(move |rows| {
+        let row = (factor / 2).min(rows.len() / n_cols - 1);
+        let cols = (0..n_cols.div_ceil(factor)).map(move |col| (col * factor + factor / 2).min(n_cols - 1));
+        cols.map(move |col| rows[row * n_cols + col])
+    })
 }
 
 /// How many times larger the cells of a picture are: a power of two, so that rows of tiles hold whole ones.
@@ -127,9 +141,44 @@ impl StreamedRun<'_> {
         }
     }
 
+    /// Refuses what takes more than `--max-memory` even strip by strip.
+    fn check_memory(&self, grid: &GeoRef) -> Result<()> {
+        /// What any run takes beside its cells \[bytes\].
+        const ANY_RUN: u64 = 16 << 20;
+        let n_kinds = if self.args.receivers == ReceiversArg::All { 2 } else { 1 };
+        let n_sets = n_kinds * if self.radius_m.is_some() { 3 } else { 2 };
+        // A strip as it is read, as lines, and as it is written, with the terrain below it.
+        let strips = 6 * 4 * 256 * grid.n_rows().max(grid.n_cols()) as u64;
+        let needed = grid.n_cells() as u64 / 8 * n_sets + strips;
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
+            let text = format!(
+                "cannot map {}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side",
+                self.args.scene.scene
+            );
+            return Err(Error::limit(501, text)
+                .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
+        }
+        match self.args.engine.max_memory {
+            Some(most) if needed > most + ANY_RUN => {
+                let text = format!(
+                    "cannot map {}: {n_cols}×{n_rows} cells need {} of memory even strip by strip, more than the {} that \
+                     `--max-memory` allows",
+                    self.args.scene.scene,
+                    memory_words(needed),
+                    memory_words(most)
+                );
+                Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Copies the heights to the disk, then maps.
     pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>) -> Result<()> {
         self.check()?;
+        // Before anything is copied.
+        self.check_memory(RasterFile::open(Path::new(&self.args.scene.scene), &mut Vec::new())?.georef())?;
         let mut warnings: Vec<Warning> = Vec::new();
         let scene = on_disk(self.args, &mut warnings)?;
         self.over(&scene, warnings, sites)
@@ -147,6 +196,7 @@ impl StreamedRun<'_> {
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
+        self.check_memory(grid)?;
         let uav = self.uav(scene, &sites(grid)?, radius)?;
         if scene.base() == WindowedBase::Surface {
             check_surface_receivers(args.receivers)?;
@@ -168,7 +218,7 @@ impl StreamedRun<'_> {
             mapper.map(&uav, &control, |_, mask| {
                 digest.add(mask);
                 if factor > 0 {
-                    shown.extend(most_frequent_classes(mask, grid.n_cols(), factor));
+                    shown.extend(sampled(mask, grid.n_cols(), factor));
                 }
                 if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
             })
@@ -273,8 +323,9 @@ impl StreamedRun<'_> {
             report,
             receivers: self.args.receivers,
             words: &self.args.words,
+            counts: Some(coverage.tally),
             note: (factor > 1).then(|| {
-                format!("Drawn smaller: a pixel shows the most frequent class of {factor} × {factor} cells; counts are of all")
+                format!("Drawn smaller: a pixel shows one of {factor} × {factor} cells, the counts are those of all")
             }),
         };
         drawing.draw(as_vectors, &picture_provenance(&report.document(None)))

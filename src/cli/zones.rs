@@ -101,6 +101,7 @@ impl ZoneFiles<'_> {
             uavs: &[],
             receivers_name: "open-ground cells",
             others_name: "Rooftop",
+            counts: None,
         };
         let provenance = [("skyshed".to_string(), provenance.to_string())];
         let drawn = if as_vectors {

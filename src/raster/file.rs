@@ -142,6 +142,11 @@ impl RasterFile {
         }
     }
 
+    /// Whether the file stores no cell at all, whatever size it claims.
+    pub fn is_empty(&self) -> bool {
+        matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_empty())
+    }
+
     /// Calls `visit` with the index and the heights of every row, from the north or from the south as they are stored;
     /// NaN where there is none. Memory is that of a row of blocks.
     ///
@@ -246,24 +251,33 @@ pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
 /// # Errors
 /// If these are more than may be held in memory.
 pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
-    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
-    let bytes = georef.n_cells() as u128 * size_of::<T>() as u128;
-    let fail = |why: String| {
-        let needed = bytes as f64 / f64::powi(2.0, 30);
-        let text = format!(
-            "cannot read `{}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}",
-            path.display()
-        );
-        Error::limit(501, text).with_hint(
-            "read a part with --radius, or cut one out with `gdal_translate -projwin ULX ULY LRX LRY IN OUT`",
-        )
-    };
-    if bytes > u128::from(MAX_READ_BYTES) {
-        return Err(fail(format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
-    }
+    check_cells::<T>(path, georef)?;
     let mut cells = Vec::new();
-    cells.try_reserve_exact(georef.n_cells()).map_err(|_| fail("more than there is".to_owned()))?;
+    let reserved = cells.try_reserve_exact(georef.n_cells());
+    reserved.map_err(|_| too_many_cells::<T>(path, georef, "more than there is"))?;
     Ok(cells)
+}
+
+/// Refuses more cells than may be held in memory.
+///
+/// # Errors
+/// E501.
+pub(super) fn check_cells<T>(path: &Path, georef: &GeoRef) -> Result<()> {
+    if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
+        return Err(too_many_cells::<T>(path, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
+    }
+    Ok(())
+}
+
+fn too_many_cells<T>(path: &Path, georef: &GeoRef, why: &str) -> Error {
+    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
+    let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
+    let path = path.display();
+    let text = format!("cannot read `{path}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
+    Error::limit(501, text).with_hint(
+        "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
+         LRX LRY IN OUT`",
+    )
 }
 
 #[cfg(test)]

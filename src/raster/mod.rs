@@ -42,8 +42,8 @@ pub(crate) use file::reserve_cells;
 pub use georef::{CellWindow, GeoRef};
 pub(crate) use geotiff::xml_text;
 pub use geotiff::{
-    Bands, ClassColor, ClassImage, ClassPyramid, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
-    most_frequent_classes, pam_sidecar, write_geotiff,
+    Bands, ClassColor, ClassImage, ClassPyramid, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar,
+    write_geotiff,
 };
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;

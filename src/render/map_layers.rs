@@ -30,7 +30,11 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
     let painted = match picture.layer {
         Layer::Los(mask) => {
             let index_of = |cell: usize| special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
-            let painted = paint_flat(&backing, &[colors::NLOS, colors::LOS], index_of);
+            let mut painted = paint_flat(&backing, &[colors::NLOS, colors::LOS], index_of);
+            if let Some(tally) = picture.counts {
+                let nlos = tally.receivers - tally.los;
+                painted.histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata];
+            }
             let (nlos, los) = (painted.histogram[0], painted.histogram[1]);
             for (n, color, name) in [(los, colors::LOS, "Line of sight"), (nlos, colors::NLOS, "No line of sight")] {
                 if n > 0 {

@@ -9,6 +9,7 @@ use super::map_layers;
 use super::marks::{Mark, draw_marks};
 use super::paint;
 use super::sheet::{Drawing, Sheet};
+use crate::coverage::Tally;
 
 const MARGIN: f64 = 40.0;
 const SMALLEST_BODY: f64 = 900.0;
@@ -39,6 +40,8 @@ pub struct MapPicture<'a> {
     pub receivers_name: &'a str,
     /// What class 2 is, in the plural and capitalized, such as `Buildings`.
     pub others_name: &'a str,
+    /// The counts that the legend of a mask tells, where it is drawn smaller than it is; else those of what is drawn.
+    pub counts: Option<Tally>,
 }
 
 /// What a map shows.
@@ -257,6 +260,7 @@ mod tests {
             uavs: &[],
             receivers_name: "street cells",
             others_name: "Buildings",
+            counts: None,
         }
     }
 

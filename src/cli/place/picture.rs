@@ -54,6 +54,7 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         uavs: &marks,
         receivers_name: "receivers",
         others_name: "Buildings",
+        counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
     let drawn = match format {

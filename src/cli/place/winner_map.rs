@@ -117,6 +117,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         uavs: &marks,
         receivers_name,
         others_name,
+        counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
     match format {

@@ -90,6 +90,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         report: &report.map,
         receivers: args.receivers,
         words: &args.words,
+        counts: None,
         note: None,
     };
     for (path, format) in &outputs {

@@ -59,6 +59,7 @@
 //! Cost: about 1.5 look-ups per cell, and a short walk for each undecided receiver (0.02 to 3 % of all).
 
 mod kernels;
+mod quadrant_pass;
 mod streamed;
 mod wedge;
 

@@ -25,11 +25,6 @@ pub struct ClassImage<'a> {
     pub name: &'a str,
 }
 
-/// A smaller picture of some rows of classes: each cell shows the most frequent class of `factor` × `factor` cells.
-pub fn most_frequent_classes(cells: &[u8], n_cols: usize, factor: usize) -> Vec<u8> {
-    overview(cells, (cells.len() / n_cols, n_cols), factor, most_frequent)
-}
-
 /// The compressed tiles of all rows so far, at every resolution. Memory is theirs and that of a few hundred rows.
 #[derive(Debug, Default)]
 pub struct ClassPyramid {

@@ -29,7 +29,7 @@ mod stored;
 mod tags;
 mod write;
 
-pub use class_pyramid::{ClassImage, ClassPyramid, most_frequent_classes};
+pub use class_pyramid::{ClassImage, ClassPyramid};
 pub(crate) use write::xml_text;
 pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
 
@@ -40,7 +40,7 @@ pub(super) use placement::meters_per_named_unit;
 use placement::{Placement, read_placement};
 use tags::{Directory, TiffSource, tag};
 
-use super::file::reserve_cells;
+use super::file::{check_cells, reserve_cells};
 use super::voids::Voids;
 use super::{CellWindow, GeoRef, Raster, VerticalCrs};
 use crate::error::{Result, Warning};
@@ -137,6 +137,11 @@ impl GeoTiff {
         self.placement.south_up
     }
 
+    /// Whether the file stores no cell at all.
+    pub(in crate::raster) fn is_empty(&self) -> bool {
+        self.image.blocks.iter().all(|(_, len)| *len == 0)
+    }
+
     /// Whether reading a part costs what the part costs.
     pub(in crate::raster) fn reads_parts(&self) -> bool {
         self.image.tiled || self.image.codec == Codec::None
@@ -229,7 +234,8 @@ impl GeoTiff {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let georef = self.georef().part(window);
-        if self.image.blocks.iter().all(|(_, len)| *len == 0) {
+        check_cells::<T>(&self.path, &georef)?;
+        if self.is_empty() {
             // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
             let mut voids = Voids::new(self.nodata);
             voids.n_missing = georef.n_cells() as u64;
