@@ -1,11 +1,12 @@
 //! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files, so that
 //! no temporary file is left. Work in pieces stops between two of them, and what is done by then is written.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::messages;
 use crate::error::{Error, ErrorClass, Result};
+use crate::quantity::counted;
 
 /// What an interrupt does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,8 +24,15 @@ static PHASE: Mutex<Phase> = Mutex::new(Phase::Working);
 /// Whether the user wants to stop.
 static STOP: AtomicBool = AtomicBool::new(false);
 
+/// UAVs whose files are complete, in a run that writes them one by one.
+static WRITTEN: AtomicU64 = AtomicU64::new(0);
+
 fn interrupted() -> Error {
-    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
+    let text = match WRITTEN.load(Ordering::Acquire) {
+        0 => "interrupted; nothing was written".to_string(),
+        n => format!("interrupted; the files of {} are written", counted(n, "UAV", "UAVs")),
+    };
+    Error::new(ErrorClass::Interrupted, 130, text)
 }
 
 fn enter(phase: Phase) {
@@ -34,6 +42,7 @@ fn enter(phase: Phase) {
 /// Starts to listen. A process may run several commands, and each begins without writing.
 pub(super) fn listen() {
     enter(Phase::Working);
+    WRITTEN.store(0, Ordering::Release);
     let handler = || {
         // Held while the program ends, so that no file is begun meanwhile.
         let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -59,6 +68,16 @@ pub(super) fn begin_pieces() {
 /// Whether the user wants no further piece of work.
 pub(super) fn wants_to_stop() -> bool {
     STOP.load(Ordering::Acquire)
+}
+
+/// The files of one more UAV are written: from here on an interrupt ends the program again.
+///
+/// # Errors
+/// If the user interrupted the writing.
+pub(super) fn end_writing() -> Result<()> {
+    WRITTEN.fetch_add(1, Ordering::AcqRel);
+    enter(Phase::Working);
+    check()
 }
 
 /// From here on [`check`] says when to stop.

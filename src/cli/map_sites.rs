@@ -12,16 +12,17 @@ use sha2::{Digest, Sha256};
 
 use super::args::MapArgs;
 use super::map::{Given, GivenScene, run_one, sites, typed_sites};
-use super::map_streamed::{on_disk, too_large};
+use super::map_streamed::{check_streamed, on_disk, too_large};
 use super::plan::{
-    Ready, built, checked_radius, is_raster_scene, meters_per_unit, raster_options, ready, warn_of_raster,
+    FIELD_BYTES_PER_CELL, Ready, built, check_memory, checked_radius, is_raster_scene, meters_per_unit, raster_options,
+    ready, warn_of_raster,
 };
 use super::{interrupt, messages};
 use crate::error::{Error, ErrorClass, Result, Warning};
-use crate::export::{site_in_names, with_suffix};
+use crate::export::{Format, sidecars, site_in_names, with_suffix};
 use crate::quantity::counted;
 use crate::raster::{GeoRef, RasterFile, origin_of};
-use crate::scene::{Site, StreamedSurface, SurfaceOptions, WindowedSolids, read_surface, surface_grid};
+use crate::scene::{Site, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
 const SITE: &str = "{site}";
@@ -90,22 +91,24 @@ impl<'a> SiteRuns<'a> {
         if !self.is_by_site() {
             return self.run_together(command);
         }
-        let (scenes, grid) = self.scenes()?;
+        let (mut scenes, grid) = self.scenes_or_grid()?;
         let sites = sites(typed, self.args.uavs.as_deref(), &grid)?;
         let plans = self.plans(&sites)?;
+        let inputs = self.inputs(false)?;
         let (mut n_done, mut n_skipped) = (0, 0);
         let mut failed: Option<Error> = None;
-        for (site, args) in sites.iter().zip(&plans) {
-            if interrupt::wants_to_stop() {
-                break;
-            }
-            let unit = self.unit(Some(site))?;
-            match self.run_site((args, &command), (&scenes, &grid), (site, &unit)) {
-                Ok(true) => n_done += 1,
+        for (site, args) in sites.iter().zip(plans) {
+            let unit = self.unit(Some(site), &inputs);
+            match self.run_site((args, &command), (&mut scenes, &grid), (site, &unit)) {
+                Ok(true) => {
+                    n_done += 1;
+                    interrupt::end_writing()?;
+                }
                 Ok(false) => n_skipped += 1,
                 Err(error) if error.class() == ErrorClass::Interrupted => return Err(error),
                 Err(error) => {
-                    if failed.is_some() || sites.len() > 1 {
+                    // The first one is told at the end.
+                    if failed.is_some() {
                         messages::error(&error);
                     }
                     failed.get_or_insert(error);
@@ -127,10 +130,9 @@ impl<'a> SiteRuns<'a> {
 
     /// One run of all UAVs, unless its files are there.
     fn run_together(&self, command: Vec<String>) -> Result<()> {
-        let unit = self.unit(None)?;
-        let files: Vec<PathBuf> = self.args.output.iter().chain(&self.args.height_curve).cloned().collect();
+        let unit = self.unit(None, &self.inputs(true)?);
         let mut args = self.args.clone();
-        match self.found(&files, &unit)? {
+        match found(&args, &unit)? {
             Found::All => {
                 if !self.args.out.quiet {
                     messages::note("nothing to do: the files are there, made by the same run");
@@ -143,31 +145,39 @@ impl<'a> SiteRuns<'a> {
         run_one(&args, command, Given { unit: Some(unit), ..Given::default() })
     }
 
-    /// The scenes, read as far as they serve every UAV, and their grid.
-    fn scenes(&self) -> Result<(SiteScenes, GeoRef)> {
+    /// The grid of the scenes; with them where they must be read to know it.
+    fn scenes_or_grid(&self) -> Result<(Option<SiteScenes>, GeoRef)> {
+        let scene = &self.args.scene;
+        if is_raster_scene(scene) && scene.project.is_none() {
+            return Ok((None, surface_grid(Path::new(&scene.scene), &raster_options(scene)?)?));
+        }
+        let scene = ready(scene, self.args.engine.max_memory)?;
+        let grid = scene.field.grid().clone();
+        Ok((Some(SiteScenes::Whole(Box::new(scene))), grid))
+    }
+
+    /// The scenes, read as far as they serve every UAV.
+    ///
+    /// With a radius of a raster they are its parts whatever its size: what a file holds must not depend on memory.
+    fn scenes(&self) -> Result<SiteScenes> {
         let args = self.args;
         let mut warnings = Vec::new();
         if self.radius_m.is_some() && is_raster_scene(&args.scene) && args.scene.project.is_none() {
-            let options = raster_options(&args.scene)?;
-            let path = Path::new(&args.scene.scene);
-            let file = RasterFile::open(path, &mut Vec::new())?;
-            if file.reads_parts() {
-                return Ok((SiteScenes::Parts, surface_grid(path, &options)?));
+            let files = std::iter::once(Path::new(&args.scene.scene)).chain(args.scene.terrain.as_deref());
+            for file in files {
+                if !RasterFile::open(file, &mut Vec::new())?.reads_parts() {
+                    let scene = on_disk(args, &mut warnings)?;
+                    return Ok(SiteScenes::PartsOnDisk(scene, warnings));
+                }
             }
-            if too_large(args).is_some() {
-                let scene = on_disk(args, &mut warnings)?;
-                let grid = surface_grid(path, &options)?;
-                return Ok((SiteScenes::PartsOnDisk(scene, warnings), grid));
-            }
+            return Ok(SiteScenes::Parts);
         }
         if too_large(args).is_some() {
+            check_streamed(args)?;
             let scene = on_disk(args, &mut warnings)?;
-            let grid = scene.grid().clone();
-            return Ok((SiteScenes::OnDisk(scene, warnings), grid));
+            return Ok(SiteScenes::OnDisk(scene, warnings));
         }
-        let scene = ready(&args.scene, args.engine.max_memory)?;
-        let grid = scene.field.grid().clone();
-        Ok((SiteScenes::Whole(Box::new(scene)), grid))
+        Ok(SiteScenes::Whole(Box::new(ready(&args.scene, args.engine.max_memory)?)))
     }
 
     /// What each UAV's run was asked, with files of its own.
@@ -195,20 +205,23 @@ impl<'a> SiteRuns<'a> {
     /// Maps one UAV; says whether there was anything to do.
     fn run_site(
         &self,
-        (args, command): (&MapArgs, &[String]),
-        (scenes, grid): (&SiteScenes, &GeoRef),
+        (mut args, command): (MapArgs, &[String]),
+        (scenes, grid): (&mut Option<SiteScenes>, &GeoRef),
         (site, unit): (&Site, &str),
     ) -> Result<bool> {
-        let mut args = args.clone();
         if args.resume {
-            let files: Vec<PathBuf> = args.output.iter().chain(&args.height_curve).cloned().collect();
-            match self.found(&files, unit)? {
+            match found(&args, unit)? {
                 Found::All => return Ok(false),
                 // A run that was killed between two files leaves the first.
                 Found::Some => args.out.overwrite = true,
                 Found::Nothing => {}
             }
         }
+        // Nothing is read before there is something to do.
+        let scenes = match scenes {
+            Some(scenes) => scenes,
+            None => scenes.insert(self.scenes()?),
+        };
         let scene = match scenes {
             SiteScenes::Whole(scene) => GivenScene::InMemory(scene.clone()),
             SiteScenes::OnDisk(scene, warnings) => GivenScene::OnDisk(scene, warnings.clone()),
@@ -218,8 +231,11 @@ impl<'a> SiteRuns<'a> {
             }
         };
         let given = Given { sites: Some(vec![site.clone()]), scene, unit: Some(unit.to_string()) };
-        run_one(&args, command.to_vec(), given)?;
-        Ok(true)
+        match run_one(&args, command.to_vec(), given) {
+            // Another process was faster.
+            Err(error) if args.resume && error.code() == "E106" && found(&args, unit)? == Found::All => Ok(false),
+            done => done.map(|()| true),
+        }
     }
 
     /// The part of a raster in range of a UAV.
@@ -228,6 +244,9 @@ impl<'a> SiteRuns<'a> {
         let args = self.args;
         let radius = self.radius_m.unwrap_or(f64::INFINITY) / meters_per_unit(grid);
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
+        let window = grid.window_within(around);
+        let needs = (FIELD_BYTES_PER_CELL, FIELD_BYTES_PER_CELL);
+        check_memory(&args.scene.scene, &grid.part(window), needs, args.engine.max_memory)?;
         let mut warnings = Vec::new();
         let scene = match stored {
             None => {
@@ -238,67 +257,85 @@ impl<'a> SiteRuns<'a> {
             }
             Some((stored, said)) => {
                 warnings.extend_from_slice(said);
-                stored.part(grid.window_within(around))?
+                stored.part(window)?
             }
         };
         built(&args.scene, (scene, warnings), (start, args.engine.max_memory))
     }
 
     /// What the run of a UAV, or of all, is one of: a hash of everything that its files depend on.
-    ///
-    /// Inputs are told apart by path, length and time of change.
-    fn unit(&self, site: Option<&Site>) -> Result<String> {
+    fn unit(&self, site: Option<&Site>, inputs: &str) -> String {
         let mut args = self.args.clone();
         // What changes no number.
         (args.output, args.height_curve) = (Vec::new(), Vec::new());
         (args.resume, args.scratch, args.engine.max_memory) = (false, None, None);
         (args.out.json, args.out.overwrite, args.out.quiet, args.out.threads) = (false, false, false, None);
-        args.scene.typed.clear();
-        let mut files: Vec<PathBuf> =
-            std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
-        match site {
-            Some(_) => (args.uav, args.uavs) = (Vec::new(), None),
-            None => files.extend(args.uavs.clone()),
+        (args.scene.typed, args.scene.paths) = (Vec::new(), Vec::new());
+        (args.scene.repairs, args.scene.found_repairs) = (None, std::sync::Arc::default());
+        if site.is_some() {
+            (args.uav, args.uavs) = (Vec::new(), None);
         }
         let mut hasher = Sha256::new();
-        hasher.update(format!("{} {args:?} {site:?}", env!("CARGO_PKG_VERSION")));
-        for file in files.iter().filter(|file| file.exists()) {
-            for part in parts_of(file) {
-                let metadata = std::fs::metadata(&part)
-                    .map_err(|e| Error::file(301, format!("cannot read {}: {e}", part.display())))?;
-                hasher.update(format!("{} {} {:?}", part.display(), metadata.len(), metadata.modified().ok()));
-            }
-        }
+        hasher.update(format!("{} {args:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
         let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        Ok(format!("sha256:{hex}"))
+        format!("sha256:{hex}")
     }
 
-    /// Which of some files are there, made by a unit.
-    ///
-    /// # Errors
-    /// E106 if one is there that is not of this unit, unless it may be replaced.
-    fn found(&self, files: &[PathBuf], unit: &str) -> Result<Found> {
-        let there: Vec<&PathBuf> = files.iter().filter(|file| file.exists()).collect();
-        let other = there.iter().find(|file| !is_of(file, unit));
-        match other {
-            Some(_) if self.args.out.overwrite => Ok(Found::Nothing),
-            Some(other) => {
-                let text = format!("cannot write {}: it exists, made by another run", other.display());
-                Err(Error::usage(106, text).with_hint("`--overwrite` replaces it"))
-            }
-            None if there.is_empty() => Ok(Found::Nothing),
-            None if there.len() == files.len() => Ok(Found::All),
-            None => Ok(Found::Some),
+    /// The files that all runs read, told by path, length and time of change; with that of the UAVs where these are not told
+    /// one by one.
+    fn inputs(&self, with_sites: bool) -> Result<String> {
+        let args = self.args;
+        let mut files: Vec<PathBuf> =
+            std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
+        files.extend(args.uavs.clone().filter(|_| with_sites));
+        let mut text = String::new();
+        for file in files.iter().filter(|file| file.exists()).flat_map(|file| parts_of(file)) {
+            let metadata = std::fs::metadata(&file)
+                .map_err(|e| Error::file(301, format!("cannot read {}: {e}", file.display())))?;
+            text += &format!("{} {} {:?};", file.display(), metadata.len(), metadata.modified().ok());
         }
+        Ok(text)
     }
 }
 
-/// The files that an input consists of.
+/// Which of the files of a run are there, made by a unit.
+///
+/// A file appears after what stands beside it, so that one that is there is complete; what stands there alone was left by a
+/// run that was killed.
+///
+/// # Errors
+/// E106 if one is there that is not of this unit, unless it may be replaced.
+fn found(args: &MapArgs, unit: &str) -> Result<Found> {
+    let files: Vec<&PathBuf> = args.output.iter().chain(&args.height_curve).collect();
+    let there: Vec<&PathBuf> = files.iter().copied().filter(|file| file.exists()).collect();
+    let other = there.iter().find(|file| !is_of(file, unit));
+    let is_left_alone = |file: &PathBuf| {
+        let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, args.bare));
+        !file.exists() && beside.iter().any(|sidecar| sidecar.exists())
+    };
+    match other {
+        Some(_) if args.out.overwrite => Ok(Found::Nothing),
+        Some(other) => {
+            let text = format!("cannot write {}: it exists, made by another run", other.display());
+            Err(Error::usage(106, text).with_hint("`--overwrite` replaces it"))
+        }
+        None if there.len() == files.len() => Ok(Found::All),
+        None if !there.is_empty() || files.iter().any(|file| is_left_alone(file)) => Ok(Found::Some),
+        None => Ok(Found::Nothing),
+    }
+}
+
+/// The files that an input consists of, and what may stand beside them.
 fn parts_of(input: &Path) -> Vec<PathBuf> {
-    let own = std::iter::once(input.to_path_buf());
     let tiles = RasterFile::open(input, &mut Vec::new())
-        .map(|file| file.tile_paths().iter().map(|p| p.to_path_buf()).collect());
-    own.chain(tiles.unwrap_or_else(|_| Vec::new())).collect()
+        .map(|file| file.tile_paths().iter().map(|path| path.to_path_buf()).collect::<Vec<_>>());
+    let files = std::iter::once(input.to_path_buf()).chain(tiles.unwrap_or_default());
+    let with_others = files.flat_map(|file| {
+        let others = ["prj", "tfw", "shx", "dbf", "cpg"].map(|extension| file.with_extension(extension));
+        let suffixed = [".aux.xml", ".msk", ".ovr"].map(|suffix| with_suffix(&file, suffix));
+        others.into_iter().chain(suffixed).filter(|other| other.exists()).chain([file.clone()]).collect::<Vec<_>>()
+    });
+    with_others.collect()
 }
 
 /// Whether a file was made by a unit: its hash is in what the file, or the document beside it, says of its origin, or among

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::{MapArgs, ReceiversArg, TifLayoutArg};
+use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
 use super::map_drawing::MapDrawing;
 use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
@@ -16,7 +16,7 @@ use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
 use crate::height_field::HeightField;
-use crate::los::Method;
+use crate::los::{Method, StreamLimits};
 use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::{ClassPyramid, GeoRef, RasterFile};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
@@ -24,6 +24,9 @@ use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
 
 /// Bytes that a map of a raster in memory takes for each cell: its heights, what is below them, and the mask.
 const BYTES_IN_MEMORY: u64 = FIELD_BYTES_PER_CELL as u64 + 1;
+
+/// What any run takes beside its cells \[bytes\].
+const ANY_RUN: u64 = 16 << 20;
 
 /// Why a raster is not read into memory.
 pub(super) struct TooLarge {
@@ -73,8 +76,8 @@ pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<Str
     let options = raster_options(&args.scene)?;
     let path = Path::new(&args.scene.scene);
     if !args.out.quiet {
-        let n_files = if options.terrain.is_some() { 2 } else { 1 };
-        let on_disk = n_files * StreamedSurface::bytes_on_disk(RasterFile::open(path, &mut Vec::new())?.georef());
+        let files = terrain_file(args)?.into_iter().chain([RasterFile::open(path, &mut Vec::new())?]);
+        let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(file.georef())).sum();
         let (on_disk, folder) = (memory_words(on_disk), scratch.display());
         let why = too_large(args).map_or_else(
             || "parts of it cannot be read alone".to_string(),
@@ -85,6 +88,96 @@ pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<Str
     let scene = StreamedSurface::read(path, &options, &scratch, warnings)?;
     warn_of_raster(&args.scene, warnings)?;
     Ok(scene)
+}
+
+/// Refuses what cannot be mapped strip by strip, before anything is copied.
+pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
+    let refuse = |what: String| {
+        let text = format!("cannot map {}: it does not fit in memory, and strip by strip {what}", args.scene.scene);
+        Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
+    };
+    for path in &args.output {
+        let is_made = matches!(
+            Format::of(path)?,
+            Format::GeoTiff | Format::Png | Format::Svg | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout
+        );
+        if !is_made {
+            return refuse(format!("{} cannot be made", path.display()));
+        }
+    }
+    if args.layers.iter().any(|layer| !matches!(layer, LayerArg::Los)) {
+        return refuse("no layer but `los` can be made".into());
+    }
+    let flags = [
+        ("--tolerance", args.tolerance.is_some()),
+        ("--height-curve", !args.height_curve.is_empty()),
+        ("--polygons", args.polygons.is_some()),
+        ("--bare", args.bare),
+        ("--tif-layout plain", matches!(args.tif_layout, TifLayoutArg::Plain)),
+        ("--receivers of a zone", args.receivers.zone().is_some()),
+    ];
+    if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
+        return refuse(format!("`{flag}` is not at hand"));
+    }
+    strip_memory(args).map(|_| ())
+}
+
+/// Bytes that strips take, beside the receivers that wait.
+///
+/// # Errors
+/// E501 if that is more than `--max-memory`, or the grid is larger than a lattice.
+fn strip_memory(args: &MapArgs) -> Result<u64> {
+    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
+    let grid = file.georef();
+    let (n_rows, n_cols, n_cells) = (grid.n_rows(), grid.n_cols(), grid.n_cells() as u64);
+    if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
+        let text = format!(
+            "cannot map {}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side",
+            args.scene.scene
+        );
+        return Err(Error::limit(501, text)
+            .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
+    }
+    let n_kinds = if args.receivers == ReceiversArg::All { 2 } else { 1 };
+    let n_sets = n_kinds * if args.engine.radius.is_some() { 3 } else { 2 };
+    // Cells of a terrain below one of the surface.
+    let finer = match terrain_file(args)? {
+        Some(terrain) => {
+            let below = terrain.georef();
+            (grid.cell_width() * grid.cell_height() / (below.cell_width() * below.cell_height())).max(1.0)
+        }
+        None => 0.0,
+    };
+    // A strip as it is read, as lines, and as it is written, with the terrain below it; the tiles of a GeoTIFF.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
+    let strips = ((6.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
+    let needed = n_cells / 8 * n_sets + strips + n_cells / 64;
+    match args.engine.max_memory {
+        Some(most) if needed > most + ANY_RUN => {
+            let text = format!(
+                "cannot map {}: {n_cols}×{n_rows} cells need {} of memory even strip by strip, more than the {} that \
+                 `--max-memory` allows",
+                args.scene.scene,
+                memory_words(needed),
+                memory_words(most)
+            );
+            Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
+        }
+        _ => Ok(needed),
+    }
+}
+
+/// The terrain, opened.
+fn terrain_file(args: &MapArgs) -> Result<Option<RasterFile>> {
+    args.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
+}
+
+/// How many receivers may wait: as many as `--max-memory` leaves room for, held twice while their lists grow.
+fn limits(args: &MapArgs) -> Result<StreamLimits> {
+    let all = StreamLimits::default();
+    let left = args.engine.max_memory.map(|most| (most + ANY_RUN).saturating_sub(strip_memory(args).unwrap_or(0)));
+    let waiting = left.map_or(all.waiting, |bytes| usize::try_from(bytes / 32).unwrap_or(all.waiting));
+    Ok(StreamLimits { waiting: waiting.clamp(1 << 16, all.waiting), ..all })
 }
 
 /// What was asked for, checked.
@@ -103,82 +196,9 @@ pub(super) struct StreamedRun<'a> {
 }
 
 impl StreamedRun<'_> {
-    /// Refuses what needs every cell in memory.
-    fn check(&self) -> Result<()> {
-        let refuse = |what: String| {
-            let text =
-                format!("cannot map {}: it does not fit in memory, and strip by strip {what}", self.args.scene.scene);
-            Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
-        };
-        if let Some((path, _)) = self.outputs.iter().find(|(_, format)| {
-            !matches!(
-                format,
-                Format::GeoTiff
-                    | Format::Png
-                    | Format::Svg
-                    | Format::Csv
-                    | Format::Json
-                    | Format::GeoJson
-                    | Format::Stdout
-            )
-        }) {
-            return refuse(format!("{} cannot be made", path.display()));
-        }
-        if self.layers != [Layer::Los] {
-            return refuse("no layer but `los` can be made".into());
-        }
-        let flags = [
-            ("--tolerance", self.args.tolerance.is_some()),
-            ("--height-curve", !self.args.height_curve.is_empty()),
-            ("--polygons", self.args.polygons.is_some()),
-            ("--bare", self.args.bare),
-            ("--tif-layout plain", matches!(self.args.tif_layout, TifLayoutArg::Plain)),
-            ("--receivers of a zone", self.args.receivers.zone().is_some()),
-        ];
-        match flags.iter().find(|(_, typed)| *typed) {
-            Some((flag, _)) => refuse(format!("`{flag}` is not at hand")),
-            None => Ok(()),
-        }
-    }
-
-    /// Refuses what takes more than `--max-memory` even strip by strip.
-    fn check_memory(&self, grid: &GeoRef) -> Result<()> {
-        /// What any run takes beside its cells \[bytes\].
-        const ANY_RUN: u64 = 16 << 20;
-        let n_kinds = if self.args.receivers == ReceiversArg::All { 2 } else { 1 };
-        let n_sets = n_kinds * if self.radius_m.is_some() { 3 } else { 2 };
-        // A strip as it is read, as lines, and as it is written, with the terrain below it.
-        let strips = 6 * 4 * 256 * grid.n_rows().max(grid.n_cols()) as u64;
-        let needed = grid.n_cells() as u64 / 8 * n_sets + strips;
-        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
-            let text = format!(
-                "cannot map {}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side",
-                self.args.scene.scene
-            );
-            return Err(Error::limit(501, text)
-                .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
-        }
-        match self.args.engine.max_memory {
-            Some(most) if needed > most + ANY_RUN => {
-                let text = format!(
-                    "cannot map {}: {n_cols}×{n_rows} cells need {} of memory even strip by strip, more than the {} that \
-                     `--max-memory` allows",
-                    self.args.scene.scene,
-                    memory_words(needed),
-                    memory_words(most)
-                );
-                Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Copies the heights to the disk, then maps.
     pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>) -> Result<()> {
-        self.check()?;
-        // Before anything is copied.
-        self.check_memory(RasterFile::open(Path::new(&self.args.scene.scene), &mut Vec::new())?.georef())?;
+        check_streamed(self.args)?;
         let mut warnings: Vec<Warning> = Vec::new();
         let scene = on_disk(self.args, &mut warnings)?;
         self.over(&scene, warnings, sites)
@@ -191,12 +211,11 @@ impl StreamedRun<'_> {
         mut warnings: Vec<Warning>,
         sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>,
     ) -> Result<()> {
-        self.check()?;
+        check_streamed(self.args)?;
         let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
-        self.check_memory(grid)?;
         let uav = self.uav(scene, &sites(grid)?, radius)?;
         if scene.base() == WindowedBase::Surface {
             check_surface_receivers(args.receivers)?;
@@ -206,6 +225,7 @@ impl StreamedRun<'_> {
         let asked = Asked { receivers: args.receivers, rx_height: self.rx_height, radius, engine: &args.engine };
         let options = asked.options(grid, None);
         let control = Control::default();
+        let n_swept = grid.n_cells() as u64 * if args.receivers == ReceiversArg::All { 2 } else { 1 };
         let before_los = Instant::now();
         let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
         let mask_values = if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes };
@@ -213,8 +233,8 @@ impl StreamedRun<'_> {
         let mut digest = MaskDigest::new(grid);
         let factor = if self.has_picture() { picture_factor(grid) } else { 0 };
         let mut shown = Vec::new();
-        let coverage = messages::with_progress(&control, (grid.n_cells() as u64, "cells"), quiet, || {
-            let mapper = StreamedMapper::new(scene, &options, &control)?;
+        let coverage = messages::with_progress(&control, (n_swept, "cells"), quiet, || {
+            let mapper = StreamedMapper::new(scene, &options, &control)?.with_limits(limits(args)?);
             mapper.map(&uav, &control, |_, mask| {
                 digest.add(mask);
                 if factor > 0 {
@@ -306,7 +326,7 @@ impl StreamedRun<'_> {
         let field = HeightField::build(&grid, scene.highest(factor)?, &mut Vec::new());
         let ready = Ready {
             name: scene.name.clone(),
-            field,
+            field: std::sync::Arc::new(field),
             sources: Vec::new(),
             attribution: None,
             built_up: None,

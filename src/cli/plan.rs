@@ -1,6 +1,7 @@
 //! What was typed, resolved: the scene read and built, sites placed, numbers checked.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::args::{HeightUnitArg, Missing, Nodata, SceneArgs};
@@ -25,7 +26,8 @@ use crate::zones::{ZoneBasis, ZoneMap};
 #[derive(Debug, Clone)]
 pub(super) struct Ready {
     pub(super) name: String,
-    pub(super) field: HeightField,
+    /// Shared by the runs of many UAVs.
+    pub(super) field: Arc<HeightField>,
     pub(super) sources: Vec<Source>,
     /// Whom pictures must credit.
     pub(super) attribution: Option<String>,
@@ -283,7 +285,7 @@ pub(super) fn built(
     let seed = built_up.map(|_| args.seed);
     Ok(Ready {
         name,
-        field,
+        field: Arc::new(field),
         sources,
         attribution,
         built_up,

@@ -45,7 +45,7 @@ pub(super) fn simplify(
     let grid = scene.field.grid();
     let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * meters_per_unit(grid));
     if let Some((_, field, moved)) = choice.taken {
-        scene.field = field;
+        scene.field = std::sync::Arc::new(field);
         *uavs = moved;
     }
     Ok(facts)

@@ -16,7 +16,7 @@ use crate::los::{
     ColumnsReader, GridReceivers, MethodChoice, SimdLevel, StreamLimits, StreamedHeights, StreamedScene,
     streamed_sweep_los,
 };
-use crate::quantity::VOID;
+use crate::quantity::{MAX_EXTENT_UNITS, VOID};
 use crate::raster::{BitGrid, CellWindow, GeoRef};
 use crate::scene::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 
@@ -31,6 +31,7 @@ pub struct StreamedMapper<'a, S> {
     max_top: i32,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
+    limits: StreamLimits,
 }
 
 /// What receivers stand on.
@@ -83,8 +84,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// Makes ready what does not depend on the UAV: reads the scene once.
     ///
     /// # Errors
-    /// E118 if the options ask for another engine than `sweep`, or for more than the mask; those of the scene; and that of
-    /// [`super::Mapper::map`] when `control.stop` was set.
+    /// E118 if the options ask for another engine than `sweep`, or for more than the mask; E502 for more cells a side than a
+    /// lattice has; those of the scene; and that of [`super::Mapper::map`] when `control.stop` was set.
     pub fn new(scene: &'a S, options: &'a MapOptions, control: &Control) -> Result<Self> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
             let text = "the method that was asked for cannot decide this scene, which does not fit in memory";
@@ -94,12 +95,20 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             let text = "layers of heights and zones need the whole scene in memory, in which it does not fit";
             return Err(Error::usage(118, text).with_hint("`--layers los`, and receivers in no zone"));
         }
+        let grid = scene.grid();
+        if grid.n_rows().max(grid.n_cols()) as f64 > MAX_EXTENT_UNITS {
+            let text = format!(
+                "cannot map {} × {} cells strip by strip: wanted at most {MAX_EXTENT_UNITS} a side",
+                grid.n_cols(),
+                grid.n_rows()
+            );
+            return Err(Error::limit(502, text));
+        }
         let stands: &[Stand] = match options.receivers {
             Receivers::Ground => &[Stand::Ground],
             Receivers::Roof => &[Stand::Roof],
             Receivers::All => &[Stand::Ground, Stand::Roof],
         };
-        let grid = scene.grid();
         let mut cells: Vec<BitGrid> = stands.iter().map(|_| BitGrid::new(grid.n_rows(), grid.n_cols())).collect();
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
         let mut max_top = VOID;
@@ -127,7 +136,14 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let receivers = receivers.collect();
         let mut xs: Vec<f64> = (0..grid.n_cols()).map(|col| grid.world_from_cell(0, col).0).collect();
         xs.resize(grid.n_cols().div_ceil(64) * 64, 0.0);
-        Ok(StreamedMapper { scene, options, receivers, max_top, xs })
+        Ok(StreamedMapper { scene, options, receivers, max_top, xs, limits: StreamLimits::default() })
+    }
+
+    /// The same with other limits to what is held in memory: no result depends on them.
+    #[must_use]
+    pub fn with_limits(mut self, limits: StreamLimits) -> Self {
+        self.limits = limits;
+        self
     }
 
     /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is
@@ -220,7 +236,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             receivers: receivers.heights,
             wanted: wanted.as_ref().unwrap_or(&receivers.cells),
             window: range.window(),
-            limits: StreamLimits::default(),
+            limits: self.limits,
             level: SimdLevel::new(),
         };
         let swept = streamed_sweep_los(&scene, &|n_cells| {

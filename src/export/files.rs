@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ffi::OsString;
+use std::hash::{BuildHasher, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -159,7 +160,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
 }
 
 /// The files that may be written beside an output.
-fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
+pub(crate) fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     let beside = |suffix: &str| super::with_suffix(path, suffix);
     match format {
         Format::GeoTiff => vec![beside(".aux.xml")],
@@ -257,11 +258,13 @@ impl Batch {
         }
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
-        name.push(format!(".{}.part", std::process::id()));
+        // Unlike those of other programs that write the same file, also where each is process 1 of its own machine.
+        let random = std::hash::RandomState::new().build_hasher().finish();
+        name.push(format!(".{random:016x}.part"));
         let temporary = folder_of(path).join(name);
         self.files.push((temporary.clone(), path.to_path_buf()));
         let failed = |e: std::io::Error| Error::internal(401, format!("cannot write {}: {e}", path.display()));
-        let file = std::fs::File::create(&temporary).map_err(failed)?;
+        let file = std::fs::File::create_new(&temporary).map_err(failed)?;
         let mut file = std::io::BufWriter::with_capacity(1 << 16, file);
         write(&mut file)?;
         let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
@@ -270,10 +273,17 @@ impl Batch {
 
     /// Gives every file its final name.
     ///
+    /// What tells of a file stands beside it before the file does, so that a file that is there is complete; but where both
+    /// are replaced it comes after the file, so that no old file is told of as new.
+    ///
     /// # Errors
     /// Internal error (E401) if a rename fails.
     pub fn commit(mut self) -> Result<()> {
-        // Renamed files leave the list, so that what is left after a failure is removed when the batch is dropped.
+        // The last of the list is renamed first. Renamed files leave it, so that what is left after a failure is removed when
+        // the batch is dropped.
+        let (replaced, new): (Vec<_>, Vec<_>) = self.files.drain(..).partition(|(_, path)| path.exists());
+        // A sidecar is added after its file: new ones are renamed from the end, replaced ones from the beginning.
+        self.files = replaced.into_iter().rev().chain(new).collect();
         while let Some((temporary, path)) = self.files.last() {
             std::fs::rename(temporary, path)
                 .map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))?;

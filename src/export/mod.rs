@@ -19,6 +19,7 @@ mod zones;
 pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
 pub use city_mesh::{CityMesh, Mesh, city_mesh};
 pub use compare::{Comparison, add_comparison};
+pub(crate) use files::sidecars;
 pub use files::{Batch, Format, OutputRules, check_outputs};
 pub use kmz::encode_kmz;
 pub(crate) use map::with_suffix;

@@ -95,16 +95,23 @@ impl<'a> HeightFile<'a> {
     /// If the file cannot be read, no cell holds a height, or one holds a height that is out of range.
     pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
         let HeightFile { path, file, window, georef } = self;
-        let plain = if window == file.georef().window() { file.read_plain_heights(warnings)? } else { None };
+        let is_part = window != file.georef().window();
+        let plain = if is_part { None } else { file.read_plain_heights(warnings)? };
         let (cells, n_void) = match plain {
             Some((raster, n_void)) => (raster.into_cells(), n_void),
-            None => lattice_heights((path, &file, window), warnings)?,
+            None => match lattice_heights((path, &file, window), warnings) {
+                // A hole of the file is no fault of it.
+                Err(error) if is_part && error.code() == "E305" => {
+                    (vec![VOID; georef.n_cells()], georef.n_cells() as u64)
+                }
+                heights => heights?,
+            },
         };
         let sources = Source::of_raster(path, &file, always_hash, warnings)?;
         Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
     }
 
-    /// Copies all heights to tiles on disk: memory is that of a row of tiles.
+    /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
     ///
     /// # Errors
     /// As [`HeightFile::read`], and E401 if there is no room on the disk.

@@ -64,7 +64,7 @@ enum StreamedGround {
 impl StreamedSurface {
     /// Copies a surface model, and the terrain below it, to tiles in files without a name in `scratch`.
     ///
-    /// Memory is that of a row of tiles. What is refused and warned of is that of [`super::read_surface`].
+    /// Memory is that of a row of tiles, and of a row of blocks of the file. What is refused and warned of is that of [`super::read_surface`].
     ///
     /// # Errors
     /// As [`super::read_surface`], and E401 if there is no room on the disk.

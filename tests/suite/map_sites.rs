@@ -110,6 +110,18 @@ fn what_is_there_is_left_alone() {
     assert!(run(&line).contains("1 UAV mapped, 2 there already"));
     assert!(folder.files().contains(&"site_1.exr".to_string()));
     assert_eq!(written("site_0.tif"), before);
+    // What is left of a run that was killed beside files that are not there is replaced.
+    for name in ["site_2.tif", "site_2.csv", "site_2.asc", "site_2.bil"] {
+        std::fs::remove_file(folder.join(name)).expect("a file");
+    }
+    assert!(run(&line).contains("1 UAV mapped, 2 there already"));
+    // Where files are called is nobody's business, nor where scratch goes, nor how the UAV was given.
+    let place = folder.text("sites.csv").lines().nth(1).map(|row| row.replacen("site 0,", "", 1)).expect("a row");
+    folder.write("one.csv", &format!("id,x,y,h\n1,{place}\n"));
+    run("map dsm.tif --ground 0 --uavs one.csv --radius 60 -o u-{site}.csv --resume");
+    let again = "map dsm.tif --ground 0 --radius 60 --scratch . -o ./u-{site}.csv --resume";
+    assert!(run(&format!("{again} --uav {place}")).contains("0 UAVs mapped, 1 there already"));
+    assert!(run(&format!("{again} --uav {place} -o ./u-{{site}}.json")).contains("1 UAV mapped"));
     // Another question has another answer.
     let answer = folder.type_in(&format!("{line} --rx-height 2"));
     assert!(answer.refused(2)[0].contains("made by another run"), "{answer:?}");
@@ -138,6 +150,45 @@ fn a_uav_that_cannot_be_mapped_does_not_stop_the_others() {
     assert!(mixed.refused(2)[1].contains("{site}"));
     folder.write("twins.csv", "id,x,y,h\na b,9,9,90\na/b,99,99,90\n");
     assert!(folder.type_in("map dsm.tif --uavs twins.csv -o {site}.csv").refused(4)[0].contains("share the files"));
+}
+
+#[test]
+fn an_interrupt_ends_the_run_and_says_what_is_written() {
+    let folder = Folder::new();
+    write_scene(&folder, 300);
+    let line = "map dsm.tif --ground 0 --uavs sites.csv -o {site}.csv";
+    let child = program(folder.path(), &line.split_whitespace().collect::<Vec<_>>()).spawn().expect("it starts");
+    let is_begun = || folder.files().iter().filter(|name| name.ends_with(".csv")).count() > 3;
+    while !is_begun() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let kill =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("`kill` runs");
+    assert!(kill.success());
+    let answer = wait(child);
+    assert_eq!(answer.code(), 130, "{answer:?}");
+    assert!(answer.err.contains("interrupted; the files of "), "{answer:?}");
+    assert!(!folder.files().iter().any(|name| name.ends_with(".part")), "{:?}", folder.files());
+}
+
+#[test]
+fn a_hole_in_range_is_no_fault_of_the_file() {
+    let folder = Folder::new();
+    let row = format!("{}\n", vec!["-9999"; 60].join(" "));
+    let high = format!("{}\n", vec!["5"; 60].join(" "));
+    let rows = row.repeat(30) + &high.repeat(30);
+    let header = "ncols 60\nnrows 60\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n";
+    folder.write("half.asc", &(header.to_string() + &rows));
+    let over = "--uav 30,50,30amsl --radius 6";
+    folder.type_in(&format!("map half.asc {over} -o whole.json -q")).done();
+    folder.type_in(&format!("map half.asc {over} -o part-{{site}}.json -q")).done();
+    std::fs::create_dir(folder.join("tiles")).expect("a folder");
+    std::fs::copy(folder.join("half.asc"), folder.join("tiles/half.asc")).expect("a copy");
+    folder.type_in(&format!("map tiles {over} -o tile-{{site}}.json -q")).done();
+    for name in ["whole.json", "part-1.json", "tile-1.json"] {
+        assert_eq!(folder.json(name)["sites"][0]["p_los"], Value::Null, "{name}");
+    }
+    assert_eq!(folder.json("part-1.json")["scene"]["extent"], folder.json("tile-1.json")["scene"]["extent"]);
 }
 
 #[test]
