@@ -7,8 +7,8 @@ targets=("$@")
 # Allocators may refuse a size that a damaged header asks for; readers answer that with an error.
 export ASAN_OPTIONS=allocator_may_return_null=1 RAYON_NUM_THREADS=1
 for target in "${targets[@]}"; do
-  mkdir -p "corpus/$target"
+  mkdir -p "corpus/$target" artifacts
   cargo +nightly fuzz run -O "$target" -- -max_total_time="${SECONDS_EACH:-150}" -rss_limit_mb=3000 -malloc_limit_mb=20000 \
-    -timeout=20 -print_final_stats=1 -verbosity=1 >"/tmp/fuzz-$target.log" 2>&1
-  printf '%-16s exit %s, %s\n' "$target" "$?" "$(grep -a 'number_of_executed_units' "/tmp/fuzz-$target.log")"
+    -timeout=20 -print_final_stats=1 -verbosity=1 >"artifacts/$target.log" 2>&1
+  printf '%-16s exit %s, %s\n' "$target" "$?" "$(grep -a 'number_of_executed_units' "artifacts/$target.log")"
 done
