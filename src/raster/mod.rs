@@ -20,6 +20,7 @@ mod lonlat;
 mod mosaic;
 mod npz;
 mod origin;
+mod sample;
 mod simpler_rings;
 mod tile_store;
 mod voids;

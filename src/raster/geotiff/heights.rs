@@ -7,13 +7,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::prelude::*;
 use tiff_reader::ByteOrder;
 
-use super::header::{Codec, Sample};
+use super::header::Codec;
 use super::tags::TiffSource;
 use super::{GeoTiff, turn_over};
 use crate::error::{Error, Result, Warning};
 use crate::raster::Raster;
 use crate::raster::file::reserve_cells;
 use crate::raster::lattice_rows::lattice_row;
+use crate::raster::sample::Sample;
 use crate::raster::voids::Voids;
 
 /// Bytes that a thread reads at a time: they are converted while they are in its cache.

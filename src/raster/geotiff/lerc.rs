@@ -5,8 +5,9 @@
 
 use lerc_core::PixelData;
 
-use super::header::{Image, Sample};
+use super::header::Image;
 use super::read::Block;
+use crate::raster::sample::Sample;
 
 /// Decodes one blob into samples in the byte order of the machine; the error says what was wrong.
 pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<Block, String> {

@@ -35,12 +35,13 @@ pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam
 
 use std::path::{Path, PathBuf};
 
-use header::{Codec, Image, Sample};
+use header::{Codec, Image};
 pub(super) use placement::meters_per_named_unit;
 use placement::{Placement, read_placement};
 use tags::{Directory, TiffSource, tag};
 
 use super::file::{check_cells, reserve_cells};
+use super::sample::Sample;
 use super::voids::Voids;
 use super::{CellWindow, GeoRef, Raster, VerticalCrs};
 use crate::error::{Result, Warning};

@@ -11,10 +11,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use rayon::prelude::*;
 use tiff_reader::{ByteOrder, filters};
 
-use super::header::{Codec, Image, LercInner, Predictor, Sample};
+use super::header::{Codec, Image, LercInner, Predictor};
 use super::lerc::decode_lerc;
 use super::tags::TiffSource;
 use crate::error::Result;
+use crate::raster::sample::Sample;
 
 /// Decoded bytes to hold at a time, unless one row of blocks needs more.
 const BAND_BYTES: u64 = 16 << 20;

@@ -29,10 +29,11 @@ mod vrt_source;
 
 use std::path::{Path, PathBuf};
 
-use numbers::{NumberType, Rule};
+use numbers::Rule;
 use tile::Tile;
 
 use super::file::reserve_cells;
+use super::sample::Sample;
 use super::voids::Voids;
 use super::{CellWindow, GeoRef, Raster, VerticalCrs};
 use crate::error::{Result, Warning};
@@ -69,7 +70,7 @@ pub struct Mosaic {
 /// What a mosaic was opened from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    VirtualRaster { numbers: NumberType, n_bands: usize },
+    VirtualRaster { numbers: Sample, n_bands: usize },
     Folder,
 }
 

@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::covered::n_covered_cells;
-use super::numbers::NumberType;
 use super::tile::{Header, read_headers, told_once};
 use super::vrt_source::Source;
 use super::{Kind, MAX_DEPTH, MAX_SIDE, Mosaic, Piece};
 use crate::error::{Error, Result, Warning};
 use crate::raster::file::open_file;
 use crate::raster::geotiff::meters_per_named_unit;
+use crate::raster::sample::Sample;
 use crate::raster::{Crs, GeoRef};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
@@ -29,7 +29,7 @@ const MAX_SHEAR_CELLS: f64 = 1e-3;
 struct Described {
     georef: GeoRef,
     n_bands: usize,
-    numbers: NumberType,
+    numbers: Sample,
     /// The number of cells in no source, and of cells without a height.
     empty: f64,
     nodata: Option<f64>,
@@ -240,7 +240,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     }
     let georef = placement(vrt, root, warnings)?;
     let type_name = attribute(band, "dataType").unwrap_or("Byte");
-    let numbers = NumberType::of_gdal(type_name)
+    let numbers = Sample::of_gdal(type_name)
         .ok_or_else(|| vrt.error(304, band, format!("numbers of type `{type_name}`, wanted integers or floats")))?;
     let declared = match child(band, "NoDataValue") {
         None => None,
@@ -248,8 +248,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
         Some(node) => Some(vrt.number(node, "NoDataValue", text_of(node))?),
     };
     // As the numbers can hold it, if they are floats; an integer band never holds a fraction.
-    let is_float = matches!(numbers, NumberType::F32 | NumberType::F64);
-    let declared = declared.map(|nodata| if is_float { numbers.rounded(nodata) } else { nodata });
+    let declared = declared.map(|nodata| if numbers.is_float() { numbers.rounded(nodata) } else { nodata });
     let is_hidden = child(band, "HideNoDataValue")
         .is_some_and(|node| ["1", "yes", "true", "on"].contains(&text_of(node).to_ascii_lowercase().as_str()));
     let scale = vrt.child_number(band, "Scale")?.filter(|scale| *scale != 0.0).unwrap_or(1.0);

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use super::numbers::{NumberType, Rule};
+use super::numbers::Rule;
 use super::placed::covered_area;
 use super::tile::{Header, Tile};
 use super::vrt::{Vrt, attribute, child, text_of, translate_hint};
 use crate::error::{Error, Result};
 use crate::raster::CellWindow;
+use crate::raster::sample::Sample;
 
 /// How far a rectangle may be off whole cells \[cells\].
 const MAX_FRACTION: f64 = 1e-6;
@@ -39,7 +40,7 @@ pub(super) struct Place {
 
 impl Source {
     /// The sources of a band, the lowest first.
-    pub(super) fn all_of(vrt: Vrt<'_>, band: Node<'_, '_>, numbers: NumberType) -> Result<Vec<Source>> {
+    pub(super) fn all_of(vrt: Vrt<'_>, band: Node<'_, '_>, numbers: Sample) -> Result<Vec<Source>> {
         let mut sources = Vec::new();
         for node in band.children().filter(Node::is_element) {
             let name = node.tag_name().name();
@@ -148,7 +149,7 @@ impl Source {
 }
 
 /// The rule of a `ComplexSource`.
-fn scaled(vrt: Vrt<'_>, node: Node<'_, '_>, to: NumberType) -> Result<Rule> {
+fn scaled(vrt: Vrt<'_>, node: Node<'_, '_>, to: Sample) -> Result<Rule> {
     let computes = |node: &Node<'_, '_>| COMPUTING.iter().any(|name| node.tag_name().name().eq_ignore_ascii_case(name));
     if let Some(node) = node.children().find(computes) {
         return Err(vrt.unsupported(node, format!("`{}`", node.tag_name().name())));
