@@ -15,10 +15,9 @@ const GOOD: &str = r#"<VRTDataset rasterXSize="15" rasterYSize="12"><SRS>EPSG:25
 <SrcRect xOff="0" yOff="0" xSize="5" ySize="4"/><DstRect xOff="5" yOff="4" xSize="5" ySize="4"/>
 <NODATA>-9999</NODATA></ComplexSource></VRTRasterBand></VRTDataset>"#;
 
-#[test]
-fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
-    let folder = nine_tiles();
-    let mut other = PlainTiff {
+/// A tile of 5 × 4 cells at the corner, all of one height.
+fn flat_tile() -> PlainTiff {
+    PlainTiff {
         corner: CORNER,
         cell: 2.0,
         n_cols: 5,
@@ -27,8 +26,14 @@ fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
         values: vec![1.0; 20],
         nodata: None,
         rows_per_strip: 4,
-        epsg: 25833,
-    };
+        epsg: 25832,
+    }
+}
+
+#[test]
+fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
+    let folder = nine_tiles();
+    let mut other = PlainTiff { epsg: 25833, ..flat_tile() };
     std::fs::write(folder.join("nine/utm33.tif"), other.bytes()).unwrap();
     folder.write("good.vrt", GOOD);
     assert!(read(&folder.join("good.vrt")).is_ok());
@@ -151,17 +156,7 @@ fn hostile_virtual_rasters_are_refused_within_seconds() {
 
 #[test]
 fn tiles_that_do_not_belong_together_are_named() {
-    let base = PlainTiff {
-        corner: CORNER,
-        cell: 2.0,
-        n_cols: 5,
-        n_rows: 4,
-        cells: Cells::Int16,
-        values: vec![1.0; 20],
-        nodata: None,
-        rows_per_strip: 4,
-        epsg: 25832,
-    };
+    let base = flat_tile();
     let east = (CORNER.0 + 10.0, CORNER.1);
     let cases: [(PlainTiff, Option<&str>, &str); 6] = [
         (PlainTiff { corner: east, cell: 2.001, ..base.clone() }, Some("E307"), "cells of 2×2 and 2.001×2.001"),
