@@ -20,12 +20,13 @@ const TOWN: &str = r#"{"type": "FeatureCollection",
   {"type": "Feature", "properties": {"height": 9.5}, "geometry": {"type": "Polygon",
    "coordinates": [[[691630,5334755],[691645,5334762],[691640,5334770],[691630,5334755]]]}}]}"#;
 
-/// The town's grid, seen from two UAVs.
-const MAP: &str = "map town.geojson --extent 691600,5334750,691660,5334790 --uav 691605,5334755,40";
+/// The town's grid, seen from one UAV.
+pub(crate) const MAP: &str = "map town.geojson --extent 691600,5334750,691660,5334790 --uav 691605,5334755,40";
 const N_COLS: usize = 60;
 const N_ROWS: usize = 40;
 
-fn town() -> Folder {
+/// A folder with the town as `town.geojson`.
+pub(crate) fn town() -> Folder {
     let folder = Folder::new();
     folder.write("town.geojson", TOWN);
     folder

@@ -7,23 +7,11 @@ use geotiff_reader::GeoTiffFile;
 use serde_json::{Value, json};
 use zip::ZipArchive;
 
+use crate::cli_map::{MAP, town};
 use crate::program::Folder;
 use crate::support::{has_program, python_with};
 
-const TOWN: &str = r#"{"type": "FeatureCollection",
-  "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, "features": [
-  {"type": "Feature", "properties": {"height": 20}, "geometry": {"type": "Polygon",
-   "coordinates": [[[691610,5334760],[691620,5334760],[691620,5334775],[691610,5334775],[691610,5334760]]]}},
-  {"type": "Feature", "properties": {"height": 9.5}, "geometry": {"type": "Polygon",
-   "coordinates": [[[691630,5334755],[691645,5334762],[691640,5334770],[691630,5334755]]]}}]}"#;
-const MAP: &str = "map town.geojson --extent 691600,5334750,691660,5334790 --uav 691605,5334755,40";
 const SHAPE: [usize; 2] = [40, 60];
-
-fn town() -> Folder {
-    let folder = Folder::new();
-    folder.write("town.geojson", TOWN);
-    folder
-}
 
 fn mask_of(folder: &Folder, name: &str) -> Vec<u8> {
     GeoTiffFile::from_bytes(folder.read(name)).unwrap().read_raster::<u8>().unwrap().into_iter().collect()
