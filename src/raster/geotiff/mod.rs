@@ -19,6 +19,7 @@
 //! lossy compression.
 
 mod class_pyramid;
+mod geo_tags;
 mod header;
 mod heights;
 mod lerc;
@@ -30,8 +31,9 @@ mod tags;
 mod write;
 
 pub use class_pyramid::{ClassImage, ClassPyramid};
-pub(crate) use write::xml_text;
-pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar, write_geotiff};
+pub use geo_tags::pam_sidecar;
+pub(crate) use geo_tags::xml_text;
+pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, write_geotiff};
 
 use std::path::{Path, PathBuf};
 
