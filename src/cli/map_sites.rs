@@ -22,6 +22,7 @@ use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Format, sidecars, site_in_names, with_suffix};
 use crate::quantity::counted;
 use crate::raster::{GeoRef, RasterFile, origin_of};
+use crate::report::digest_words;
 use crate::scene::{Site, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
@@ -277,8 +278,7 @@ impl<'a> SiteRuns<'a> {
         }
         let mut hasher = Sha256::new();
         hasher.update(format!("{} {args:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
-        let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        format!("sha256:{hex}")
+        digest_words(hasher)
     }
 
     /// The files that all runs read, told by path, length and time of change; with that of the UAVs where these are not told

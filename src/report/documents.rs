@@ -12,7 +12,7 @@ use crate::coverage::{IdleFootprints, Placement, SiteCoverage, Tally};
 use crate::error::Warning;
 use crate::los::Method;
 use crate::raster::GeoRef;
-use crate::scene::Source;
+use crate::scene::{Source, hex_digits};
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// What every document says of a run.
@@ -183,9 +183,8 @@ impl MaskDigest {
 }
 
 /// A digest as documents tell it: `sha256:` and its hexadecimal digits.
-pub(super) fn digest_words(hasher: Sha256) -> String {
-    let hex: String = hasher.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    format!("sha256:{hex}")
+pub(crate) fn digest_words(hasher: Sha256) -> String {
+    format!("sha256:{}", hex_digits(hasher))
 }
 
 /// The digest of some masks.

@@ -26,6 +26,7 @@ pub use compare::{
     CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,
     PlacementFacts, group_names, signed,
 };
+pub(crate) use documents::digest_words;
 pub use documents::{
     LinkReport, MapReport, MaskDigest, ObstructionReport, RunFacts, SiteFacts, Timing, digest, idle_json, zone_tallies,
 };

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use sha2::Digest;
+use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result, Warning};
 use crate::raster::RasterFile;
@@ -22,6 +22,11 @@ const HASH_LIMIT_BYTES: u64 = 64 << 20;
 /// Most tiles of a mosaic that are named one by one.
 const MAX_NAMED_TILES: usize = 1000;
 
+/// A digest in hexadecimal digits.
+pub(crate) fn hex_digits(hasher: Sha256) -> String {
+    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 impl Source {
     /// A source with its hash, which is left out above 64 MiB unless `always_hash`.
     ///
@@ -32,7 +37,7 @@ impl Source {
         let mut file = std::fs::File::open(path).map_err(unreadable)?;
         let length = file.metadata().map_err(unreadable)?.len();
         let sha256 = if always_hash || length <= HASH_LIMIT_BYTES {
-            let mut hasher = sha2::Sha256::new();
+            let mut hasher = Sha256::new();
             let mut block = vec![0; 1 << 16];
             loop {
                 match file.read(&mut block).map_err(unreadable)? {
@@ -40,7 +45,7 @@ impl Source {
                     n => hasher.update(&block[..n]),
                 }
             }
-            Some(hasher.finalize().iter().map(|b| format!("{b:02x}")).collect())
+            Some(hex_digits(hasher))
         } else {
             None
         };
