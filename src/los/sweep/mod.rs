@@ -63,6 +63,7 @@ mod quadrant_pass;
 mod streamed;
 mod wedge;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use fearless_simd::{Level, dispatch};
@@ -399,17 +400,9 @@ impl Sweep<'_> {
 
     /// Asks `ray` for the cells around the UAV that no wedge decides.
     fn near_box(&self) {
-        let n_rows = as_i64(self.columns.n_rows());
-        let window = self.window;
-        let (east, north) = (self.uav.x.div_euclid(CELL), self.uav.y.div_euclid(CELL));
-        let reach = NEAR / CELL + 1;
-        let clip = |from: i64, to: i64, low: usize, high: usize| {
-            let at = |v: i64| usize::try_from(v).unwrap_or(0);
-            at(from.max(0)).max(low)..at(to.max(0)).min(high)
-        };
-        let row = n_rows - 1 - north;
-        for row in clip(row - reach, row + reach + 1, window.row, window.row + window.n_rows) {
-            for col in clip(east - reach, east + reach + 1, window.col, window.col + window.n_cols) {
+        let (rows, cols) = near_cells(self.uav, self.columns.n_rows(), self.window);
+        for row in rows {
+            for col in cols.clone() {
                 if self.wanted.contains(row, col) && self.ask(row, col) {
                     self.rows.add(row, col / 64, 1 << (col % 64));
                 }
@@ -447,14 +440,20 @@ impl Sweep<'_> {
     }
 }
 
+/// Rows and columns of the cells near the UAV, which no wedge decides, inside a window of a raster of `n_rows`.
+fn near_cells(uav: LatticePoint, n_rows: usize, window: CellWindow) -> (Range<usize>, Range<usize>) {
+    let reach = NEAR / CELL + 1;
+    let clip = |middle: i64, low: usize, n: usize| {
+        let at = |v: i64| usize::try_from(v.max(0)).unwrap_or(usize::MAX).clamp(low, low + n);
+        at(middle - reach)..at(middle + reach + 1)
+    };
+    let (east, north) = (uav.x.div_euclid(CELL), uav.y.div_euclid(CELL));
+    let row = as_i64(n_rows) - 1 - north;
+    (clip(row, window.row, window.n_rows), clip(east, window.col, window.n_cols))
+}
+
 /// Copies columns `cols` of rows `rows` into lines, one after another.
-fn turn(
-    tops: &[i32],
-    n_cols: usize,
-    cols: &std::ops::Range<usize>,
-    rows: &std::ops::Range<usize>,
-    lines: &mut Vec<i32>,
-) {
+fn turn(tops: &[i32], n_cols: usize, cols: &Range<usize>, rows: &Range<usize>, lines: &mut Vec<i32>) {
     let width = rows.len();
     // Grows and never shrinks, so that nothing is cleared which is overwritten anyway.
     if lines.len() < width * cols.len() {

@@ -13,8 +13,7 @@ use fearless_simd::Level;
 
 use super::super::columns_los;
 use super::quadrant_pass::QuadrantPass;
-use super::wedge::NEAR;
-use super::{CELL, Quadrant, Swept, as_i64};
+use super::{CELL, Quadrant, Swept, as_i64, near_cells};
 use crate::error::Result;
 use crate::height_field::Columns;
 use crate::quantity::LatticePoint;
@@ -132,13 +131,7 @@ pub fn streamed_sweep_los<R: ColumnsReader>(
 /// Asks `ray` for the cells around the UAV that no wedge decides.
 fn near_box<R: ColumnsReader>(scene: &StreamedScene<'_, R>, los: &mut BitGrid) -> Result<()> {
     let (n_rows, n_cols) = scene.columns.shape();
-    let (east, north) = (scene.uav.x.div_euclid(CELL), scene.uav.y.div_euclid(CELL));
-    let reach = NEAR / CELL + 1;
-    let clip = |middle: i64, n: usize| {
-        let at = |v: i64| usize::try_from(v.max(0)).unwrap_or(0).min(n);
-        at(middle - reach)..at(middle + reach + 1)
-    };
-    let (rows, cols) = (clip(as_i64(n_rows) - 1 - north, n_rows), clip(east, n_cols));
+    let (rows, cols) = near_cells(scene.uav, n_rows, CellWindow { row: 0, col: 0, n_rows, n_cols });
     if rows.is_empty() || cols.is_empty() {
         return Ok(());
     }
