@@ -13,7 +13,7 @@ use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
     warn_of_flat_earth,
 };
-use super::receivers::{Asked, check_receivers};
+use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
 use super::words::{idle_in_words, pretty};
 use super::{interrupt, messages};
@@ -200,10 +200,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     drop(mapper);
     scene.timing.los = before_los.elapsed().as_secs_f64();
 
-    for site in coverages.iter().filter(|s| s.tally.receivers == 0) {
-        let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
-        scene.warnings.push(Warning::new(202, text));
-    }
+    warn_of_no_receivers(&coverages, &mut scene.warnings);
     let report = MapReport {
         facts: RunFacts { unit, ..scene.facts(command, Some(method)) },
         rx_height_m: args.rx_height,

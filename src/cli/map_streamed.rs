@@ -9,7 +9,7 @@ use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
     warn_of_flat_earth, warn_of_raster,
 };
-use super::receivers::{Asked, check_surface_receivers};
+use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
 use super::words::{picture_provenance, pretty};
 use super::{interrupt, messages};
 use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
@@ -50,20 +50,34 @@ pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
     (needed > limit).then_some(TooLarge { needed, limit })
 }
 
-/// The middle one of each `factor` × `factor` cells of some rows: as many of each class as there are, which the most
-/// frequent class would not show.
-fn sampled(mask: &[u8], n_cols: usize, factor: usize) -> impl Iterator<Item = u8> {
-    mask.chunks(factor * n_cols).flat_map(move |rows| {
-        let row = (factor / 2).min(rows.len() / n_cols - 1);
-        let cols = (0..n_cols.div_ceil(factor)).map(move |col| (col * factor + factor / 2).min(n_cols - 1));
-        cols.map(move |col| rows[row * n_cols + col])
-    })
+/// What a picture shows of a mask: the middle one of each `factor` × `factor` cells, so as many of each class as there
+/// are, which the most frequent class would not show.
+struct Shown {
+    /// How many times larger the cells of the picture are: a power of two, so that rows of tiles hold whole ones.
+    factor: usize,
+    /// Columns of the mask.
+    n_cols: usize,
+    /// The classes of the rows so far.
+    classes: Vec<u8>,
 }
 
-/// How many times larger the cells of a picture are: a power of two, so that rows of tiles hold whole ones.
-fn picture_factor(grid: &GeoRef) -> usize {
-    const LARGEST: usize = 2048;
-    grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(256)
+impl Shown {
+    /// Nothing yet of a mask of this grid.
+    fn new(grid: &GeoRef) -> Self {
+        const LARGEST: usize = 2048;
+        let factor = grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(256);
+        Shown { factor, n_cols: grid.n_cols(), classes: Vec::new() }
+    }
+
+    /// Adds the next rows.
+    fn add(&mut self, mask: &[u8]) {
+        let (factor, n_cols) = (self.factor, self.n_cols);
+        for rows in mask.chunks(factor * n_cols) {
+            let row = (factor / 2).min(rows.len() / n_cols - 1);
+            let cols = (0..n_cols.div_ceil(factor)).map(|col| (col * factor + factor / 2).min(n_cols - 1));
+            self.classes.extend(cols.map(|col| rows[row * n_cols + col]));
+        }
+    }
 }
 
 /// Copies a raster that does not fit in memory to tiles on the disk, and says so.
@@ -231,24 +245,20 @@ impl StreamedRun<'_> {
         let mask_values = if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes };
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
-        let factor = if self.has_picture() { picture_factor(grid) } else { 0 };
-        let mut shown = Vec::new();
+        let mut shown = self.has_picture().then(|| Shown::new(grid));
         let coverage = messages::with_progress(&control, (n_swept, "cells"), quiet, || {
             let mapper = StreamedMapper::new(scene, &options, &control)?.with_limits(limits(args)?);
             mapper.map(&uav, &control, |_, mask| {
                 digest.add(mask);
-                if factor > 0 {
-                    shown.extend(sampled(mask, grid.n_cols(), factor));
+                if let Some(shown) = &mut shown {
+                    shown.add(mask);
                 }
                 if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
             })
         })?;
         timing.los = before_los.elapsed().as_secs_f64();
 
-        if coverage.tally.receivers == 0 {
-            let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", uav.id, coverage.tally.reason());
-            warnings.push(Warning::new(202, text));
-        }
+        warn_of_no_receivers(std::slice::from_ref(&coverage), &mut warnings);
         let report = MapReport {
             facts: RunFacts {
                 command: self.command.clone(),
@@ -288,9 +298,10 @@ impl StreamedRun<'_> {
                     batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
                 }
                 Format::Png | Format::Svg => {
-                    let picture =
-                        self.picture(scene, (&report, &coverage), (factor, &shown), *format == Format::Svg)?;
-                    batch.add(path, &picture)?;
+                    if let Some(shown) = &shown {
+                        let picture = self.picture(scene, (&report, &coverage), shown, *format == Format::Svg)?;
+                        batch.add(path, &picture)?;
+                    }
                 }
                 Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes())?,
                 Format::GeoJson => batch.add(path, pretty(&report.geojson()).as_bytes())?,
@@ -314,14 +325,15 @@ impl StreamedRun<'_> {
         self.outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg))
     }
 
-    /// The picture, of a scene with `factor` times larger cells: the highest surface in each, and the classes `shown`.
+    /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
     fn picture(
         &self,
         scene: &StreamedSurface,
         (report, coverage): (&MapReport, &SiteCoverage),
-        (factor, shown): (usize, &[u8]),
+        shown: &Shown,
         as_vectors: bool,
     ) -> Result<Vec<u8>> {
+        let factor = shown.factor;
         let grid = scene.grid().coarser(factor);
         let field = HeightField::build(&grid, scene.highest(factor)?, &mut Vec::new());
         let ready = Ready {
@@ -334,7 +346,7 @@ impl StreamedRun<'_> {
             warnings: Vec::new(),
             timing: Timing::default(),
         };
-        let coverage = SiteCoverage { mask: shown.to_vec(), ..coverage.clone() };
+        let coverage = SiteCoverage { mask: shown.classes.clone(), ..coverage.clone() };
         let drawing = MapDrawing {
             scene: &ready,
             coverages: std::slice::from_ref(&coverage),

@@ -2,8 +2,8 @@
 
 use super::args::{EngineArgs, ReceiversArg};
 use super::plan::{Ready, meters_per_unit};
-use crate::coverage::{HeightLayers, MapOptions, Receivers};
-use crate::error::{Error, Result};
+use crate::coverage::{HeightLayers, MapOptions, Receivers, SiteCoverage};
+use crate::error::{Error, Result, Warning};
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::quantity::tidy;
@@ -54,6 +54,14 @@ impl Asked<'_> {
             layers: HeightLayers::default(),
             method: self.engine.method,
         }
+    }
+}
+
+/// W202 for each UAV that has no receiver.
+pub(super) fn warn_of_no_receivers(coverages: &[SiteCoverage], warnings: &mut Vec<Warning>) {
+    for site in coverages.iter().filter(|site| site.tally.receivers == 0) {
+        let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
+        warnings.push(Warning::new(202, text));
     }
 }
 
