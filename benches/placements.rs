@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use skyshed::coverage::{Control, MapOptions, Mapper, Uav};
 use skyshed::height_field::HeightField;
 use skyshed::los::MethodChoice;
-use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores};
+use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores_over_grid};
 use skyshed::quantity::Height;
 use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, Site, read_footprints};
 
@@ -90,9 +90,8 @@ fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
     let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
     bencher.counter(ItemsCount::new(spots.len())).bench(|| {
         let candidates = Candidates::of(&spots, &field, &CandidateRules::default()).expect("on the lattice");
-        let uavs: Vec<&Uav> = candidates.kept.iter().map(|c| &c.uav).collect();
         let scorer = Scorer { mapper: &mapper, weights: None };
-        ranked(&scores(&scorer, &uavs, &Control::default()).expect("nobody interrupts"))
+        ranked(&scores_over_grid(&scorer, &places, &candidates.kept, &Control::default()).expect("nobody interrupts"))
     });
 }
 

@@ -83,7 +83,7 @@ impl Mapper<'_> {
             let place = uav.station.on_prisms();
             links = links.with_point((place.x, place.y));
             links.lowest = links.lowest.min(uav.station.z);
-            let window = Range::of(grid, uav, self.radius()).window();
+            let window = Range::of(grid, &uav.station.place, self.radius()).window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }

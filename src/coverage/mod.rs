@@ -7,6 +7,8 @@ mod cell_classes;
 mod elevation;
 mod height_curve;
 mod idle;
+mod lattice;
+mod lattice_sums;
 mod layers;
 mod many;
 mod map;
@@ -22,6 +24,7 @@ mod uav;
 
 pub use height_curve::HeightCurve;
 pub use idle::IdleFootprints;
+pub use lattice::{LatticeCounts, UavLattice};
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub use map::{

@@ -1,6 +1,6 @@
-//! The cells in range of a UAV: a disc, row by row.
+//! The cells in range of a place, mostly that of a UAV: a disc, row by row.
 
-use crate::coverage::Uav;
+use crate::height_field::Place;
 use crate::raster::{BitGrid, CellWindow, GeoRef};
 
 /// Which columns of each row are in range.
@@ -19,11 +19,10 @@ struct Disc {
 }
 
 impl Range {
-    /// The cells whose centers are at most `radius` \[CRS units\] from the UAV.
-    pub(super) fn of(grid: &GeoRef, uav: &Uav, radius: Option<f64>) -> Self {
+    /// The cells whose centers are at most `radius` \[CRS units\] from a place.
+    pub(super) fn of(grid: &GeoRef, place: &Place, radius: Option<f64>) -> Self {
         let shape = (grid.n_rows(), grid.n_cols());
         let Some(radius) = radius else { return Range { shape, disc: None } };
-        let place = &uav.station.place;
         let squared = |row: usize, col: usize| {
             let (x, y) = grid.world_from_cell(row, col);
             let (dx, dy) = (place.x - x, place.y - y);

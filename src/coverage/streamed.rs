@@ -159,7 +159,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     ) -> Result<SiteCoverage> {
         let grid = self.scene.grid();
         let n_cols = grid.n_cols();
-        let range = Range::of(grid, uav, self.options.radius);
+        let range = Range::of(grid, &uav.station.place, self.options.radius);
         let decided: Vec<(Option<BitGrid>, BitGrid)> = self
             .receivers
             .iter()

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{
-    ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, link_los, r2_los, shadow_los, shadow_los_relief,
-    step_los, sweep_los, xdraw_los,
+    Positions, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, link_los, r2_los, shadow_los,
+    shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station};
 use crate::raster::{BitGrid, CellWindow, set_bits};
@@ -301,6 +301,14 @@ impl<'a> GridLos<'a> {
     /// Positions of the receivers.
     pub fn positions(&self) -> &GridPositions {
         &self.positions
+    }
+
+    /// UAV positions on the lattice of the prisms, all at height `z` \[1/1024 m above the datum\], as receivers see them;
+    /// `None` unless prisms alone decide.
+    pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<Positions<'b>> {
+        let prisms = self.field.prisms().filter(|_| self.method == Method::Shadow)?;
+        let casters = self.casters.as_deref().unwrap_or(prisms.casters());
+        Some(Positions { prisms, casters, grid, z, level: self.level })
     }
 
     /// The receivers of `wanted` that are in line of sight of a UAV.

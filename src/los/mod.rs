@@ -40,6 +40,7 @@ mod prisms_ray;
 mod shadow;
 mod shadow_grid;
 mod shadow_outline;
+mod shadow_positions;
 mod shadow_spans;
 mod simd;
 mod sweep;
@@ -52,6 +53,7 @@ pub use obstruction::{Ceiling, Obstruction};
 pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
+pub use shadow_positions::{InView, Positions, ReceiverTile};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,

@@ -152,7 +152,7 @@ pub fn shadow_los_relief(
 }
 
 /// How high receivers stand \[1/1024 m above the datum\].
-enum Receivers {
+pub(super) enum Receivers {
     Level(i64),
     /// By cell, `width` to the row, whole words of cells; 0 where none is wanted.
     Relief {
@@ -186,8 +186,8 @@ fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers) -
     let cast = |(k, words): (usize, &mut [u64])| {
         let first = plane.rows.0 + k * rows_per_band;
         let rows = (first, first + words.len() / words_per_row);
-        let job = BandJob { scene, plane: &plane, blocks: &blocks, receivers, rows };
-        dispatch!(scene.level, simd => job.cast(simd, words))
+        let job = BandJob { scene, plane: &plane, receivers, rows };
+        dispatch!(scene.level, simd => job.cast(simd, &blocks, words))
     };
     let bands = &mut los.words_mut()[first..end];
     let counts = if n_tiles * TILE <= rows_per_band {
@@ -200,7 +200,7 @@ fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers) -
 }
 
 /// The plane as seen from a UAV; `None` if no cell is wanted.
-fn plane_of(scene: &ShadowScene<'_>, uav: LatticePoint) -> Option<Plane> {
+pub(super) fn plane_of(scene: &ShadowScene<'_>, uav: LatticePoint) -> Option<Plane> {
     let (grid, wanted) = (scene.grid, scene.wanted);
     let is_wanted = |row: &usize| wanted.row(*row).iter().any(|w| *w != 0);
     let first = (0..wanted.n_rows()).find(is_wanted)?;
@@ -247,12 +247,11 @@ fn nearest_first(casters: &Casters, uav: LatticePoint) -> Vec<u32> {
 }
 
 /// One band of rows.
-struct BandJob<'a> {
-    scene: &'a ShadowScene<'a>,
-    plane: &'a Plane,
-    blocks: &'a [u32],
-    receivers: &'a Receivers,
-    rows: (usize, usize),
+pub(super) struct BandJob<'a> {
+    pub(super) scene: &'a ShadowScene<'a>,
+    pub(super) plane: &'a Plane,
+    pub(super) receivers: &'a Receivers,
+    pub(super) rows: (usize, usize),
 }
 
 /// A run of cells of a row that are on the boundary of some shadow, or so near that rounding matters.
@@ -262,7 +261,7 @@ struct Doubt {
 }
 
 /// What changes while a band is worked on.
-struct Band<'a> {
+pub(super) struct Band<'a> {
     /// Wanted cells that are not yet hidden.
     words: &'a mut [u64],
     words_per_row: usize,
@@ -274,19 +273,16 @@ struct Band<'a> {
 }
 
 impl BandJob<'_> {
-    /// Clears the hidden cells; returns how many are left and how many were asked about.
+    /// Clears the cells that the blocks of casters hide; returns how many are left and how many were asked about.
     #[inline(always)]
-    fn cast<S: Simd>(&self, simd: S, words: &mut [u64]) -> (u64, u64) {
-        let words_per_row = self.scene.wanted.words_per_row();
-        let n_tiles = (self.rows.1 - self.rows.0).div_ceil(TILE) * words_per_row;
-        let mut band =
-            Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new(), tiles_to_do: Vec::new() };
+    fn cast<S: Simd>(&self, simd: S, blocks: &[u32], words: &mut [u64]) -> (u64, u64) {
+        let mut band = Band::new(words, self.scene.wanted.words_per_row());
         let tiles = self.tile_heights();
         if let Some((lowest, highest)) = self.heights(&tiles) {
             let mut outline = Outline::default();
             let mut ceiling = Ceiling::default();
             let casters = self.scene.casters;
-            for &k in self.blocks {
+            for &k in blocks {
                 let block = &casters.blocks()[k as usize];
                 let Some(reach) = Reach::new(self.plane.uav.z, block.max_top, lowest) else { continue };
                 let [w, s, e, n] = block.bounds;
@@ -371,7 +367,7 @@ impl BandJob<'_> {
     /// PERF: most shadows are a few words wide. There each word of eight rows gets its mask without a branch (vectorized),
     /// which took a quarter off all times (AVX-512): whether a span begins, ends or is empty in a word is a coin toss.
     #[inline(always)]
-    fn hide<S: Simd>(&self, simd: S, outline: &Outline, band: &mut Band<'_>) {
+    pub(super) fn hide<S: Simd>(&self, simd: S, outline: &Outline, band: &mut Band<'_>) {
         let rows = outline.rows(self.plane);
         let is_short = rows.maybe.1 - rows.maybe.0.min(rows.maybe.1) <= TILE;
         let words_per_row = band.words_per_row;
@@ -498,7 +494,7 @@ impl BandJob<'_> {
     }
 
     /// Asks `ray` about all doubts that are still open, and about the cell right below or above the UAV.
-    fn settle(&self, band: &mut Band<'_>) -> u64 {
+    pub(super) fn settle(&self, band: &mut Band<'_>) -> u64 {
         let (uav, grid) = (self.plane.uav, self.scene.grid);
         let mut cells: Vec<(usize, usize)> = Vec::new();
         for doubt in std::mem::take(&mut band.doubts) {
@@ -528,7 +524,13 @@ impl BandJob<'_> {
     }
 }
 
-impl Band<'_> {
+impl<'a> Band<'a> {
+    /// A band of rows of `words_per_row` words each, in which nothing is hidden yet.
+    pub(super) fn new(words: &'a mut [u64], words_per_row: usize) -> Self {
+        let n_tiles = (words.len() / words_per_row.max(1)).div_ceil(TILE) * words_per_row;
+        Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new(), tiles_to_do: Vec::new() }
+    }
+
     #[inline(always)]
     fn row_mut(&mut self, row: usize) -> &mut [u64] {
         &mut self.words[row * self.words_per_row..(row + 1) * self.words_per_row]

@@ -1,6 +1,8 @@
 //! The shadow of one caster: the half-planes whose intersection it is, and the planes below which it hides receivers at
 //! differing heights. The derivation is in the essay of [`super::shadow`].
 
+use super::shadow_grid::ShadowGrid;
+use super::shadow_spans::as_f64;
 use crate::quantity::LatticePoint;
 
 /// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
@@ -38,6 +40,19 @@ impl Reach {
         } else {
             Some(Reach { near: quotient(z - uav_z, top - uav_z), far: None })
         }
+    }
+
+    /// The box (west, south, east, north of the UAV at `u`) of all u + s(F − u) for a footprint F within `bounds`, a
+    /// lattice step wider than rounding can matter \[lattice steps\].
+    #[inline(always)]
+    fn extent(self, bounds: [i32; 4], u: (i64, i64)) -> [f64; 4] {
+        let Reach { near, far } = self;
+        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
+        let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
+        let least = |v: f64| if v < 0.0 { far.map_or(-FAR, |f| (f * v).max(-FAR)) - 1.0 } else { near * v - 1.0 };
+        let most = |v: f64| -least(-v);
+        let [w, s, e, n] = bounds;
+        [least(relative(w, u.0)), least(relative(s, u.1)), most(relative(e, u.0)), most(relative(n, u.1))]
     }
 }
 
@@ -77,6 +92,12 @@ pub(super) struct Rows {
 }
 
 impl Plane {
+    /// Leaves only some of the wanted rows and columns.
+    pub(super) fn narrow_to(&mut self, grid: &ShadowGrid, rows: (usize, usize), cols: (usize, usize)) {
+        let east = |col: usize| as_f64(grid.xs[col] - self.uav.x);
+        (self.rows, self.cols, self.east) = (rows, cols, (east(cols.0), east(cols.1 - 1)));
+    }
+
     /// The wanted columns from `west` to `east`, if there are any.
     #[inline(always)]
     fn wanted_columns(&self, west: f64, east: f64) -> Option<(usize, usize)> {
@@ -138,22 +159,9 @@ impl Outline {
     pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], bounds: [i32; 4], reach: Reach) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
         let (near, far) = (reach.near, reach.far);
-        // The box of all u + s(F − u), a lattice step wider than rounding can matter.
-        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
-        let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
-        let least = |v: f64| if v < 0.0 { far.map_or(-FAR, |f| (f * v).max(-FAR)) - 1.0 } else { near * v - 1.0 };
-        let most = |v: f64| -least(-v);
-        let (south, north) = (relative(bounds[1], uy), relative(bounds[3], uy));
-        (self.south, self.north) = (least(south), most(north));
-        let (west, east) = (least(relative(bounds[0], ux)), most(relative(bounds[2], ux)));
-        self.extent = (west, east);
-        let (first, last) = (plane.q[plane.rows.0], plane.q[plane.rows.1 - 1]);
-        if self.south > first || self.north < last || west > plane.east.1 || east < plane.east.0 {
+        if !self.begin(plane, reach.extent(bounds, (ux, uy))) {
             return false;
         }
-
-        self.west.clear();
-        self.east.clear();
         let mut magnitude = Magnitude(0.0);
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
         let n = ring.len();
@@ -182,6 +190,87 @@ impl Outline {
             was_facing = is_facing;
             a = b;
         }
+        self.finish(plane, &magnitude)
+    }
+
+    /// Makes this the outline of all that a convex counterclockwise ring may hide from any receiver of a tile, or of more;
+    /// `plane` is that of the tile's south-western corner, from which `corners` are seen. `false` if no wanted position is
+    /// in it.
+    ///
+    /// The half-plane of an edge, E × (p − r) > s·K with K = E × (a − r), is linear in the receiver r: an edge that faces
+    /// all corners bounds what is hidden from anywhere in the tile by the least of the corners' bounds. The sides are the
+    /// tangents of a corner that have the footprint on one side and the whole tile on the other: a ray that begins in the
+    /// tile and passes the footprint is beyond such a line from there on. Where tile and footprint overlap there is none.
+    /// No end is looked for.
+    #[inline(always)]
+    pub(super) fn cast_around(
+        &mut self,
+        plane: &Plane,
+        corners: &[[i64; 2]; 4],
+        ring: &[[i32; 2]],
+        bounds: [i32; 4],
+        reach: Reach,
+    ) -> bool {
+        let (ux, uy) = (plane.uav.x, plane.uav.y);
+        let extent = corners.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |all, d| {
+            let [w, s, e, n] = reach.extent(bounds, (ux + d[0], uy + d[1]));
+            let (dx, dy) = (as_f64(d[0]), as_f64(d[1]));
+            [all[0].min(w + dx), all[1].min(s + dy), all[2].max(e + dx), all[3].max(n + dy)]
+        });
+        if !self.begin(plane, extent) {
+            return false;
+        }
+        let mut magnitude = Magnitude(0.0);
+        let from_tile = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
+        // One bit for each corner that an edge from `a` faces.
+        let facing = |edge: [i64; 2], a: [i64; 2]| {
+            let bit = |(k, d): (usize, &[i64; 2])| u8::from(cross(edge, sub(a, *d)) > 0) << k;
+            corners.iter().enumerate().map(bit).fold(0, |all, bit| all | bit)
+        };
+        let n = ring.len();
+        let mut a = from_tile(ring[n - 1]);
+        let mut was_facing = facing(sub(a, from_tile(ring[n - 2])), a);
+        for &vertex in ring {
+            let b = from_tile(vertex);
+            let edge = sub(b, a);
+            let is_facing = facing(edge, a);
+            if is_facing == 0b1111 {
+                let most = corners.iter().map(|d| cross(edge, *d)).max().unwrap_or(0);
+                let (at, shift) = (reach.near * as_f64(cross(edge, a)), (1.0 - reach.near) * as_f64(most));
+                let slack = ROUNDING * (at.abs() + shift.abs());
+                self.add(plane, edge, at + shift - slack, &mut magnitude);
+            }
+            let turned = was_facing ^ is_facing;
+            for (k, corner) in corners.iter().enumerate().filter(|(k, _)| turned >> k & 1 != 0) {
+                let toward = sub(a, *corner);
+                let along = if was_facing >> k & 1 != 0 { toward } else { [-toward[0], -toward[1]] };
+                if corners.iter().all(|other| cross(along, sub(*other, *corner)) <= 0) {
+                    self.add(plane, along, as_f64(cross(along, *corner)), &mut magnitude);
+                }
+            }
+            was_facing = is_facing;
+            a = b;
+        }
+        self.finish(plane, &magnitude)
+    }
+
+    /// Begins an outline within `extent` (west, south, east, north of the UAV); `false` if no wanted cell is near.
+    #[inline(always)]
+    fn begin(&mut self, plane: &Plane, [west, south, east, north]: [f64; 4]) -> bool {
+        (self.south, self.north) = (south, north);
+        self.extent = (west, east);
+        let (first, last) = (plane.q[plane.rows.0], plane.q[plane.rows.1 - 1]);
+        if south > first || north < last || west > plane.east.1 || east < plane.east.0 {
+            return false;
+        }
+        self.west.clear();
+        self.east.clear();
+        true
+    }
+
+    /// Ends an outline; `false` if it is empty.
+    #[inline(always)]
+    fn finish(&mut self, plane: &Plane, magnitude: &Magnitude) -> bool {
         self.margin = ROUNDING * (magnitude.0 + plane.origin.abs() + 1.0) + plane.unevenness;
         self.south <= self.north
     }

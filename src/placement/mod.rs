@@ -6,7 +6,8 @@
 //! [`refined`], which tells what it found and never replaces the winner.
 //!
 //! * [`Candidates`]: which places and heights can be flown, and why the others cannot.
-//! * [`Scorer`] and [`scores`]: the share of the wanted receivers that each candidate sees, by number or by weight.
+//! * [`Scorer`], [`scores`] and [`scores_over_grid`]: the share of the wanted receivers that each candidate sees, by number
+//!   or by weight.
 //! * [`least_heights`]: for each place the least height of a list that reaches a share.
 //! * [`worst_margins`]: the least margin over all wanted receivers, largest where nobody is far out of sight.
 //! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled placements.
@@ -18,6 +19,7 @@ mod candidates;
 mod cover;
 mod least_height;
 mod margin;
+mod over_grid;
 mod refine;
 mod sampled;
 mod score;
@@ -26,6 +28,7 @@ pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, 
 pub use cover::{Chosen, Cover, SeenSets, cover};
 pub use least_height::{LeastHeight, least_heights};
 pub use margin::{WorstMargin, ranked_margins, worst_margins};
+pub use over_grid::scores_over_grid;
 pub use refine::{Refined, refined};
 pub use sampled::{ReceiverParts, SampledCounts, count_by_part, middles_of, over_cities, places_in};
 pub use score::{Score, Scorer, Weights, ranked, scores};

@@ -36,6 +36,11 @@ impl Weights {
         rows.map(|(row, weights)| weighted_sum(cells.row(row), weights)).sum()
     }
 
+    /// The weight of a cell, cells row by row.
+    pub(super) fn of_cell(&self, cell: usize) -> u32 {
+        self.of_cells[cell]
+    }
+
     /// The weights of a row of cells.
     pub(super) fn row(&self, row: usize) -> &[u32] {
         &self.of_cells[row * self.n_cols..(row + 1) * self.n_cols]

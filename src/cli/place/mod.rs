@@ -102,7 +102,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         candidates: &candidates,
         mapper: &mapper,
         weights: inputs.weights.as_ref(),
-        step: inputs.places.as_ref().map(|places| places.grid.cell_width()),
+        places: inputs.places.as_ref(),
     };
     let found = search.run()?;
     scene.timing.los = before_los.elapsed().as_secs_f64();

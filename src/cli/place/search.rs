@@ -7,8 +7,8 @@ use crate::coverage::{Control, Mapper, Uav, WorstReceiver, maps_at_once};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::placement::{
-    Candidate, CandidateRules, Candidates, Score, Scorer, SeenSets, Weights, WorstMargin, cover, least_heights, ranked,
-    ranked_margins, refined, scores, worst_margins,
+    Candidate, CandidateRules, Candidates, PlaceGrid, Score, Scorer, SeenSets, Weights, WorstMargin, cover,
+    least_heights, ranked, ranked_margins, refined, scores, scores_over_grid, worst_margins,
 };
 use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
 
@@ -22,8 +22,8 @@ pub(super) struct Search<'a> {
     pub(super) candidates: &'a Candidates,
     pub(super) mapper: &'a Mapper<'a>,
     pub(super) weights: Option<&'a Weights>,
-    /// Distance of the candidate places \[CRS units\], if they are on a grid.
-    pub(super) step: Option<f64>,
+    /// The grid of the candidate places, if they are on one.
+    pub(super) places: Option<&'a PlaceGrid>,
 }
 
 /// What was found.
@@ -65,8 +65,10 @@ impl Search<'_> {
     }
 
     fn by_share(&self, control: &Control) -> Result<Found> {
-        let uavs: Vec<&Uav> = self.kept().iter().map(|c| &c.uav).collect();
-        let scores = scores(&self.scorer(), &uavs, control)?;
+        let scores = match self.places {
+            Some(places) => scores_over_grid(&self.scorer(), places, self.kept(), control)?,
+            None => scores(&self.scorer(), &self.kept().iter().map(|c| &c.uav).collect::<Vec<_>>(), control)?,
+        };
         let order = ranked(&scores);
         let fact = |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], self.value(scores[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
@@ -95,7 +97,7 @@ impl Search<'_> {
     /// The longest and the shortest step of a search around the winner, from the distance of the candidates to a cell.
     fn steps(&self) -> Option<(f64, f64)> {
         let grid = self.field.grid();
-        self.step.map(|step| (step, grid.cell_width().min(grid.cell_height())))
+        self.places.map(|places| (places.grid.cell_width(), grid.cell_width().min(grid.cell_height())))
     }
 
     fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {

@@ -1,0 +1,90 @@
+//! Sums over a set of places: what is added to each is the same number for all places of a set of bits.
+
+use crate::raster::BitGrid;
+
+/// A sum for each place of a grid.
+///
+/// PERF: the sums stand on edge: plane k holds bit k of all of them, 64 places to the word, and adding a set to a plane is an
+/// exclusive or whose carries go to the next. A carry out of plane k is needed once in 2^k times, so adding 1 to the places
+/// of a set costs a few passes over its words, however many places it has.
+#[derive(Debug, Clone)]
+pub(super) struct LatticeSums {
+    n_words: usize,
+    planes: Vec<Vec<u64>>,
+    carry: Vec<u64>,
+}
+
+impl LatticeSums {
+    /// Sums of 0 for the places of sets with so many words.
+    pub(super) fn new(n_words: usize) -> Self {
+        LatticeSums { n_words, planes: Vec::new(), carry: vec![0; n_words] }
+    }
+
+    /// Adds `number` to the sum of each place of a set.
+    pub(super) fn add(&mut self, places: &BitGrid, number: u32) {
+        let mut left = number;
+        while left != 0 {
+            self.add_bit(places, left.trailing_zeros() as usize);
+            left &= left - 1;
+        }
+    }
+
+    /// Adds 2^`plane`.
+    fn add_bit(&mut self, places: &BitGrid, mut plane: usize) {
+        self.carry.copy_from_slice(places.words());
+        loop {
+            while self.planes.len() <= plane {
+                self.planes.push(vec![0; self.n_words]);
+            }
+            let mut any = 0;
+            for (sum, carry) in self.planes[plane].iter_mut().zip(&mut self.carry) {
+                let both = *sum & *carry;
+                *sum ^= *carry;
+                *carry = both;
+                any |= both;
+            }
+            if any == 0 {
+                return;
+            }
+            plane += 1;
+        }
+    }
+
+    /// The sums, 64 for each word.
+    pub(super) fn totals(&self) -> Vec<u64> {
+        let mut totals = vec![0; self.n_words * 64];
+        for (k, plane) in self.planes.iter().enumerate() {
+            for (totals, word) in totals.chunks_exact_mut(64).zip(plane) {
+                for (bit, total) in totals.iter_mut().enumerate() {
+                    *total |= (word >> bit & 1) << k;
+                }
+            }
+        }
+        totals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_those_of_adding_one_by_one() {
+        let mut sums = LatticeSums::new(6);
+        let mut wanted = vec![0_u64; 6 * 64];
+        let mut state = 1_u64;
+        for k in 0..500_u32 {
+            let mut places = BitGrid::new(3, 100);
+            for cell in 0..300 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                if state >> 62 == 0 {
+                    let bit = cell / 100 * 128 + cell % 100;
+                    places.words_mut()[bit / 64] |= 1 << (bit % 64);
+                    wanted[bit] += u64::from(k * k);
+                }
+            }
+            sums.add(&places, k * k);
+        }
+        assert_eq!(sums.totals(), wanted);
+    }
+}

@@ -1,0 +1,228 @@
+//! `shadow` seen from the ground: which of many UAV positions, all at one height, a receiver is in line of sight of.
+//!
+//! **Line of sight has no direction.** What hides a UAV from a receiver hides the receiver from the UAV, so a lattice of UAV
+//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super::shadow`] decides it: the
+//! receiver is below the roofs, the positions are above them, and shadows begin behind the buildings and have no end (the
+//! fourth case there). Where there are many positions this is the cheaper way around. From a street little of the sky is to
+//! be seen, and the walls along the street hide the rest; from above most buildings hide something.
+//!
+//! **Tiles of receivers.** Neighbors see nearly the same. What one convex prism hides from all four corners of a tile it
+//! hides from every receiver inside: seen from a position, the places that the prism hides are convex, being the shadow of a
+//! convex body on a plane; and from a position above, a receiver is hidden if one right above it is, so the highest height of
+//! the tile's receivers stands for all. These positions are left out for the whole tile (its *umbra*). A caster that, seen
+//! from no receiver of the tile, can hide any of the positions that are left ([`Outline::cast_around`]) is left out, too. Both
+//! are repeated from large tiles to small ones; a receiver at the end is asked about few positions and few casters.
+//!
+//! **Exactness.** Only positions surely inside of all four shadows are in the umbra; the outline around what a caster may
+//! hide has the margin of shadows, so no receiver has a doubt about a position that is left because of a caster that is
+//! not. What is left is decided as by [`super::shadow_los`], doubts by `ray`.
+
+use std::cmp::Reverse;
+
+use fearless_simd::{Level, Simd, dispatch};
+
+use super::shadow::{Band, BandJob, Receivers, ShadowScene, plane_of};
+use super::shadow_grid::ShadowGrid;
+use super::shadow_outline::{Outline, Plane, Reach};
+use super::shadow_spans::{LANES, bits_outside, clear, maybe_spans, spans};
+use crate::height_field::{Caster, Casters, Prisms};
+use crate::quantity::LatticePoint;
+use crate::raster::BitGrid;
+
+/// After so many casters it is looked how far the positions that are left reach.
+const CASTERS_A_LOOK: usize = 8;
+
+/// UAV positions at one height over a lattice, and what may hide them.
+#[derive(Debug, Clone, Copy)]
+pub struct Positions<'a> {
+    /// What hides positions.
+    pub prisms: &'a Prisms,
+    /// What casts shadows: all casters of the prisms, or those that matter.
+    pub casters: &'a Casters,
+    /// Where the positions are.
+    pub grid: &'a ShadowGrid,
+    /// Their height \[1/1024 m above the datum\].
+    pub z: i64,
+    /// Vector instructions to use; the outcome is the same at all levels.
+    pub level: Level,
+}
+
+/// A box that holds some receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReceiverTile {
+    /// West, south, east and north \[lattice steps\].
+    pub bounds: [i64; 4],
+    /// Height of the lowest and the highest \[1/1024 m above the datum\].
+    pub heights: (i64, i64),
+}
+
+/// What the receivers of a tile may be in line of sight of, and what may hide it from some of them.
+#[derive(Debug, Clone)]
+pub struct InView {
+    /// Positions that are not hidden from the whole tile.
+    pub positions: BitGrid,
+    /// Numbers of casters.
+    casters: Vec<u32>,
+}
+
+impl Positions<'_> {
+    /// What receivers anywhere may see of some positions.
+    pub fn anywhere(&self, asked: &BitGrid) -> InView {
+        InView { positions: asked.clone(), casters: (0_u32..).zip(self.casters.all()).map(|(k, _)| k).collect() }
+    }
+
+    /// What is in view from a tile inside another, or from anywhere.
+    pub fn from_tile(&self, tile: &ReceiverTile, whole: &InView) -> InView {
+        dispatch!(self.level, simd => self.narrowed(simd, tile, whole))
+    }
+
+    /// Leaves of `asked`, positions in view from a tile, those in line of sight of a receiver inside of it.
+    pub fn los(&self, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
+        dispatch!(self.level, simd => self.hide(simd, in_view, receiver, asked));
+    }
+
+    fn caster(&self, k: u32) -> (&Caster, &[[i32; 2]]) {
+        let caster = &self.casters.all()[k as usize];
+        (caster, self.casters.ring(caster))
+    }
+
+    fn scene<'b>(&'b self, wanted: &'b BitGrid) -> ShadowScene<'b> {
+        let Positions { prisms, casters, grid, level, .. } = *self;
+        ShadowScene { prisms, casters, grid, wanted, level, n_bands: 1 }
+    }
+
+    #[inline(always)]
+    fn narrowed<S: Simd>(&self, simd: S, tile: &ReceiverTile, whole: &InView) -> InView {
+        let nothing =
+            || InView { positions: BitGrid::new(self.grid.ys.len(), self.grid.xs.len()), casters: Vec::new() };
+        let scene = self.scene(&whole.positions);
+        let [west, south, east, north] = tile.bounds;
+        let (lowest, highest) = tile.heights;
+        let corners = [(west, south), (east, south), (east, north), (west, north)];
+        let plane = |(x, y)| plane_of(&scene, LatticePoint { x, y, z: highest });
+        let [Some(a), Some(b), Some(c), Some(d)] = corners.map(plane) else { return nothing() };
+        let mut planes = [a, b, c, d];
+        let corners = corners.map(|(x, y)| [x - west, y - south]);
+        let mut left = whole.positions.clone();
+        let mut kept = Vec::new();
+        let (mut around, mut of_corners) = (Outline::default(), <[Outline; 4]>::default());
+        for k in self.nearest_first(&whole.casters, tile) {
+            let (caster, ring) = self.caster(k);
+            let Some(reach) = Reach::new(lowest, caster.top, self.z) else { continue };
+            if !around.cast_around(&planes[0], &corners, ring, caster.bounds, reach)
+                || is_dark(simd, &planes[0], &around, &left)
+            {
+                continue;
+            }
+            kept.push(k);
+            if let Some(reach) = Reach::new(highest, caster.top, self.z) {
+                let mut outlines = planes.iter().zip(&mut of_corners);
+                if outlines.all(|(plane, outline)| outline.cast(plane, ring, caster.bounds, reach)) {
+                    clear_umbra(simd, &planes, &of_corners, &mut left);
+                }
+            }
+            if kept.len() % CASTERS_A_LOOK == 0 {
+                let Some((rows, cols)) = extent_of(&left, &planes[0]) else { return nothing() };
+                planes.iter_mut().for_each(|plane| plane.narrow_to(self.grid, rows, cols));
+            }
+        }
+        InView { positions: left, casters: kept }
+    }
+
+    /// Casters by their distance from the middle of a tile, of two as near the higher first.
+    fn nearest_first(&self, casters: &[u32], tile: &ReceiverTile) -> Vec<u32> {
+        let [west, south, east, north] = tile.bounds;
+        let (x, y) = (west.midpoint(east), south.midpoint(north));
+        let beyond =
+            |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
+        let key = |k: &u32| {
+            let Caster { bounds: [w, s, e, n], top, .. } = *self.caster(*k).0;
+            let (dx, dy) = (beyond(w, e, x), beyond(s, n, y));
+            (dx * dx + dy * dy, Reverse(top), *k)
+        };
+        let mut order: Vec<_> = casters.iter().map(key).collect();
+        order.sort_unstable();
+        order.into_iter().map(|(_, _, k)| k).collect()
+    }
+
+    #[inline(always)]
+    fn hide<S: Simd>(&self, simd: S, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
+        let wanted = asked.clone();
+        let scene = self.scene(&wanted);
+        let Some(plane) = plane_of(&scene, receiver) else { return };
+        let (words_per_row, n_rows) = (wanted.words_per_row(), wanted.n_rows());
+        let job = BandJob { scene: &scene, plane: &plane, receivers: &Receivers::Level(self.z), rows: (0, n_rows) };
+        let mut left = Band::new(asked.words_mut(), words_per_row);
+        let mut outline = Outline::default();
+        for &k in &in_view.casters {
+            let (caster, ring) = self.caster(k);
+            let Some(reach) = Reach::new(receiver.z, caster.top, self.z) else { continue };
+            if outline.cast(&plane, ring, caster.bounds, reach) {
+                job.hide(simd, &outline, &mut left);
+            }
+        }
+        job.settle(&mut left);
+    }
+}
+
+/// Clears the cells that are surely inside of all four outlines.
+#[inline(always)]
+fn clear_umbra<S: Simd>(simd: S, planes: &[Plane; 4], outlines: &[Outline; 4], cells: &mut BitGrid) {
+    let rows = planes.iter().zip(outlines).fold((0, usize::MAX), |rows, (plane, outline)| {
+        let (first, end) = outline.rows(plane).sure;
+        (rows.0.max(first), rows.1.min(end))
+    });
+    let words_per_row = cells.words_per_row();
+    let mut row = rows.0;
+    while row < rows.1 {
+        let sure: [_; 4] = std::array::from_fn(|k| spans(simd, &planes[k], &outlines[k], row).sure);
+        let words = cells.words_mut()[row * words_per_row..].chunks_exact_mut(words_per_row);
+        for (k, words) in words.take((rows.1 - row).min(LANES)).enumerate() {
+            let first = sure.iter().fold(0, |first, s| first.max(s.0[k]));
+            let end = sure.iter().fold(u64::MAX, |end, s| end.min(s.1[k]));
+            clear(words, first, end);
+        }
+        row += LANES;
+    }
+}
+
+/// Whether no cell of a set may be inside of an outline.
+#[inline(always)]
+fn is_dark<S: Simd>(simd: S, plane: &Plane, outline: &Outline, cells: &BitGrid) -> bool {
+    let rows = outline.rows(plane).maybe;
+    let (first_word, end_word) = (plane.cols.0 / 64, plane.cols.1.div_ceil(64));
+    let mut row = rows.0;
+    while row < rows.1 {
+        let maybe = maybe_spans(simd, plane, outline, row);
+        let mut any = 0;
+        for k in 0..(rows.1 - row).min(LANES) {
+            for (word, bits) in cells.row(row + k)[first_word..end_word].iter().enumerate() {
+                let base = (first_word + word) as u64 * 64;
+                any |= bits & !bits_outside(maybe.0[k], maybe.1[k], base);
+            }
+        }
+        if any != 0 {
+            return false;
+        }
+        row += LANES;
+    }
+    true
+}
+
+/// The rows and columns between which all cells of a set lie, within those of a plane; `None` if it is empty.
+fn extent_of(cells: &BitGrid, plane: &Plane) -> Option<((usize, usize), (usize, usize))> {
+    let (first_word, end_word) = (plane.cols.0 / 64, plane.cols.1.div_ceil(64));
+    let words = |row: usize| &cells.row(row)[first_word..end_word];
+    let is_used = |row: &usize| words(*row).iter().any(|w| *w != 0);
+    let first = (plane.rows.0..plane.rows.1).find(is_used)?;
+    let last = (first..plane.rows.1).rev().find(is_used)?;
+    let (mut west, mut east) = (usize::MAX, 0);
+    for word in first_word..end_word {
+        let any = (first..=last).fold(0, |any, row| any | cells.row(row)[word]);
+        if any != 0 {
+            west = west.min(word * 64 + any.trailing_zeros() as usize);
+            east = word * 64 + 64 - any.leading_zeros() as usize;
+        }
+    }
+    Some(((first, last + 1), (west, east)))
+}

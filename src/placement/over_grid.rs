@@ -1,0 +1,60 @@
+//! The scores of candidates on a grid of places: all those at one height together, where that is sooner done.
+
+use std::collections::BTreeMap;
+
+use super::{Candidate, PlaceGrid, Score, Scorer, scores};
+use crate::coverage::{Control, Uav};
+use crate::error::Result;
+
+/// The scores of some candidates over a grid of places, in their order: those of [`scores`], which is asked where few
+/// candidates share a height, or the scene is no flat ground with footprints.
+///
+/// Adds 1 to `control.done` for each.
+///
+/// # Errors
+/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+pub fn scores_over_grid(
+    scorer: &Scorer<'_>,
+    places: &PlaceGrid,
+    candidates: &[Candidate],
+    control: &Control,
+) -> Result<Vec<Score>> {
+    let mut of_heights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for (k, candidate) in candidates.iter().enumerate() {
+        of_heights.entry(candidate.uav.station.z).or_default().push(k);
+    }
+    let mut found = vec![Score::default(); candidates.len()];
+    let mut one_by_one: Vec<usize> = Vec::new();
+    for at_height in of_heights.into_values() {
+        match together(scorer, places, (candidates, &at_height), control)? {
+            Some(scores) => at_height.iter().zip(scores).for_each(|(k, score)| found[*k] = score),
+            None => one_by_one.extend(at_height),
+        }
+    }
+    let uavs: Vec<&Uav> = one_by_one.iter().map(|k| &candidates[*k].uav).collect();
+    for (k, score) in one_by_one.iter().zip(scores(scorer, &uavs, control)?) {
+        found[*k] = score;
+    }
+    Ok(found)
+}
+
+/// The scores of candidates at one height, counted together; `None` where one by one is sooner.
+fn together(
+    scorer: &Scorer<'_>,
+    places: &PlaceGrid,
+    (candidates, at_height): (&[Candidate], &[usize]),
+    control: &Control,
+) -> Result<Option<Vec<Score>>> {
+    let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
+    let lattice = scorer.mapper.lattice(&places.grid, uavs);
+    let Some(lattice) = lattice.filter(|lattice| scorer.mapper.is_counted_sooner(lattice)) else { return Ok(None) };
+    let weight = |cell: usize| scorer.weights.map_or(1, |weights| weights.of_cell(cell));
+    let counts = scorer.mapper.count_lattice(&lattice, &weight, control)?;
+    Ok(counts.map(|counts| {
+        let score = |k: &usize| {
+            let place = candidates[*k].spot.place;
+            Score { wanted: counts.wanted[place], seen: counts.seen[place] }
+        };
+        at_height.iter().map(score).collect()
+    }))
+}
