@@ -20,8 +20,8 @@ const FAR: f64 = (1_u64 << 40) as f64;
 pub(super) struct Reach {
     /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof.
     near: f64,
-    /// Where it ends, relative to the far edges; `None` if never.
-    far: Option<f64>,
+    /// Where it ends, relative to the far edges; infinite if never.
+    far: f64,
 }
 
 impl Reach {
@@ -34,11 +34,11 @@ impl Reach {
         if top <= z && top <= uav_z {
             None
         } else if top < uav_z {
-            Some(Reach { near: 1.0, far: Some(quotient(uav_z - z, uav_z - top)) })
+            Some(Reach { near: 1.0, far: quotient(uav_z - z, uav_z - top) })
         } else if top >= z {
-            Some(Reach { near: 1.0, far: None })
+            Some(Reach { near: 1.0, far: f64::INFINITY })
         } else {
-            Some(Reach { near: quotient(z - uav_z, top - uav_z), far: None })
+            Some(Reach { near: quotient(z - uav_z, top - uav_z), far: f64::INFINITY })
         }
     }
 
@@ -49,7 +49,7 @@ impl Reach {
         let Reach { near, far } = self;
         #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
         let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
-        let least = |v: f64| if v < 0.0 { far.map_or(-FAR, |f| (f * v).max(-FAR)) - 1.0 } else { near * v - 1.0 };
+        let least = |v: f64| if v < 0.0 { (far * v).max(-FAR) } else { near * v } - 1.0;
         let most = |v: f64| -least(-v);
         let [w, s, e, n] = bounds;
         [least(relative(w, u.0)), least(relative(s, u.1)), most(relative(e, u.0)), most(relative(n, u.1))]
@@ -179,7 +179,7 @@ impl Outline {
                 self.add(plane, edge, near * offset, &mut magnitude);
             } else if k == 0 {
                 self.add(plane, edge, 0.0, &mut magnitude);
-            } else if let Some(far) = far {
+            } else if far < f64::INFINITY {
                 self.add(plane, edge, far * offset, &mut magnitude);
             }
             if was_facing != is_facing {
@@ -194,8 +194,8 @@ impl Outline {
     }
 
     /// Makes this the outline of all that a convex counterclockwise ring may hide from any receiver of a tile, or of more;
-    /// `plane` is that of the tile's south-western corner, from which `corners` are seen. `false` if no wanted position is
-    /// in it.
+    /// `plane` is that of the tile's south-western corner, `size` its extent to the east and the north. `false` if no wanted
+    /// position is in it.
     ///
     /// The half-plane of an edge, E × (p − r) > s·K with K = E × (a − r), is linear in the receiver r: an edge that faces
     /// all corners bounds what is hidden from anywhere in the tile by the least of the corners' bounds. The sides are the
@@ -206,46 +206,57 @@ impl Outline {
     pub(super) fn cast_around(
         &mut self,
         plane: &Plane,
-        corners: &[[i64; 2]; 4],
+        size: [i64; 2],
         ring: &[[i32; 2]],
         bounds: [i32; 4],
         reach: Reach,
     ) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
-        let extent = corners.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |all, d| {
-            let [w, s, e, n] = reach.extent(bounds, (ux + d[0], uy + d[1]));
-            let (dx, dy) = (as_f64(d[0]), as_f64(d[1]));
-            [all[0].min(w + dx), all[1].min(s + dy), all[2].max(e + dx), all[3].max(n + dy)]
-        });
+        // Extents are linear between the sides of the tile.
+        let [w, s, e, n] = reach.extent(bounds, (ux, uy));
+        let [far_w, far_s, far_e, far_n] = reach.extent(bounds, (ux + size[0], uy + size[1]));
+        let (dx, dy) = (as_f64(size[0]), as_f64(size[1]));
+        let extent = [w.min(far_w + dx), s.min(far_s + dy), e.max(far_e + dx), n.max(far_n + dy)];
         if !self.begin(plane, extent) {
             return false;
         }
         let mut magnitude = Magnitude(0.0);
         let from_tile = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
-        // One bit for each corner that an edge from `a` faces.
-        let facing = |edge: [i64; 2], a: [i64; 2]| {
-            let bit = |(k, d): (usize, &[i64; 2])| u8::from(cross(edge, sub(a, *d)) > 0) << k;
-            corners.iter().enumerate().map(bit).fold(0, |all, bit| all | bit)
+        let corners = [[0, 0], [size[0], 0], size, [0, size[1]]];
+        // E × (a − r) at the corners differs from that at the first by E × r.
+        let shifts = |edge: [i64; 2]| {
+            let (to_east, to_north) = (-edge[1] * size[0], edge[0] * size[1]);
+            [0, to_east, to_east + to_north, to_north]
         };
+        // One bit for each corner that an edge from `a` faces.
+        let facing =
+            |k: i64, shifts: [i64; 4]| (0..4).fold(0_u8, |bits, corner| bits | u8::from(k > shifts[corner]) << corner);
         let n = ring.len();
         let mut a = from_tile(ring[n - 1]);
-        let mut was_facing = facing(sub(a, from_tile(ring[n - 2])), a);
+        let last = sub(a, from_tile(ring[n - 2]));
+        let mut was_facing = facing(cross(last, a), shifts(last));
         for &vertex in ring {
             let b = from_tile(vertex);
             let edge = sub(b, a);
-            let is_facing = facing(edge, a);
+            let (k, shifts) = (cross(edge, a), shifts(edge));
+            let is_facing = facing(k, shifts);
             if is_facing == 0b1111 {
-                let most = corners.iter().map(|d| cross(edge, *d)).max().unwrap_or(0);
-                let (at, shift) = (reach.near * as_f64(cross(edge, a)), (1.0 - reach.near) * as_f64(most));
+                let most = shifts[1].max(0) + shifts[3].max(0);
+                let (at, shift) = (reach.near * as_f64(k), (1.0 - reach.near) * as_f64(most));
                 let slack = ROUNDING * (at.abs() + shift.abs());
                 self.add(plane, edge, at + shift - slack, &mut magnitude);
             }
             let turned = was_facing ^ is_facing;
-            for (k, corner) in corners.iter().enumerate().filter(|(k, _)| turned >> k & 1 != 0) {
-                let toward = sub(a, *corner);
-                let along = if was_facing >> k & 1 != 0 { toward } else { [-toward[0], -toward[1]] };
-                if corners.iter().all(|other| cross(along, sub(*other, *corner)) <= 0) {
-                    self.add(plane, along, as_f64(cross(along, *corner)), &mut magnitude);
+            if turned != 0 {
+                for (k, corner) in corners.iter().enumerate() {
+                    let toward = sub(a, *corner);
+                    let along = if was_facing >> k & 1 != 0 { toward } else { [-toward[0], -toward[1]] };
+                    let is_side = corners.iter().fold(turned >> k & 1 != 0, |is_side, other| {
+                        is_side & (cross(along, sub(*other, *corner)) <= 0)
+                    });
+                    if is_side {
+                        self.add(plane, along, as_f64(cross(along, *corner)), &mut magnitude);
+                    }
                 }
             }
             was_facing = is_facing;

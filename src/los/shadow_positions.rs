@@ -17,8 +17,6 @@
 //! hide has the margin of shadows, so no receiver has a doubt about a position that is left because of a caster that is
 //! not. What is left is decided as by [`super::shadow_los`], doubts by `ray`.
 
-use std::cmp::Reverse;
-
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::shadow::{Band, BandJob, Receivers, ShadowScene, plane_of};
@@ -102,22 +100,25 @@ impl Positions<'_> {
         let plane = |(x, y)| plane_of(&scene, LatticePoint { x, y, z: highest });
         let [Some(a), Some(b), Some(c), Some(d)] = corners.map(plane) else { return nothing() };
         let mut planes = [a, b, c, d];
-        let corners = corners.map(|(x, y)| [x - west, y - south]);
+        let size = [east - west, north - south];
         let mut left = whole.positions.clone();
         let mut kept = Vec::new();
         let (mut around, mut of_corners) = (Outline::default(), <[Outline; 4]>::default());
         for k in self.nearest_first(&whole.casters, tile) {
             let (caster, ring) = self.caster(k);
             let Some(reach) = Reach::new(lowest, caster.top, self.z) else { continue };
-            if !around.cast_around(&planes[0], &corners, ring, caster.bounds, reach)
+            if !around.cast_around(&planes[0], size, ring, caster.bounds, reach)
                 || is_dark(simd, &planes[0], &around, &left)
             {
                 continue;
             }
             kept.push(k);
             if let Some(reach) = Reach::new(highest, caster.top, self.z) {
-                let mut outlines = planes.iter().zip(&mut of_corners);
-                if outlines.all(|(plane, outline)| outline.cast(plane, ring, caster.bounds, reach)) {
+                let mut is_any_hidden = true;
+                for (plane, outline) in planes.iter().zip(&mut of_corners) {
+                    is_any_hidden = is_any_hidden && outline.cast(plane, ring, caster.bounds, reach);
+                }
+                if is_any_hidden {
                     clear_umbra(simd, &planes, &of_corners, &mut left);
                 }
             }
@@ -129,20 +130,20 @@ impl Positions<'_> {
         InView { positions: left, casters: kept }
     }
 
-    /// Casters by their distance from the middle of a tile, of two as near the higher first.
+    /// Casters by their distance from the middle of a tile.
     fn nearest_first(&self, casters: &[u32], tile: &ReceiverTile) -> Vec<u32> {
         let [west, south, east, north] = tile.bounds;
         let (x, y) = (west.midpoint(east), south.midpoint(north));
         let beyond =
             |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
         let key = |k: &u32| {
-            let Caster { bounds: [w, s, e, n], top, .. } = *self.caster(*k).0;
+            let [w, s, e, n] = self.caster(*k).0.bounds;
             let (dx, dy) = (beyond(w, e, x), beyond(s, n, y));
-            (dx * dx + dy * dy, Reverse(top), *k)
+            (dx * dx + dy * dy, *k)
         };
         let mut order: Vec<_> = casters.iter().map(key).collect();
         order.sort_unstable();
-        order.into_iter().map(|(_, _, k)| k).collect()
+        order.into_iter().map(|(_, k)| k).collect()
     }
 
     #[inline(always)]
