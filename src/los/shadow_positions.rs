@@ -75,6 +75,9 @@ impl Positions<'_> {
     }
 
     /// Leaves of `asked`, positions in view from a tile, those in line of sight of a receiver inside of it.
+    ///
+    /// The receiver, or every position, is outside of all buildings (not checked): tiles do not know that whoever is inside
+    /// of one sees a UAV at the very same point.
     pub fn los(&self, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
         dispatch!(self.level, simd => self.hide(simd, in_view, receiver, asked));
     }

@@ -25,11 +25,11 @@ use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};
 use crate::support::{Random, prisms_of, slow};
 
 /// Receivers of a scene: positions of columns and rows, and the height of each cell.
-struct Field {
-    xs: Vec<i64>,
-    ys: Vec<i64>,
-    heights: Vec<i32>,
-    wanted: BitGrid,
+pub(crate) struct Field {
+    pub(crate) xs: Vec<i64>,
+    pub(crate) ys: Vec<i64>,
+    pub(crate) heights: Vec<i32>,
+    pub(crate) wanted: BitGrid,
 }
 
 /// What a comparison has seen, so that a test can tell that it tested something.
@@ -99,7 +99,7 @@ impl Field {
 }
 
 /// Every set of vector instructions of this machine.
-fn levels() -> Vec<Level> {
+pub(crate) fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     let lower = [
@@ -117,7 +117,7 @@ fn levels() -> Vec<Level> {
 // Tiny scenes.
 
 /// Up to six footprints on the integers 0..=6: rectangles, triangles, stars, shapes with holes, rows of houses.
-fn tiny_scene(random: &mut Random) -> Vec<Prism> {
+pub(crate) fn tiny_scene(random: &mut Random) -> Vec<Prism> {
     match random.within(0, 9) {
         0..=3 => random_prisms(random),
         4 => {
@@ -162,7 +162,7 @@ fn tiny_scene(random: &mut Random) -> Vec<Prism> {
 }
 
 /// A grid over such a scene, its cell centers on walls, half-way, or anywhere; sometimes with cells of odd size.
-fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
+pub(crate) fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
     let cell = random.choose(&[1024.0, 1024.0, 512.0, 256.0, 307.2, 716.8, 333.0]);
     let n = (9.0 * 1024.0 / cell) as usize + usize::try_from(random.within(1, 3)).unwrap();
     let n = n.min(30);
@@ -196,7 +196,7 @@ fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
 }
 
 /// A UAV where something coincides: on a vertex, along an edge, over a roof, at a roof's height, at a cell.
-fn tiny_uav(random: &mut Random, prisms: &[Prism], field: &Field) -> LatticePoint {
+pub(crate) fn tiny_uav(random: &mut Random, prisms: &[Prism], field: &Field) -> LatticePoint {
     let of = &prisms[random.within(0, prisms.len() as i64 - 1) as usize];
     let ring = &of.rings[random.within(0, of.rings.len() as i64 - 1) as usize];
     let k = random.within(0, ring.len() as i64 - 1) as usize;
@@ -305,7 +305,7 @@ fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: 
     found
 }
 
-fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
+pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
     let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m, seed, ground_m: 0.0 };
     let scene = city.scene().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
