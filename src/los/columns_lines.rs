@@ -77,50 +77,76 @@ impl LinkOverLines {
         let LineCells { tops, own, stride, sideways } = *cells;
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
         let whole = CELL * length;
-        let (mut n, stop) = (length - far, length - near);
-        let numerator = CELL / 2 * length + n * along;
-        let (mut passed, mut rest) = (numerator / whole, numerator % whole);
+        let (first_n, stop) = (length - far, length - near);
+        let numerator = CELL / 2 * length + first_n * along;
+        let mut rest = numerator % whole;
+        let passed = numerator / whole;
         let growth = CELL * along;
-        let lines = (n - CELL / 2) / CELL + 1;
+        let lines = (first_n - CELL / 2) / CELL + 1;
         let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
         let mut cell = own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways));
-        while n < stop {
-            if passed > most {
+        // Cells beside the present one that the raster still has.
+        let mut beside = most - passed;
+        let n_lines = (stop - first_n + CELL - 1).div_euclid(CELL);
+        let mut lines_left = n_lines;
+        // A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
+        let mut clear_below = z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb;
+        while lines_left > 0 {
+            if beside < 0 {
                 // Beside the raster nothing blocks.
                 return true;
             }
-            // The ray enters the line at `n` in `cell`, and leaves it there or in the next one.
+            // The ray enters the line in `cell`, and leaves it there or in the next one.
             rest += growth;
             let steps_over = rest >= whole;
             rest -= if steps_over { whole } else { 0 };
             let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
-            let is_inside = passed + i64::from(steps_over) <= most;
-            let first = i64::from(tops[cell]) - z;
-            let second = if is_inside { i64::from(tops[next]) - z } else { i64::MIN >> 32 };
-            let end = (n + CELL).min(length);
-            let lowest = if climb >= 0 { n } else { end } * climb;
-            if first.max(second) * length > lowest {
-                // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at
-                // once.
-                let border = CELL / 2 + passed * CELL;
-                let crosses = steps_over && rest > 0 && border < along;
-                let blocked = if climb >= 0 {
-                    first * length > n * climb || (crosses && second * along > border * climb)
-                } else if crosses {
-                    first * along > border * climb || second * length > end * climb
-                } else {
-                    first * length > end * climb
-                };
-                if blocked {
+            let first = tops[cell];
+            let second = if steps_over && beside == 0 { i32::MIN } else { tops[next] };
+            if i64::from(first.max(second)) * length > clear_below {
+                let n = first_n + (n_lines - lines_left) * CELL;
+                if self.is_blocked(LineMet { n, passed: most - beside, rest, steps_over }, (first, second)) {
                     return false;
                 }
             }
-            passed += i64::from(steps_over);
+            beside -= i64::from(steps_over);
             cell = next.wrapping_add_signed(stride);
-            n += CELL;
+            clear_below += CELL * climb;
+            lines_left -= 1;
         }
         true
     }
+
+    /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
+    #[inline(never)]
+    fn is_blocked(&self, at: LineMet, (first, second): (i32, i32)) -> bool {
+        let LinkOverLines { length, along, z, climb, .. } = *self;
+        let LineMet { n, passed, rest, steps_over } = at;
+        let (first, second) = (i64::from(first) - z, i64::from(second) - z);
+        let end = (n + CELL).min(length);
+        // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
+        let border = CELL / 2 + passed * CELL;
+        let crosses = steps_over && rest > 0 && border < along;
+        if climb >= 0 {
+            first * length > n * climb || (crosses && second * along > border * climb)
+        } else if crosses {
+            first * along > border * climb || second * length > end * climb
+        } else {
+            first * length > end * climb
+        }
+    }
+}
+
+/// A line of cells that a ray meets.
+#[derive(Debug, Clone, Copy)]
+struct LineMet {
+    /// Where the ray enters it, from the receiver \[lattice steps across the lines\].
+    n: i64,
+    /// Borders between cells passed before, and what is left over after the line.
+    passed: i64,
+    rest: i64,
+    /// Whether it leaves the line in the next cell.
+    steps_over: bool,
 }
 
 fn as_i64(n: usize) -> i64 {
