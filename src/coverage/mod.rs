@@ -7,24 +7,23 @@ mod cell_classes;
 mod elevation;
 mod height_curve;
 mod idle;
-mod lattice;
-mod lattice_sums;
 mod layers;
 mod many;
 mod map;
 mod margins;
 mod pairs;
 mod polygons;
+mod place_sums;
 mod range;
 mod stability;
 mod streamed;
 mod tally;
 mod track;
 mod uav;
+mod uav_grid;
 
 pub use height_curve::HeightCurve;
 pub use idle::IdleFootprints;
-pub use lattice::{LatticeCounts, UavLattice};
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub use map::{
@@ -38,6 +37,7 @@ pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
 pub use uav::{Placement, Uav};
+pub use uav_grid::{GridCounts, UavGrid};
 
 /// Values of a mask. 255 wins over 3, 3 over 2, 2 over 0 and 1.
 pub mod class {

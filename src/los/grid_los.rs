@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{
-    Positions, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, link_los, r2_los, shadow_los,
+    ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, r2_los, shadow_los,
     shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station};
@@ -303,12 +303,12 @@ impl<'a> GridLos<'a> {
         &self.positions
     }
 
-    /// UAV positions on the lattice of the prisms, all at height `z` \[1/1024 m above the datum\], as receivers see them;
-    /// `None` unless prisms alone decide.
-    pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<Positions<'b>> {
+    /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as receivers see them; `None` unless the
+    /// engine is `shadow` over prisms alone.
+    pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
         let prisms = self.field.prisms().filter(|_| self.method == Method::Shadow)?;
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
-        Some(Positions { prisms, casters, grid, z, level: self.level })
+        Some(UavPositions { prisms, casters, grid, z, level: self.level })
     }
 
     /// The receivers of `wanted` that are in line of sight of a UAV.

@@ -38,6 +38,7 @@ mod link;
 mod obstruction;
 mod prisms_ray;
 mod shadow;
+mod shadow_ceiling;
 mod shadow_grid;
 mod shadow_outline;
 mod shadow_positions;
@@ -53,7 +54,7 @@ pub use obstruction::{Ceiling, Obstruction};
 pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
-pub use shadow_positions::{InView, Positions, ReceiverTile};
+pub use shadow_positions::{InView, ReceiverTile, UavPositions};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,

@@ -50,10 +50,11 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::prisms_ray::prisms_los;
+use super::shadow_ceiling::Ceiling;
 use super::shadow_grid::ShadowGrid;
-use super::shadow_outline::{Ceiling, Outline, Plane, Reach};
+use super::shadow_outline::{Outline, Plane, Reach};
 use super::shadow_spans::{LANES, Lanes, as_f64, below_ceiling, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::{Casters, Prisms};
+use crate::height_field::{CasterBlock, Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
@@ -199,49 +200,45 @@ fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers) -
     ShadowLos { los, count: counts.0, asked: counts.1 }
 }
 
+/// The rows and the columns between which all cells of a set lie that are within some; `None` without any.
+pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> Option<(Span, Span)> {
+    let (first_word, end_word) = (cols.0 / 64, cols.1.div_ceil(64));
+    let is_used = |row: &usize| cells.row(*row)[first_word..end_word].iter().any(|w| *w != 0);
+    let first = (rows.0..rows.1).find(is_used)?;
+    let last = (first..rows.1).rev().find(is_used)?;
+    let (mut west, mut east) = (usize::MAX, 0);
+    for word in first_word..end_word {
+        let any = (first..=last).fold(0, |any, row| any | cells.row(row)[word]);
+        if any != 0 {
+            west = west.min(word * 64 + any.trailing_zeros() as usize);
+            east = word * 64 + 64 - any.leading_zeros() as usize;
+        }
+    }
+    Some(((first, last + 1), (west, east)))
+}
+
+/// The first of some rows or columns, and the one after the last.
+type Span = (usize, usize);
+
 /// The plane as seen from a UAV; `None` if no cell is wanted.
 pub(super) fn plane_of(scene: &ShadowScene<'_>, uav: LatticePoint) -> Option<Plane> {
-    let (grid, wanted) = (scene.grid, scene.wanted);
-    let is_wanted = |row: &usize| wanted.row(*row).iter().any(|w| *w != 0);
-    let first = (0..wanted.n_rows()).find(is_wanted)?;
-    let last = (first..wanted.n_rows()).rev().find(is_wanted)?;
-    let mut any = vec![0_u64; wanted.words_per_row()];
-    for row in first..=last {
-        any.iter_mut().zip(wanted.row(row)).for_each(|(a, w)| *a |= w);
-    }
-    let west = any.iter().position(|w| *w != 0)?;
-    let east = any.iter().rposition(|w| *w != 0)?;
-    let cols = (west * 64 + any[west].trailing_zeros() as usize, east * 64 + 64 - any[east].leading_zeros() as usize);
-    let mut q: Vec<f64> = grid.ys.iter().map(|y| as_f64(y - uav.y)).collect();
-    let q_max = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
-    q.extend([q[q.len() - 1]; LANES]);
-    Some(Plane {
-        uav,
-        q,
-        rows: (first, last + 1),
-        cols,
-        east: (as_f64(grid.xs[cols.0] - uav.x), as_f64(grid.xs[cols.1 - 1] - uav.x)),
-        q_max,
-        origin: as_f64(uav.x - grid.xs[0]) / grid.steps.0,
-        per_step: 1.0 / grid.steps.0,
-        step: grid.steps.0,
-        last_column: as_f64(grid.xs.len()),
-        rows_per_step: 1.0 / grid.steps.1,
-        unevenness: grid.unevenness,
-    })
+    let wanted = scene.wanted;
+    let (rows, cols) = extent_of(wanted, (0, wanted.n_rows()), (0, wanted.n_cols()))?;
+    Some(Plane::new(scene.grid, uav, rows, cols))
+}
+
+/// The square of the distance of a box (west, south, east, north) from a point \[lattice steps\].
+pub(super) fn distance_squared(bounds: [i32; 4], (x, y): (i64, i64)) -> u64 {
+    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
+    let [west, south, east, north] = bounds;
+    let (dx, dy) = (beyond(west, east, x), beyond(south, north, y));
+    dx * dx + dy * dy
 }
 
 /// The blocks of casters by their distance from the UAV.
 fn nearest_first(casters: &Casters, uav: LatticePoint) -> Vec<u32> {
-    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0);
-    let mut order: Vec<(u64, u32)> = (0_u32..)
-        .zip(casters.blocks())
-        .map(|(k, block)| {
-            let [west, south, east, north] = block.bounds;
-            let (dx, dy) = (beyond(west, east, uav.x).unsigned_abs(), beyond(south, north, uav.y).unsigned_abs());
-            (dx * dx + dy * dy, k)
-        })
-        .collect();
+    let distance = |block: &CasterBlock| distance_squared(block.bounds, (uav.x, uav.y));
+    let mut order: Vec<(u64, u32)> = (0_u32..).zip(casters.blocks()).map(|(k, block)| (distance(block), k)).collect();
     order.sort_unstable();
     order.into_iter().map(|(_, k)| k).collect()
 }

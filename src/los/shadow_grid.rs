@@ -24,8 +24,9 @@ impl ShadowGrid {
         let deviation = |(col, x): (usize, &i64)| (as_f64(x - xs[0]) / steps.0 - as_f64(col)).abs();
         let unevenness = xs.iter().enumerate().map(deviation).fold(0.0, f64::max);
         // Positions are integers: if they are evenly spaced, so is the average, and nothing above was rounded. Otherwise
-        // two roundings of at most 2^16 columns are below 1e-10.
-        let unevenness = if unevenness > 0.0 { unevenness + 1e-10 } else { 0.0 };
+        // there were two roundings of at most as many columns as there are.
+        let rounding = 2.0 * f64::EPSILON * as_f64(xs.len());
+        let unevenness = if unevenness > 0.0 { unevenness + rounding } else { 0.0 };
         ShadowGrid { xs, ys, steps, unevenness }
     }
 }

@@ -1,8 +1,7 @@
-//! The shadow of one caster: the half-planes whose intersection it is, and the planes below which it hides receivers at
-//! differing heights. The derivation is in the essay of [`super::shadow`].
+//! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the essay of [`super::shadow`].
 
 use super::shadow_grid::ShadowGrid;
-use super::shadow_spans::as_f64;
+use super::shadow_spans::{LANES, as_f64};
 use crate::quantity::LatticePoint;
 
 /// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
@@ -92,6 +91,32 @@ pub(super) struct Rows {
 }
 
 impl Plane {
+    /// The rows and columns of a grid as seen from `uav`.
+    pub(super) fn new(grid: &ShadowGrid, uav: LatticePoint, rows: (usize, usize), cols: (usize, usize)) -> Plane {
+        let mut q: Vec<f64> = grid.ys.iter().map(|y| as_f64(y - uav.y)).collect();
+        let q_max = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+        q.extend([q[q.len() - 1]; LANES]);
+        Plane {
+            uav,
+            q,
+            rows,
+            cols,
+            east: (as_f64(grid.xs[cols.0] - uav.x), as_f64(grid.xs[cols.1 - 1] - uav.x)),
+            q_max,
+            origin: as_f64(uav.x - grid.xs[0]) / grid.steps.0,
+            per_step: 1.0 / grid.steps.0,
+            step: grid.steps.0,
+            last_column: as_f64(grid.xs.len()),
+            rows_per_step: 1.0 / grid.steps.1,
+            unevenness: grid.unevenness,
+        }
+    }
+
+    /// The same as seen from elsewhere.
+    pub(super) fn seen_from(&self, grid: &ShadowGrid, uav: LatticePoint) -> Plane {
+        Plane::new(grid, uav, self.rows, self.cols)
+    }
+
     /// Leaves only some of the wanted rows and columns.
     pub(super) fn narrow_to(&mut self, grid: &ShadowGrid, rows: (usize, usize), cols: (usize, usize)) {
         let east = |col: usize| as_f64(grid.xs[col] - self.uav.x);
@@ -212,11 +237,12 @@ impl Outline {
         reach: Reach,
     ) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
-        // Extents are linear between the sides of the tile.
+        // From one side of the tile to the other each bound is monotone (its slopes are 1 − near and 1 − far, both at most
+        // 0), so it is extreme at one of them.
         let [w, s, e, n] = reach.extent(bounds, (ux, uy));
-        let [far_w, far_s, far_e, far_n] = reach.extent(bounds, (ux + size[0], uy + size[1]));
+        let [other_w, other_s, other_e, other_n] = reach.extent(bounds, (ux + size[0], uy + size[1]));
         let (dx, dy) = (as_f64(size[0]), as_f64(size[1]));
-        let extent = [w.min(far_w + dx), s.min(far_s + dy), e.max(far_e + dx), n.max(far_n + dy)];
+        let extent = [w.min(other_w + dx), s.min(other_s + dy), e.max(other_e + dx), n.max(other_n + dy)];
         if !self.begin(plane, extent) {
             return false;
         }
@@ -243,6 +269,8 @@ impl Outline {
             if is_facing == 0b1111 {
                 let most = shifts[1].max(0) + shifts[3].max(0);
                 let (at, shift) = (reach.near * as_f64(k), (1.0 - reach.near) * as_f64(most));
+                // EXACT: 1 − near errs by a rounding of near, not of itself; but the edge faces all corners, so k > most and
+                // near·most is below `at`. With u = 2^-53 the sum errs by less than 5u of both sizes, the slack is 16u.
                 let slack = ROUNDING * (at.abs() + shift.abs());
                 self.add(plane, edge, at + shift - slack, &mut magnitude);
             }
@@ -348,80 +376,12 @@ impl Outline {
     }
 }
 
-/// A plane of heights over the grid: `at + per_col · column + per_q · q` \[lattice steps\].
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Slope {
-    pub(super) at: f64,
-    pub(super) per_col: f64,
-    pub(super) per_q: f64,
-}
-
-/// The ceiling of one prism: within its cone, behind its near edges, it hides the receivers below all these planes.
-#[derive(Debug, Default)]
-pub(super) struct Ceiling {
-    /// Planes through the UAV and one upper edge each: the far ones of a roof below the UAV, else the near ones.
-    pub(super) slopes: Vec<Slope>,
-    /// Receivers at this height or above are seen in any case \[lattice steps\].
-    pub(super) cap: f64,
-    /// Receivers nearer to a plane than this are in doubt \[lattice steps\].
-    pub(super) margin: f64,
-}
-
-impl Ceiling {
-    /// Makes this the ceiling of a convex counterclockwise ring with its roof at `top`.
-    #[inline(always)]
-    pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], top: i32) {
-        let (ux, uy) = (plane.uav.x, plane.uav.y);
-        let rise = i64::from(top) - plane.uav.z;
-        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
-        let (rise_steps, uav_z) = (rise as f64, plane.uav.z as f64);
-        self.cap = if rise > 0 { f64::INFINITY } else { f64::from(top) };
-        self.slopes.clear();
-        let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
-        let mut a = from_uav(ring[ring.len() - 1]);
-        let mut magnitude = 0.0_f64;
-        let mut steepest = 0.0_f64;
-        for &vertex in ring {
-            let b = from_uav(vertex);
-            let edge = sub(b, a);
-            let k = cross(edge, a);
-            if (rise < 0 && k < 0) || (rise >= 0 && k > 0) {
-                #[expect(clippy::cast_precision_loss, reason = "rounded once, within the margin")]
-                let (ex, ey, k) = (edge[0] as f64, edge[1] as f64, k as f64);
-                let slope = rise_steps / k;
-                let (per_q, per_col) = (ex * slope, -(ey * plane.step) * slope);
-                self.slopes.push(Slope { at: uav_z - per_col * plane.origin, per_col, per_q });
-                let columns = plane.origin.abs() + plane.last_column;
-                magnitude = magnitude.max(per_q.abs() * plane.q_max + per_col.abs() * columns);
-                steepest = steepest.max(per_col.abs());
-            }
-            a = b;
-        }
-        self.margin = ROUNDING * (magnitude + uav_z.abs() + 1.0) + steepest * plane.unevenness;
-    }
-
-    /// Bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns from `cols.0` to `cols.1`.
-    ///
-    /// The least of several planes is concave, so over a rectangle it is lowest at a corner.
-    #[inline(always)]
-    pub(super) fn range(&self, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
-        let (mut low, mut high) = (self.cap, self.cap);
-        for s in &self.slopes {
-            let (a, b) = (s.at + s.per_q * q.0, s.at + s.per_q * q.1);
-            let (c, d) = (s.per_col * cols.0, s.per_col * cols.1);
-            low = low.min(a.min(b) + c.min(d));
-            high = high.min(a.max(b) + c.max(d));
-        }
-        (low - self.margin, high + self.margin)
-    }
-}
-
 #[inline(always)]
-fn sub(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
+pub(super) fn sub(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 #[inline(always)]
-fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
+pub(super) fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
     a[0] * b[1] - a[1] * b[0]
 }

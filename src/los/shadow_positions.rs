@@ -1,9 +1,9 @@
 //! `shadow` seen from the ground: which of many UAV positions, all at one height, a receiver is in line of sight of.
 //!
-//! **Line of sight has no direction.** What hides a UAV from a receiver hides the receiver from the UAV, so a lattice of UAV
-//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super::shadow`] decides it: the
-//! receiver is below the roofs, the positions are above them, and shadows begin behind the buildings and have no end (the
-//! fourth case there). Where there are many positions this is the cheaper way around. From a street little of the sky is to
+//! **Line of sight has no direction.** What hides a UAV from a receiver hides the receiver from the UAV, so a grid of UAV
+//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super::shadow`] decides it. Mostly the
+//! receiver is below the roofs and the positions are above them, so that shadows begin behind the buildings and have no end
+//! (the fourth case there). Where there are many positions this is the cheaper way around. From a street little of the sky is to
 //! be seen, and the walls along the street hide the rest; from above most buildings hide something.
 //!
 //! **Tiles of receivers.** Neighbors see nearly the same. What one convex prism hides from all four corners of a tile it
@@ -13,16 +13,17 @@
 //! from no receiver of the tile, can hide any of the positions that are left ([`Outline::cast_around`]) is left out, too. Both
 //! are repeated from large tiles to small ones; a receiver at the end is asked about few positions and few casters.
 //!
-//! **Exactness.** Only positions surely inside of all four shadows are in the umbra; the outline around what a caster may
-//! hide has the margin of shadows, so no receiver has a doubt about a position that is left because of a caster that is
-//! not. What is left is decided as by [`super::shadow_los`], doubts by `ray`.
+//! **Exactness.** Only positions surely inside of all four shadows are in the umbra. The outline around what a caster may
+//! hide holds its closed shadows from everywhere in the tile, so a wall that it shares with another caster, along which only
+//! `ray` can tell, runs through no position that is left if it is left out. What is left is decided as by
+//! [`super::shadow_los`], doubts by `ray`.
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::shadow::{Band, BandJob, Receivers, ShadowScene, plane_of};
+use super::shadow::{Band, BandJob, Receivers, ShadowScene, distance_squared, extent_of, plane_of};
 use super::shadow_grid::ShadowGrid;
 use super::shadow_outline::{Outline, Plane, Reach};
-use super::shadow_spans::{LANES, bits_outside, clear, maybe_spans, spans};
+use super::shadow_spans::{LANES, bits_outside, clear, mask_within, maybe_spans, spans};
 use crate::height_field::{Caster, Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
@@ -30,9 +31,9 @@ use crate::raster::BitGrid;
 /// After so many casters it is looked how far the positions that are left reach.
 const CASTERS_A_LOOK: usize = 8;
 
-/// UAV positions at one height over a lattice, and what may hide them.
+/// UAV positions at one height over a grid, and what may hide them.
 #[derive(Debug, Clone, Copy)]
-pub struct Positions<'a> {
+pub struct UavPositions<'a> {
     /// What hides positions.
     pub prisms: &'a Prisms,
     /// What casts shadows: all casters of the prisms, or those that matter.
@@ -63,10 +64,33 @@ pub struct InView {
     casters: Vec<u32>,
 }
 
-impl Positions<'_> {
+impl UavPositions<'_> {
     /// What receivers anywhere may see of some positions.
     pub fn anywhere(&self, asked: &BitGrid) -> InView {
         InView { positions: asked.clone(), casters: (0_u32..).zip(self.casters.all()).map(|(k, _)| k).collect() }
+    }
+
+    /// Of what is in view from anywhere, the positions of some rows and columns, and what stands between them and a tile.
+    pub fn near(&self, tile: &ReceiverTile, (rows, cols): ((usize, usize), (usize, usize)), whole: &InView) -> InView {
+        let mut positions = BitGrid::new(self.grid.ys.len(), self.grid.xs.len());
+        let words_per_row = positions.words_per_row();
+        for row in rows.0..rows.1 {
+            let words = &mut positions.words_mut()[row * words_per_row..][..words_per_row];
+            for (word, (near, whole)) in words.iter_mut().zip(whole.positions.row(row)).enumerate() {
+                *near = whole & mask_within(word, cols.0, cols.1);
+            }
+        }
+        if rows.0 >= rows.1 || cols.0 >= cols.1 {
+            return InView { positions, casters: Vec::new() };
+        }
+        let [west, south, east, north] = tile.bounds;
+        let (west, east) = (west.min(self.grid.xs[cols.0]), east.max(self.grid.xs[cols.1 - 1]));
+        let (south, north) = (south.min(self.grid.ys[rows.1 - 1]), north.max(self.grid.ys[rows.0]));
+        let is_between = |k: &u32| {
+            let [w, s, e, n] = self.caster(*k).0.bounds.map(i64::from);
+            w <= east && e >= west && s <= north && n >= south
+        };
+        InView { positions, casters: whole.casters.iter().copied().filter(is_between).collect() }
     }
 
     /// What is in view from a tile inside another, or from anywhere.
@@ -88,7 +112,7 @@ impl Positions<'_> {
     }
 
     fn scene<'b>(&'b self, wanted: &'b BitGrid) -> ShadowScene<'b> {
-        let Positions { prisms, casters, grid, level, .. } = *self;
+        let UavPositions { prisms, casters, grid, level, .. } = *self;
         ShadowScene { prisms, casters, grid, wanted, level, n_bands: 1 }
     }
 
@@ -99,10 +123,9 @@ impl Positions<'_> {
         let scene = self.scene(&whole.positions);
         let [west, south, east, north] = tile.bounds;
         let (lowest, highest) = tile.heights;
+        let Some(plane) = plane_of(&scene, LatticePoint { x: west, y: south, z: highest }) else { return nothing() };
         let corners = [(west, south), (east, south), (east, north), (west, north)];
-        let plane = |(x, y)| plane_of(&scene, LatticePoint { x, y, z: highest });
-        let [Some(a), Some(b), Some(c), Some(d)] = corners.map(plane) else { return nothing() };
-        let mut planes = [a, b, c, d];
+        let mut planes = corners.map(|(x, y)| plane.seen_from(self.grid, LatticePoint { x, y, z: highest }));
         let size = [east - west, north - south];
         let mut left = whole.positions.clone();
         let mut kept = Vec::new();
@@ -126,7 +149,7 @@ impl Positions<'_> {
                 }
             }
             if kept.len() % CASTERS_A_LOOK == 0 {
-                let Some((rows, cols)) = extent_of(&left, &planes[0]) else { return nothing() };
+                let Some((rows, cols)) = extent_of(&left, planes[0].rows, planes[0].cols) else { return nothing() };
                 planes.iter_mut().for_each(|plane| plane.narrow_to(self.grid, rows, cols));
             }
         }
@@ -136,14 +159,8 @@ impl Positions<'_> {
     /// Casters by their distance from the middle of a tile.
     fn nearest_first(&self, casters: &[u32], tile: &ReceiverTile) -> Vec<u32> {
         let [west, south, east, north] = tile.bounds;
-        let (x, y) = (west.midpoint(east), south.midpoint(north));
-        let beyond =
-            |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
-        let key = |k: &u32| {
-            let [w, s, e, n] = self.caster(*k).0.bounds;
-            let (dx, dy) = (beyond(w, e, x), beyond(s, n, y));
-            (dx * dx + dy * dy, *k)
-        };
+        let middle = (west.midpoint(east), south.midpoint(north));
+        let key = |k: &u32| (distance_squared(self.caster(*k).0.bounds, middle), *k);
         let mut order: Vec<_> = casters.iter().map(key).collect();
         order.sort_unstable();
         order.into_iter().map(|(_, k)| k).collect()
@@ -211,22 +228,4 @@ fn is_dark<S: Simd>(simd: S, plane: &Plane, outline: &Outline, cells: &BitGrid) 
         row += LANES;
     }
     true
-}
-
-/// The rows and columns between which all cells of a set lie, within those of a plane; `None` if it is empty.
-fn extent_of(cells: &BitGrid, plane: &Plane) -> Option<((usize, usize), (usize, usize))> {
-    let (first_word, end_word) = (plane.cols.0 / 64, plane.cols.1.div_ceil(64));
-    let words = |row: usize| &cells.row(row)[first_word..end_word];
-    let is_used = |row: &usize| words(*row).iter().any(|w| *w != 0);
-    let first = (plane.rows.0..plane.rows.1).find(is_used)?;
-    let last = (first..plane.rows.1).rev().find(is_used)?;
-    let (mut west, mut east) = (usize::MAX, 0);
-    for word in first_word..end_word {
-        let any = (first..=last).fold(0, |any, row| any | cells.row(row)[word]);
-        if any != 0 {
-            west = west.min(word * 64 + any.trailing_zeros() as usize);
-            east = word * 64 + 64 - any.leading_zeros() as usize;
-        }
-    }
-    Some(((first, last + 1), (west, east)))
 }

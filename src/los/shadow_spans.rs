@@ -7,7 +7,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, u64x8};
 
-use super::shadow_outline::{Ceiling, Line, Outline, Plane, Slope};
+use super::shadow_ceiling::{Ceiling, Slope};
+use super::shadow_outline::{Line, Outline, Plane};
 
 /// Rows whose bounds are computed at once.
 pub(super) const LANES: usize = 8;
@@ -22,10 +23,13 @@ pub(super) struct Spans {
     pub(super) is_all_sure: bool,
 }
 
-/// A number as a double; exact below 2^53.
+/// A number as a double: exact below 2^53, rounded once above.
 #[inline(always)]
 pub(super) fn as_f64<T: TryInto<i64>>(v: T) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "positions and counts are below 2^53")]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "positions and counts are below 2^53, products of two within a margin"
+    )]
     let v = v.try_into().unwrap_or(i64::MAX) as f64;
     v
 }

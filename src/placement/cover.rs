@@ -28,8 +28,8 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::score::word_sum;
-use super::{Weights, interrupted};
-use crate::coverage::Control;
+use super::{Candidate, Score, Scorer, Weights, interrupted};
+use crate::coverage::{Control, maps_at_once};
 use crate::error::Result;
 use crate::raster::BitGrid;
 
@@ -58,6 +58,30 @@ impl SeenSets {
         let weights = weights.map(|weights| kept.iter().flat_map(|at| of_word(weights, *at)).collect());
         let wanted = kept.iter().map(|(row, word)| wanted.row(*row)[*word]).collect();
         SeenSets { kept, weights, words: Vec::new(), wanted }
+    }
+
+    /// What some candidates see, and their scores: as [`super::scores`] finds them. Adds 1 to `control.done` for each.
+    ///
+    /// # Errors
+    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn of(scorer: &Scorer<'_>, candidates: &[Candidate], control: &Control) -> Result<(Vec<Score>, SeenSets)> {
+        let mut scores = Vec::with_capacity(candidates.len());
+        let mut sets = SeenSets::over(&scorer.mapper.receiver_cells(), scorer.weights);
+        // Whole sets of cells are held for a few candidates at a time.
+        for chunk in candidates.chunks(8 * maps_at_once()) {
+            if control.stop.load(Ordering::Relaxed) {
+                return Err(interrupted());
+            }
+            let look = |candidate: &Candidate| {
+                let seen = scorer.mapper.seen(&candidate.uav);
+                control.done.fetch_add(1, Ordering::Relaxed);
+                (scorer.score_of(&seen), seen.los)
+            };
+            let (of_chunk, seen): (Vec<Score>, Vec<BitGrid>) = chunk.par_iter().map(look).unzip();
+            scores.extend(of_chunk);
+            sets.extend(&seen);
+        }
+        Ok((scores, sets))
     }
 
     /// Bytes that one set takes.

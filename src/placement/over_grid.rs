@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use super::{Candidate, PlaceGrid, Score, Scorer, scores};
 use crate::coverage::{Control, Uav};
 use crate::error::Result;
+use crate::los::Method;
 
 /// The scores of some candidates over a grid of places, in their order: those of [`scores`], which is asked where few
 /// candidates share a height, or the scene is no flat ground with footprints.
 ///
-/// Adds 1 to `control.done` for each.
+/// Adds the number of candidates to `control.done` as it goes.
 ///
 /// # Errors
 /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
@@ -46,10 +47,13 @@ fn together(
     control: &Control,
 ) -> Result<Option<Vec<Score>>> {
     let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
-    let lattice = scorer.mapper.lattice(&places.grid, uavs);
-    let Some(lattice) = lattice.filter(|lattice| scorer.mapper.is_counted_sooner(lattice)) else { return Ok(None) };
+    if scorer.mapper.method().0 != Method::Shadow {
+        return Ok(None);
+    }
+    let uav_grid = scorer.mapper.uav_grid(&places.grid, uavs);
+    let Some(uav_grid) = uav_grid.filter(|uavs| scorer.mapper.is_counted_sooner(uavs)) else { return Ok(None) };
     let weight = |cell: usize| scorer.weights.map_or(1, |weights| weights.of_cell(cell));
-    let counts = scorer.mapper.count_lattice(&lattice, &weight, control)?;
+    let counts = scorer.mapper.count_grid(&uav_grid, &weight, control)?;
     Ok(counts.map(|counts| {
         let score = |k: &usize| {
             let place = candidates[*k].spot.place;

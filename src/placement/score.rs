@@ -109,10 +109,16 @@ impl Scorer<'_> {
                 let (wanted, seen) = self.mapper.count(uav);
                 Score { wanted, seen }
             }
-            Some(weights) => {
-                let Seen { receivers, los } = self.mapper.seen(uav);
-                Score { wanted: weights.sum(&receivers), seen: weights.sum(&los) }
-            }
+            Some(_) => self.score_of(&self.mapper.seen(uav)),
+        }
+    }
+
+    /// The score of what a UAV sees.
+    pub fn score_of(&self, seen: &Seen) -> Score {
+        let Seen { receivers, los } = seen;
+        match self.weights {
+            None => Score { wanted: receivers.count(), seen: los.count() },
+            Some(weights) => Score { wanted: weights.sum(receivers), seen: weights.sum(los) },
         }
     }
 }

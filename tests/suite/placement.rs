@@ -197,6 +197,11 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         let mut sets = SeenSets::over(&mapper.receiver_cells(), None);
         sets.extend(&seen);
         let found = cover(&sets, 2, &Control::default()).unwrap();
+        let scorer = Scorer { mapper: &mapper, weights: None };
+        let (of_each, all) = SeenSets::of(&scorer, &kept, &Control::default()).unwrap();
+        let uavs: Vec<_> = kept.iter().map(|c| &c.uav).collect();
+        assert_eq!(of_each, scores(&scorer, &uavs, &Control::default()).unwrap());
+        assert_eq!(cover(&all, 2, &Control::default()).unwrap().chosen, found.chosen);
         let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));
         let best = pairs.max().unwrap();
         assert!(found.covered() <= best && best <= found.bound && found.bound <= found.wanted);

@@ -3,11 +3,13 @@
 
 #![expect(clippy::unwrap_used, clippy::cast_possible_wrap, reason = "a test stops at the first surprise")]
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 use skyshed::coverage::{Control, MapOptions, Mapper, Receivers, Uav};
 use skyshed::height_field::HeightField;
-use skyshed::los::{InView, MethodChoice, Positions, ReceiverTile, ShadowGrid, prisms_los};
-use skyshed::placement::{CandidateRules, Candidates, PlaceGrid};
+use skyshed::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
+use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
 use skyshed::quantity::{Height, LatticePoint};
 use skyshed::raster::BitGrid;
 
@@ -48,7 +50,7 @@ fn tile_of(random: &mut Random, receivers: &[LatticePoint]) -> ReceiverTile {
 
 /// Asserts that every receiver sees the positions that `ray` says it sees.
 fn compare(
-    positions: &Positions<'_>,
+    positions: &UavPositions<'_>,
     (xs, ys): (&[i64], &[i64]),
     asked: &BitGrid,
     (in_view, receivers): (&InView, &[LatticePoint]),
@@ -87,18 +89,23 @@ fn what_a_receiver_sees_is_what_ray_says_where_everything_coincides() {
             let mut random = Random(seed ^ 0xA11);
             let scale = random.choose(&[1024, 1024, 1024, 1000, 512]);
             let scene = moved(&tiny_scene(&mut random), |[x, y]| [x * scale, y * scale], |top| top * 1024);
-            let prisms = prisms_of(&scene);
-            if prisms.pieces().is_empty() {
+            if prisms_of(&scene).pieces().is_empty() {
                 return Compared::default();
             }
-            let field = tiny_field(&mut random, &scene);
-            let grid = ShadowGrid::new(field.xs.clone(), field.ys.clone());
+            let mut field = tiny_field(&mut random, &scene);
+            if seed % 40 == 0 {
+                // More than a word of columns and than a tile of rows.
+                let (n_rows, n_cols) = (random.choose(&[3, 65, 70_usize]), random.choose(&[65, 127, 128, 140_usize]));
+                let cell = random.choose(&[64, 100, 128]);
+                field.xs = (0..n_cols).map(|k| k as i64 * cell - 512).collect();
+                field.ys = (0..n_rows).rev().map(|k| k as i64 * cell - 512).collect();
+                field.wanted = BitGrid::full(n_rows, n_cols);
+            }
             let level = random.choose(&levels);
             // Mostly above the roofs and the receivers, but anything goes.
             let top = scene.iter().map(|prism| prism.top).max().unwrap();
             let anywhere = random.within(0, 40) * 512;
             let z = random.choose(&[top + 3000, top + 1, top, 6 * 1024, 20 * 1024, anywhere]);
-            let positions = Positions { prisms: &prisms, casters: prisms.casters(), grid: &grid, z, level };
             let mut receivers: Vec<LatticePoint> = (0..6).map(|_| tiny_uav(&mut random, &scene, &field)).collect();
             if random.chance(60) {
                 // Neighbors, as the cells of a tile are.
@@ -109,6 +116,14 @@ fn what_a_receiver_sees_is_what_ray_says_where_everything_coincides() {
                     *receiver = LatticePoint { x: x + k % 3 * steps, y: y + k / 3 * steps, z };
                 }
             }
+            // As wide as a scene can be.
+            let stretch = if seed % 7 == 0 { random.choose(&[7919, 8192]) } else { 1 };
+            let scene = moved(&scene, |[x, y]| [x * stretch, y * stretch], |top| top);
+            receivers.iter_mut().for_each(|r| (r.x, r.y) = (r.x * stretch, r.y * stretch));
+            field.xs.iter_mut().chain(&mut field.ys).for_each(|v| *v *= stretch);
+            let prisms = prisms_of(&scene);
+            let grid = ShadowGrid::new(field.xs.clone(), field.ys.clone());
+            let positions = UavPositions { prisms: &prisms, casters: prisms.casters(), grid: &grid, z, level };
             let context = || format!("seed {seed}, {scene:?}");
             let whole = positions.anywhere(&field.wanted);
             let large = positions.from_tile(&tile_of(&mut random, &receivers), &whole);
@@ -137,24 +152,29 @@ fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, optio
     let mapper = Mapper::new(field, options).unwrap();
     let by_rays = MapOptions { method: MethodChoice::Ray, ..options.clone() };
     let by_rays = Mapper::new(field, &by_rays).unwrap();
-    let lattice = mapper.lattice(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
+    let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
     let n_cols = field.grid().n_cols();
     let weight = |cell: usize| u32::try_from(cell / n_cols * 3 + cell % 2).unwrap();
-    let alone = mapper.count_lattice(&lattice, &|_| 1, &Control::default()).unwrap().unwrap();
-    let weighed = mapper.count_lattice(&lattice, &weight, &Control::default()).unwrap().unwrap();
+    let alone = mapper.count_grid(&grid, &|_| 1, &Control::default()).unwrap().unwrap();
+    let weighed = mapper.count_grid(&grid, &weight, &Control::default()).unwrap().unwrap();
     let sum = |cells: &BitGrid| -> u64 {
         let is_in = |cell: &usize| cells.contains(cell / n_cols, cell % n_cols);
         (0..field.grid().n_cells()).filter(is_in).map(|cell| u64::from(weight(cell))).sum()
     };
-    let mut all = vec![(0, 0, 0, 0); places.grid.n_cells()];
-    for (place, uav) in &uavs {
-        let seen = by_rays.seen(uav);
-        all[*place] = (seen.receivers.count(), seen.los.count(), sum(&seen.receivers), sum(&seen.los));
-        assert_eq!(mapper.count(uav), (all[*place].0, all[*place].1));
+    // All are compared with the count of each, some of them with rays.
+    let every = uavs.len().div_ceil(150);
+    let mut all = vec![(0, 0); places.grid.n_cells()];
+    for (k, (place, uav)) in uavs.iter().enumerate() {
+        all[*place] = mapper.count(uav);
+        if k % every == 0 {
+            let seen = by_rays.seen(uav);
+            let wanted = (seen.receivers.count(), seen.los.count(), sum(&seen.receivers), sum(&seen.los));
+            let found = (alone.wanted[*place], alone.seen[*place], weighed.wanted[*place], weighed.seen[*place]);
+            assert_eq!(found, wanted, "place {place}, {height:?}, {options:?}");
+        }
     }
-    for (place, wanted) in all.iter().enumerate() {
-        let found = (alone.wanted[place], alone.seen[place], weighed.wanted[place], weighed.seen[place]);
-        assert_eq!(found, *wanted, "place {place}, {height:?}, {options:?}");
+    for (place, wanted) in all.into_iter().enumerate() {
+        assert_eq!((alone.wanted[place], alone.seen[place]), wanted, "place {place}, {height:?}, {options:?}");
     }
     alone.seen.iter().sum()
 }
@@ -187,14 +207,62 @@ fn uavs_counted_together_see_what_each_sees_alone() {
 }
 
 #[test]
-fn a_lattice_has_one_height_and_prisms_alone_below() {
+fn more_places_than_a_word_and_a_tile_hold_are_told_apart() {
+    let field = city("urban", 200.0, 4.0, 6);
+    let places = PlaceGrid::over(field.grid(), 1.5).unwrap();
+    assert!(places.grid.n_rows() > 130 && !places.grid.n_cols().is_multiple_of(64));
+    for radius in [None, Some(45.0)] {
+        let options = MapOptions { radius, ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &options).unwrap();
+        let uavs = uavs_of(&field, &places, Height::AboveGround(40.0));
+        let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
+        assert!(mapper.is_counted_sooner(&grid));
+        assert!(compare_counts(&field, &places, Height::AboveGround(40.0), &options) > 1_000_000);
+    }
+}
+
+#[test]
+fn scores_over_a_grid_are_those_of_each_candidate() {
+    let field = city("urban", 200.0, 4.0, 7);
+    let places = PlaceGrid::over(field.grid(), 2.5).unwrap();
+    // The second height is above the datum by ground, the third differs from roof to roof.
+    let heights = [Height::AboveGround(45.0), Height::AboveDatum(60.0), Height::AboveRoof(3.0)];
+    let kept = Candidates::of(&places.spots(&heights), &field, &CandidateRules::default()).unwrap().kept;
+    // With holes.
+    let kept: Vec<_> = kept.into_iter().filter(|candidate| candidate.spot.place % 7 != 3).collect();
+    let n_cells = field.grid().n_cells();
+    let weights: Vec<f64> = (0..n_cells).map(|k| f64::from(u32::try_from(k % 5).unwrap())).collect();
+    let weights = Weights::new(&weights, field.grid().n_cols()).unwrap();
+    for radius in [None, Some(60.0)] {
+        let options = MapOptions { radius, ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &options).unwrap();
+        let of_height = |z: i64| kept.iter().filter(move |candidate| candidate.uav.station.z == z);
+        let is_together = |z: i64| {
+            let uavs = of_height(z).map(|candidate| (candidate.spot.place, &candidate.uav));
+            mapper.is_counted_sooner(&mapper.uav_grid(&places.grid, uavs).unwrap())
+        };
+        assert!(is_together(45 * 1024) && is_together(60 * 1024));
+        assert!(kept.iter().any(|candidate| !is_together(candidate.uav.station.z)), "both ways are taken");
+        for weights in [None, Some(&weights)] {
+            let scorer = Scorer { mapper: &mapper, weights };
+            let control = Control::default();
+            let found = scores_over_grid(&scorer, &places, &kept, &control).unwrap();
+            let uavs: Vec<&Uav> = kept.iter().map(|candidate| &candidate.uav).collect();
+            assert_eq!(found, scores(&scorer, &uavs, &Control::default()).unwrap());
+            assert_eq!(control.done.into_inner(), kept.len() as u64, "progress ends at the number of candidates");
+        }
+    }
+}
+
+#[test]
+fn a_grid_of_uavs_has_one_height_and_prisms_alone_below() {
     let mut random = Random(72);
     let (vector, raster) = (vector_town(&mut random, 21), raster_town(&mut random, 21));
     let options = MapOptions::default();
     let places = PlaceGrid::over(vector.grid(), 3.0).unwrap();
     let mapper = Mapper::new(&vector, &options).unwrap();
     let mut uavs = uavs_of(&vector, &places, Height::AboveGround(20.0));
-    let lattice = |uavs: &[(usize, Uav)]| mapper.lattice(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav)));
+    let lattice = |uavs: &[(usize, Uav)]| mapper.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav)));
     assert!(lattice(&uavs).is_some() && lattice(&[]).is_none());
     uavs[1].1.station.z += 1;
     assert!(lattice(&uavs).is_none(), "two heights");
@@ -204,21 +272,31 @@ fn a_lattice_has_one_height_and_prisms_alone_below() {
 
     let on_raster = Mapper::new(&raster, &options).unwrap();
     let uavs = uavs_of(&raster, &places, Height::AboveDatum(40.0));
-    let lattice = on_raster.lattice(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
-    assert!(!on_raster.is_counted_sooner(&lattice));
-    assert_eq!(on_raster.count_lattice(&lattice, &|_| 1, &Control::default()).unwrap(), None);
+    let grid = on_raster.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
+    assert!(!on_raster.is_counted_sooner(&grid));
+    assert_eq!(on_raster.count_grid(&grid, &|_| 1, &Control::default()).unwrap(), None);
 }
 
 #[test]
 fn whoever_wants_to_stop_is_heard() {
-    let field = vector_town(&mut Random(73), 21);
-    let places = PlaceGrid::over(field.grid(), 3.0).unwrap();
+    let field = city("urban", 400.0, 2.0, 8);
+    let places = PlaceGrid::over(field.grid(), 20.0).unwrap();
     let options = MapOptions::default();
     let mapper = Mapper::new(&field, &options).unwrap();
-    let uavs = uavs_of(&field, &places, Height::AboveGround(20.0));
-    let lattice = mapper.lattice(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
+    let uavs = uavs_of(&field, &places, Height::AboveGround(40.0));
+    let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
     let control = Control::default();
-    control.stop.store(true, std::sync::atomic::Ordering::Relaxed);
-    let error = mapper.count_lattice(&lattice, &|_| 1, &control).unwrap_err();
+    let n_asked = AtomicU64::new(0);
+    // The first receiver that is looked at stops the count; tiles that are begun look at no more than their own.
+    let weight = |_: usize| {
+        n_asked.fetch_add(1, Ordering::Relaxed);
+        control.stop.store(true, Ordering::Relaxed);
+        1
+    };
+    let error = mapper.count_grid(&grid, &weight, &control).unwrap_err();
     assert_eq!(error.class(), skyshed::error::ErrorClass::Interrupted);
+    let n_threads = rayon::current_num_threads() as u64;
+    let n_asked = n_asked.into_inner();
+    assert!(n_asked <= n_threads * 64 * 64, "{n_asked} receivers of {}", mapper.receiver_cells().count());
+    assert!(mapper.receiver_cells().count() > 20_000);
 }

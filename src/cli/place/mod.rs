@@ -23,7 +23,7 @@ use super::plan::{
 use super::receivers::{Asked, check_receivers};
 use super::sample::SampleJob;
 use super::words::pretty;
-use crate::coverage::{MapOptions, Mapper, Receivers, Uav};
+use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::quantity::{Height, height_steps};
@@ -81,7 +81,8 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     let n_cells = scene.field.grid().n_cells();
     let sets = if args.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
     let held = if inputs.weights.is_some() { 4 } else { 0 };
-    let per_cell = held + (sets + n_uavs.saturating_mul(CANDIDATE_BYTES)).div_ceil(n_cells);
+    let of_candidate = CANDIDATE_BYTES + UavGrid::BYTES_PER_PLACE_AND_THREAD * rayon::current_num_threads();
+    let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
     let needs = (FIELD_BYTES_PER_CELL, per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
     let mapper = Mapper::new(&scene.field, &options)?;

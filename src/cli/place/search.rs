@@ -3,7 +3,7 @@
 use super::super::messages;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Measure, Whom};
-use crate::coverage::{Control, Mapper, Uav, WorstReceiver, maps_at_once};
+use crate::coverage::{Control, Mapper, Uav, WorstReceiver};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::placement::{
@@ -65,7 +65,13 @@ impl Search<'_> {
     }
 
     fn by_share(&self, control: &Control) -> Result<Found> {
+        let mut sets = None;
         let scores = match self.places {
+            _ if self.args.count > 1 => {
+                let (scores, all) = SeenSets::of(&self.scorer(), self.kept(), control)?;
+                sets = Some(all);
+                scores
+            }
             Some(places) => scores_over_grid(&self.scorer(), places, self.kept(), control)?,
             None => scores(&self.scorer(), &self.kept().iter().map(|c| &c.uav).collect::<Vec<_>>(), control)?,
         };
@@ -80,8 +86,8 @@ impl Search<'_> {
         let heat = self.heat(scores.iter().map(|s| s.share().map(narrow)).collect());
         let mut winners: Vec<Uav> = best.iter().map(|(candidate, _)| candidate.uav.clone()).collect();
         let mut several = None;
-        if self.args.count > 1 {
-            let (facts, uavs) = self.several(&scores, control)?;
+        if let Some(sets) = sets {
+            let (facts, uavs) = self.several(&sets, &scores, control)?;
             (several, winners) = (Some(facts), uavs);
         }
         Ok(Found {
@@ -125,15 +131,10 @@ impl Search<'_> {
         Ok(Some((PlaceFacts::of(0, &found.candidate, PlaceValue::Margin(Some(margin))), found.tried)))
     }
 
-    fn several(&self, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
-        use rayon::prelude::*;
-        let mut sets = SeenSets::over(&self.mapper.receiver_cells(), self.weights);
-        for chunk in self.kept().chunks(8 * maps_at_once()) {
-            let seen: Vec<_> = chunk.par_iter().map(|c| self.mapper.seen(&c.uav).los).collect();
-            sets.extend(&seen);
-        }
+    /// Those of the candidates that together see most.
+    fn several(&self, sets: &SeenSets, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
         let count = usize::from(self.args.count);
-        let cover = cover(&sets, count, control)?;
+        let cover = cover(sets, count, control)?;
         let place = |(k, chosen): (usize, &crate::placement::Chosen)| {
             PlaceFacts::of(k + 1, &self.kept()[chosen.set], self.value(scores[chosen.set]))
         };

@@ -112,6 +112,9 @@ mod tests {
             assert_eq!(found.map(f64::to_bits), Some(f64::to_bits(wanted)), "{name} {number}");
         }
         assert!(Sample::F32.rounded(f64::NAN).is_nan());
-        assert_eq!(Sample::of_gdal("CFloat32"), None);
+        // `rounded` knows none of these.
+        for name in ["CFloat32", "Float16", "Bit", ""] {
+            assert_eq!(Sample::of_gdal(name), None);
+        }
     }
 }

@@ -8,16 +8,16 @@ use crate::raster::BitGrid;
 /// exclusive or whose carries go to the next. A carry out of plane k is needed once in 2^k times, so adding 1 to the places
 /// of a set costs a few passes over its words, however many places it has.
 #[derive(Debug, Clone)]
-pub(super) struct LatticeSums {
+pub(super) struct PlaceSums {
     n_words: usize,
     planes: Vec<Vec<u64>>,
     carry: Vec<u64>,
 }
 
-impl LatticeSums {
+impl PlaceSums {
     /// Sums of 0 for the places of sets with so many words.
     pub(super) fn new(n_words: usize) -> Self {
-        LatticeSums { n_words, planes: Vec::new(), carry: vec![0; n_words] }
+        PlaceSums { n_words, planes: Vec::new(), carry: vec![0; n_words] }
     }
 
     /// Adds `number` to the sum of each place of a set.
@@ -30,8 +30,13 @@ impl LatticeSums {
     }
 
     /// Adds 2^`plane`.
-    fn add_bit(&mut self, places: &BitGrid, mut plane: usize) {
+    fn add_bit(&mut self, places: &BitGrid, plane: usize) {
         self.carry.copy_from_slice(places.words());
+        self.add_carry(plane);
+    }
+
+    /// Adds 2^`plane` to the sums of the places whose bits are left over.
+    fn add_carry(&mut self, mut plane: usize) {
         loop {
             while self.planes.len() <= plane {
                 self.planes.push(vec![0; self.n_words]);
@@ -48,6 +53,15 @@ impl LatticeSums {
             }
             plane += 1;
         }
+    }
+
+    /// Adds the sums of others over the same places.
+    pub(super) fn plus(mut self, other: &PlaceSums) -> Self {
+        for (k, plane) in other.planes.iter().enumerate() {
+            self.carry.copy_from_slice(plane);
+            self.add_carry(k);
+        }
+        self
     }
 
     /// The sums, 64 for each word.
@@ -70,7 +84,7 @@ mod tests {
 
     #[test]
     fn sums_are_those_of_adding_one_by_one() {
-        let mut sums = LatticeSums::new(6);
+        let (mut even, mut odd) = (PlaceSums::new(6), PlaceSums::new(6));
         let mut wanted = vec![0_u64; 6 * 64];
         let mut state = 1_u64;
         for k in 0..500_u32 {
@@ -83,8 +97,8 @@ mod tests {
                     wanted[bit] += u64::from(k * k);
                 }
             }
-            sums.add(&places, k * k);
+            if k % 2 == 0 { &mut even } else { &mut odd }.add(&places, k * k);
         }
-        assert_eq!(sums.totals(), wanted);
+        assert_eq!(even.plus(&odd).totals(), wanted);
     }
 }
