@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 use super::class;
-use super::range::bits_between;
 use crate::height_field::CellSets;
+use crate::raster::bits_between;
 
 /// What is known of the cells of one row, a bit each.
 #[derive(Debug)]

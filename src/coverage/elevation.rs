@@ -8,9 +8,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-use super::range::bits_between;
 use crate::los::GridReceivers;
 use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::bits_between;
 
 /// Bands from −90° to 90°.
 pub(super) const N_BANDS: usize = 18;

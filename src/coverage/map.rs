@@ -410,8 +410,8 @@ impl<'a> Mapper<'a> {
     }
 }
 
-/// The answer of work that was stopped.
-pub(super) fn interrupted() -> Error {
+/// The error of work that was told to stop.
+pub(crate) fn interrupted() -> Error {
     Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 

@@ -26,6 +26,7 @@ pub use height_curve::HeightCurve;
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
+pub(crate) use map::interrupted;
 pub use map::{
     Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, WorstReceiver, map_site, surface_under,
 };

@@ -1,7 +1,7 @@
 //! The cells in range of a place, mostly that of a UAV: a disc, row by row.
 
 use crate::height_field::Place;
-use crate::raster::{BitGrid, CellWindow, GeoRef};
+use crate::raster::{BitGrid, CellWindow, GeoRef, bits_between};
 
 /// Which columns of each row are in range.
 #[derive(Debug, Clone)]
@@ -103,16 +103,6 @@ impl Range {
     }
 }
 
-/// The bits of word `word` whose columns lie in `from..to`.
-#[inline]
-pub(super) fn bits_between(from: usize, to: usize, word: usize) -> u64 {
-    let below = |col: usize| match col.saturating_sub(64 * word) {
-        n if n >= 64 => u64::MAX,
-        n => (1 << n) - 1,
-    };
-    below(to) & !below(from)
-}
-
 /// The first index of a range for which `holds` is false; it holds for all before and for none after.
 fn partition(range: std::ops::Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (range.start, range.end);
@@ -125,18 +115,4 @@ fn partition(range: std::ops::Range<usize>, holds: impl Fn(usize) -> bool) -> us
         }
     }
     low
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bits_between_cover_words_and_their_ends() {
-        assert_eq!(bits_between(0, 64, 0), u64::MAX);
-        assert_eq!(bits_between(3, 5, 0), 0b11000);
-        assert_eq!(bits_between(3, 5, 1), 0);
-        assert_eq!(bits_between(60, 70, 1), 0b11_1111);
-        assert_eq!(bits_between(7, 7, 0), 0);
-    }
 }

@@ -219,8 +219,10 @@ impl<'a> Counting<'a> {
         let (Some(side), false) = (sides.first(), control.stop.load(Ordering::Relaxed)) else { return };
         let cells = self.cells((row, col), *side);
         let Some(tile) = self.bounds(&cells) else { return };
-        let in_view = match self.near(&cells).filter(|_| sides.len() == SIDES.len()) {
-            Some((rows, cols)) => self.positions.from_tile(&tile, &self.positions.near(&tile, (rows, cols), whole)),
+        // What the largest tiles have left out need not be left out again.
+        let near = if sides.len() == SIDES.len() { self.near(&cells) } else { None };
+        let in_view = match near {
+            Some(near) => self.positions.from_tile(&tile, &self.positions.near(&tile, near, whole)),
             None => self.positions.from_tile(&tile, whole),
         };
         match sides.get(1) {
@@ -260,11 +262,8 @@ impl<'a> Counting<'a> {
         let all = &self.receivers.cells;
         let end = (col + side).min(all.n_cols());
         (row..(row + side).min(all.n_rows()))
-            .flat_map(|row| {
-                let of_row = (col / 64..end.div_ceil(64))
-                    .flat_map(move |word| set_bits(&all.row(row)[word..=word]).map(move |bit| word * 64 + bit));
-                of_row.filter(|at| (col..end).contains(at)).map(move |col| (row, col))
-            })
+            .flat_map(|row| (col..end).map(move |col| (row, col)))
+            .filter(|(row, col)| all.contains(*row, *col))
             .filter(|(row, col)| (self.weight)(row * all.n_cols() + col) > 0)
             .collect()
     }

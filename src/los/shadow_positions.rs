@@ -23,10 +23,10 @@ use fearless_simd::{Level, Simd, dispatch};
 use super::shadow::{Band, BandJob, Receivers, ShadowScene, distance_squared, extent_of, plane_of};
 use super::shadow_grid::ShadowGrid;
 use super::shadow_outline::{Outline, Plane, Reach};
-use super::shadow_spans::{LANES, bits_outside, clear, mask_within, maybe_spans, spans};
+use super::shadow_spans::{LANES, bits_outside, clear, maybe_spans, spans};
 use crate::height_field::{Caster, Casters, Prisms};
 use crate::quantity::LatticePoint;
-use crate::raster::BitGrid;
+use crate::raster::{BitGrid, bits_between};
 
 /// After so many casters it is looked how far the positions that are left reach.
 const CASTERS_A_LOOK: usize = 8;
@@ -77,7 +77,7 @@ impl UavPositions<'_> {
         for row in rows.0..rows.1 {
             let words = &mut positions.words_mut()[row * words_per_row..][..words_per_row];
             for (word, (near, whole)) in words.iter_mut().zip(whole.positions.row(row)).enumerate() {
-                *near = whole & mask_within(word, cols.0, cols.1);
+                *near = whole & bits_between(cols.0, cols.1, word);
             }
         }
         if rows.0 >= rows.1 || cols.0 >= cols.1 {

@@ -9,6 +9,7 @@ use fearless_simd::{f64x8, u64x8};
 
 use super::shadow_ceiling::{Ceiling, Slope};
 use super::shadow_outline::{Line, Outline, Plane};
+use crate::raster::bits_between;
 
 /// Rows whose bounds are computed at once.
 pub(super) const LANES: usize = 8;
@@ -141,19 +142,11 @@ pub(super) fn clear(words: &mut [u64], first: u64, end: u64) {
     words[to] &= !tail;
 }
 
-/// The bits of a word of a row that stand for columns `first..end`.
-#[inline(always)]
-pub(super) fn mask_within(word: usize, first: usize, end: usize) -> u64 {
-    let low = first.saturating_sub(word * 64).min(64);
-    let high = end.saturating_sub(word * 64).min(64);
-    if low >= high { 0 } else { (u64::MAX >> (64 - (high - low))) << low }
-}
-
 /// Calls `f` with the columns within `first..end` of the bits that are set.
 #[inline(always)]
 pub(super) fn for_each_bit(words: &[u64], first: usize, end: usize, mut f: impl FnMut(usize)) {
     for (word, bits) in words.iter().enumerate().take(end.div_ceil(64)).skip(first / 64) {
-        let mut bits = bits & mask_within(word, first, end);
+        let mut bits = bits & bits_between(first, end, word);
         while bits != 0 {
             f(word * 64 + bits.trailing_zeros() as usize);
             bits &= bits - 1;

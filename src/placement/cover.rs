@@ -28,8 +28,8 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::score::word_sum;
-use super::{Candidate, Score, Scorer, Weights, interrupted};
-use crate::coverage::{Control, maps_at_once};
+use super::{Candidate, Score, Scorer, Weights};
+use crate::coverage::{Control, interrupted, maps_at_once};
 use crate::error::Result;
 use crate::raster::BitGrid;
 

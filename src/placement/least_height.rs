@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::{Candidate, Score, Scorer, interrupted};
-use crate::coverage::Control;
+use super::{Candidate, Score, Scorer};
+use crate::coverage::{Control, interrupted};
 use crate::error::Result;
 
 /// What was found over one place.

@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::{Candidate, interrupted};
-use crate::coverage::{Control, Mapper};
+use super::Candidate;
+use crate::coverage::{Control, Mapper, interrupted};
 use crate::error::Result;
 
 /// The least margin of a candidate, or a bound on it.

@@ -32,10 +32,3 @@ pub use over_grid::scores_over_grid;
 pub use refine::{Refined, refined};
 pub use sampled::{ReceiverParts, SampledCounts, count_by_part, middles_of, over_cities, places_in};
 pub use score::{Score, Scorer, Weights, ranked, scores};
-
-use crate::error::{Error, ErrorClass};
-
-/// The error of work that was told to stop.
-fn interrupted() -> Error {
-    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
-}

@@ -46,10 +46,10 @@ fn together(
     (candidates, at_height): (&[Candidate], &[usize]),
     control: &Control,
 ) -> Result<Option<Vec<Score>>> {
-    let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
     if scorer.mapper.method().0 != Method::Shadow {
         return Ok(None);
     }
+    let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
     let uav_grid = scorer.mapper.uav_grid(&places.grid, uavs);
     let Some(uav_grid) = uav_grid.filter(|uavs| scorer.mapper.is_counted_sooner(uavs)) else { return Ok(None) };
     let weight = |cell: usize| scorer.weights.map_or(1, |weights| weights.of_cell(cell));

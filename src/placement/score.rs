@@ -5,8 +5,7 @@ use std::sync::atomic;
 
 use rayon::prelude::*;
 
-use super::interrupted;
-use crate::coverage::{Control, Mapper, Seen, Uav};
+use crate::coverage::{Control, Mapper, Seen, Uav, interrupted};
 use crate::error::Result;
 use crate::raster::BitGrid;
 

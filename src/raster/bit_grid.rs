@@ -119,9 +119,28 @@ pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
     })
 }
 
+/// The bits of word `word` whose columns lie in `from..to`.
+#[inline]
+pub fn bits_between(from: usize, to: usize, word: usize) -> u64 {
+    let below = |col: usize| match col.saturating_sub(64 * word) {
+        n if n >= 64 => u64::MAX,
+        n => (1 << n) - 1,
+    };
+    below(to) & !below(from)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bits_between_cover_words_and_their_ends() {
+        assert_eq!(bits_between(0, 64, 0), u64::MAX);
+        assert_eq!(bits_between(3, 5, 0), 0b11000);
+        assert_eq!(bits_between(3, 5, 1), 0);
+        assert_eq!(bits_between(60, 70, 1), 0b11_1111);
+        assert_eq!(bits_between(7, 7, 0), 0);
+    }
 
     #[test]
     fn cells_across_word_borders_are_kept_apart() {

@@ -28,7 +28,7 @@ mod world_file;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
 pub use bil_file::{BilValues, bil_header};
-pub use bit_grid::{BitGrid, set_bits};
+pub use bit_grid::{BitGrid, bits_between, set_bits};
 pub use cell_blocks::CellBlocks;
 pub(crate) use cell_outline::traced_around;
 pub(crate) use cell_parts::labelled_parts;
