@@ -148,7 +148,7 @@ fn mirrored(tile: &Raster<i32>, grid: &GeoRef) -> Raster<i32> {
         let (row, col) = (k / grid.n_cols(), k % grid.n_cols());
         tile.row(fold(row, n_rows))[fold(col, n_cols)]
     };
-    Raster::new(grid.clone(), (0..grid.n_cells()).map(cell).collect())
+    Raster::new(grid.clone(), (0..grid.n_cells()).map(cell).collect::<Vec<_>>())
 }
 
 /// The folder of LiDAR data: that of `SKYSHED_TRUTH`, or beside the repository.

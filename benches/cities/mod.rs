@@ -21,7 +21,7 @@ pub(crate) fn footprints(environment: &str, n: usize) -> HeightField {
 /// The heights of a field at its cell centers \[1/1024 m\].
 pub(crate) fn surface_of(field: &HeightField) -> Raster<i32> {
     let steps = |m: &f32| height_steps(f64::from(*m)).expect("a generated city has no voids");
-    Raster::new(field.grid().clone(), field.surface_m().iter().map(steps).collect())
+    Raster::new(field.grid().clone(), field.surface_m().iter().map(steps).collect::<Vec<_>>())
 }
 
 /// A raster scene; a cell more than 0.25 m above the ground is a building.

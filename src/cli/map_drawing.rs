@@ -136,7 +136,7 @@ impl MapDrawing<'_> {
         let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
         SiteCoverage {
             uav: site.uav.clone(),
-            mask: crop(&site.mask, n_cols, window),
+            mask: crop(&site.mask, n_cols, window).into(),
             margin: part(&site.margin),
             ceiling: part(&site.ceiling),
             least_height: part(&site.least_height),

@@ -346,7 +346,7 @@ impl StreamedRun<'_> {
             warnings: Vec::new(),
             timing: Timing::default(),
         };
-        let coverage = SiteCoverage { mask: shown.classes.clone(), ..coverage.clone() };
+        let coverage = SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() };
         let drawing = MapDrawing {
             scene: &ready,
             coverages: std::slice::from_ref(&coverage),

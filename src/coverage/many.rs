@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
 use crate::error::Result;
+use crate::raster::LargeVec;
 
 /// The maps of some UAVs, in their order.
 #[derive(Debug, Clone)]
@@ -42,7 +43,7 @@ impl Mapper<'_> {
                     overlay.add(&site.mask);
                 }
                 if !keep {
-                    site.mask = Vec::new();
+                    site.mask = LargeVec::default();
                     (site.margin, site.ceiling, site.least_height, site.stability) = (None, None, None, None);
                 }
                 sites.push(site);

@@ -14,7 +14,7 @@ use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{Casters, GridPositions, HeightField, Place, Station};
 use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights, link_los};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::{BitGrid, set_bits};
+use crate::raster::{BitGrid, LargeVec, set_bits};
 
 /// Which cells hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -88,7 +88,7 @@ pub struct SiteCoverage {
     /// The UAV.
     pub uav: Uav,
     /// Classes of [`super::class`].
-    pub mask: Vec<u8>,
+    pub mask: LargeVec<u8>,
     /// Receiver height less ceiling \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
     pub margin: Option<Vec<f32>>,
     /// Least receiver height in line of sight \[m above the datum\], never below what the receiver stands on.
@@ -306,7 +306,7 @@ impl<'a> Mapper<'a> {
 
         let layers = self.options.layers;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
-        let mut mask = vec![0; grid.n_cells()];
+        let mut mask = LargeVec::<u8>::zeroed(grid.n_cells());
         let mut margin = layer(layers.margin);
         let mut ceiling = layer(layers.ceiling);
         let mut least_height = layer(layers.least_height);

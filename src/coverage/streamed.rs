@@ -17,7 +17,7 @@ use crate::los::{
     streamed_sweep_los,
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
-use crate::raster::{BitGrid, CellWindow, GeoRef};
+use crate::raster::{BitGrid, CellWindow, GeoRef, LargeVec};
 use crate::scene::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
@@ -56,9 +56,9 @@ impl<S: WindowedSolids> Columns<'_, S> {
     fn parts(&self, window: CellWindow) -> Result<(Vec<i32>, Option<Vec<i32>>)> {
         match self.0.solids(window)? {
             Solids::Raster { surface, ground: Ground::Terrain(terrain), .. } => {
-                Ok((surface.into_cells(), Some(terrain.into_cells())))
+                Ok((surface.into_cells().into_vec(), Some(terrain.into_cells().into_vec())))
             }
-            Solids::Raster { surface, .. } => Ok((surface.into_cells(), None)),
+            Solids::Raster { surface, .. } => Ok((surface.into_cells().into_vec(), None)),
             Solids::Vector { .. } => Err(Error::internal(902, "windows of a raster were asked for")),
         }
     }
@@ -206,7 +206,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         }
         Ok(SiteCoverage {
             uav: uav.clone(),
-            mask: Vec::new(),
+            mask: LargeVec::default(),
             margin: None,
             ceiling: None,
             least_height: None,

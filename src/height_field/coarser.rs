@@ -93,12 +93,12 @@ impl HeightField {
             CellKind::Open(z) | CellKind::Building(z) => z,
             CellKind::Void => VOID,
         });
-        let surface = Raster::new(grid.clone(), tops.collect());
+        let surface = Raster::new(grid.clone(), tops.collect::<Vec<_>>());
         let ground = match self.flat_ground() {
             Some(z) => Ground::Flat(z),
             None => {
                 let of_cell = |cell: usize| self.ground_at(&positions.center(cell / n_cols, cell % n_cols));
-                let grounds = (0..grid.n_cells()).into_par_iter().map(of_cell).collect();
+                let grounds = (0..grid.n_cells()).into_par_iter().map(of_cell).collect::<Vec<_>>();
                 Ground::Terrain(Raster::new(grid.clone(), grounds))
             }
         };

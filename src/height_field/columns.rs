@@ -4,6 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use crate::quantity::{STEPS_PER_UNIT, VOID};
+use crate::raster::LargeVec;
 
 /// Edge length of a cell on the lattice.
 const CELL: i64 = STEPS_PER_UNIT as i64;
@@ -16,7 +17,7 @@ const CELL: i64 = STEPS_PER_UNIT as i64;
 pub struct Columns {
     n_cols: usize,
     n_rows: usize,
-    tops: Vec<i32>,
+    tops: LargeVec<i32>,
     max_top: i32,
     min_top: i32,
 }
@@ -26,7 +27,8 @@ impl Columns {
     ///
     /// # Panics
     /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.
-    pub fn new(n_rows: usize, n_cols: usize, tops: Vec<i32>) -> Self {
+    pub fn new(n_rows: usize, n_cols: usize, tops: impl Into<LargeVec<i32>>) -> Self {
+        let tops = tops.into();
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
         let (lowest, max_top) = tops.par_chunks(1 << 16).map(extremes).reduce(|| EMPTY, widest);
         Columns { n_cols, n_rows, tops, max_top, min_top: lowest }

@@ -6,7 +6,7 @@ use super::cell_sets::{RasterCells, RasterGround};
 use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
 use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::{BitGrid, GeoRef};
+use crate::raster::{BitGrid, GeoRef, LargeVec};
 use crate::scene::{Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -32,7 +32,7 @@ pub(super) enum Floor {
     /// A plane; in a raster scene, cells more than the threshold above it are buildings.
     Flat { z: i32, building_threshold: i32 },
     /// The terrain of a raster scene, cell by cell.
-    Terrain { tops: Vec<i32>, building_threshold: i32 },
+    Terrain { tops: LargeVec<i32>, building_threshold: i32 },
     /// The columns: the terrain of a vector scene, on its own grid.
     Columns,
 }

@@ -322,7 +322,7 @@ mod tests {
     }
 
     fn row(heights: &[i32]) -> Columns {
-        Columns::new(1, heights.len(), heights.iter().map(|h| h * 1024).collect())
+        Columns::new(1, heights.len(), heights.iter().map(|h| h * 1024).collect::<Vec<_>>())
     }
 
     #[test]

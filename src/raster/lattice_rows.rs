@@ -8,44 +8,35 @@ use crate::quantity::{STEPS_PER_UNIT, VOID};
 
 /// Rounds heights \[m\] to the lattice as [`crate::quantity::height_steps`] does; `nodata` becomes [`VOID`].
 ///
-/// Returns the number of nodata cells, or `None` if any cell is neither nodata nor a likely height: what to say of such a
-/// cell is for who reads them one by one. `out` holds nothing of use then.
-///
-/// # Panics
-/// If the lengths differ.
-pub(super) fn lattice_row(heights: &[f32], nodata: Option<f32>, out: &mut [i32]) -> Option<u64> {
-    assert_eq!(heights.len(), out.len(), "a height for each cell");
-    dispatch!(Level::new(), simd => convert(simd, heights, nodata, out))
+/// `cells` holds the bits of 32-bit floats, and then lattice heights. Returns the number of nodata cells, or `None` if any
+/// cell is neither nodata nor a likely height: what to say of such a cell is for who reads them one by one. `cells` holds
+/// nothing of use then.
+pub(super) fn put_on_lattice(cells: &mut [i32], nodata: Option<f32>) -> Option<u64> {
+    dispatch!(Level::new(), simd => convert(simd, cells, nodata))
 }
 
 #[inline(always)]
-fn convert<S: Simd>(simd: S, heights: &[f32], nodata: Option<f32>, out: &mut [i32]) -> Option<u64> {
+fn convert<S: Simd>(simd: S, cells: &mut [i32], nodata: Option<f32>) -> Option<u64> {
     let n = S::f32s::LEN;
     let mut n_nodata = 0;
-    let mut chunks = heights.chunks_exact(n);
-    let mut outs = out.chunks_exact_mut(n);
-    for (heights, out) in (&mut chunks).zip(&mut outs) {
-        n_nodata += convert_lanes(simd, S::f32s::from_slice(simd, heights), nodata, u64::MAX, out)?;
+    let mut chunks = cells.chunks_exact_mut(n);
+    for chunk in &mut chunks {
+        n_nodata += convert_lanes(simd, nodata, u64::MAX, chunk)?;
     }
-    let rest = chunks.remainder();
+    let rest = chunks.into_remainder();
     if !rest.is_empty() {
-        let lanes = S::f32s::from_fn(simd, |i| rest.get(i).copied().unwrap_or(0.0));
-        let mut steps = [0; 64];
-        n_nodata += convert_lanes(simd, lanes, nodata, (1 << rest.len()) - 1, &mut steps[..n])?;
-        outs.into_remainder().copy_from_slice(&steps[..rest.len()]);
+        let mut lanes = [0; 64];
+        lanes[..rest.len()].copy_from_slice(rest);
+        n_nodata += convert_lanes(simd, nodata, (1 << rest.len()) - 1, &mut lanes[..n])?;
+        rest.copy_from_slice(&lanes[..rest.len()]);
     }
     Some(n_nodata)
 }
 
 /// One vector, of which the lanes of `counted` are cells.
 #[inline(always)]
-fn convert_lanes<S: Simd>(
-    simd: S,
-    heights: S::f32s,
-    nodata: Option<f32>,
-    counted: u64,
-    out: &mut [i32],
-) -> Option<u64> {
+fn convert_lanes<S: Simd>(simd: S, nodata: Option<f32>, counted: u64, cells: &mut [i32]) -> Option<u64> {
+    let heights: S::f32s = S::i32s::from_slice(simd, cells).bitcast();
     // EXACT: the product with a power of two, the floor, and the fraction above it are all 32-bit floats.
     let steps = heights * STEPS_PER_UNIT as f32;
     let floor = steps.floor();
@@ -62,7 +53,7 @@ fn convert_lanes<S: Simd>(
     if (likely | void).to_bitmask() != all {
         return None;
     }
-    void.select(S::i32s::splat(simd, VOID), rounded).store_slice(out);
+    void.select(S::i32s::splat(simd, VOID), rounded).store_slice(cells);
     Some(u64::from((void.to_bitmask() & counted).count_ones()))
 }
 
@@ -70,6 +61,10 @@ fn convert_lanes<S: Simd>(
 mod tests {
     use super::*;
     use crate::quantity::height_steps;
+
+    fn bits(heights: &[f32]) -> Vec<i32> {
+        bytemuck::cast_slice(heights).to_vec()
+    }
 
     #[test]
     fn heights_are_rounded_as_one_by_one() {
@@ -80,8 +75,8 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             heights.push((state >> 8) as f32 / 511.9 - 1000.0);
         }
-        let mut found = vec![0; heights.len()];
-        assert_eq!(lattice_row(&heights, None, &mut found), Some(0));
+        let mut found = bits(&heights);
+        assert_eq!(put_on_lattice(&mut found, None), Some(0));
         for (height, found) in heights.iter().zip(&found) {
             assert_eq!(height_steps(f64::from(*height)), Some(*found), "{height}");
         }
@@ -90,16 +85,16 @@ mod tests {
     #[test]
     fn nodata_is_counted_and_what_is_odd_is_left_to_others() {
         let mut heights = vec![5.0_f32; 37];
-        let mut out = vec![0; 37];
         for nodata in [-9999.0, f32::NAN, f32::MIN] {
             heights[3] = nodata;
             heights[36] = nodata;
-            assert_eq!(lattice_row(&heights, Some(nodata), &mut out), Some(2), "{nodata}");
+            let mut out = bits(&heights);
+            assert_eq!(put_on_lattice(&mut out, Some(nodata)), Some(2), "{nodata}");
             assert_eq!((out[3], out[36], out[4]), (VOID, VOID, 5 * 1024));
-            assert_eq!(lattice_row(&heights, None, &mut out), None, "{nodata}");
+            assert_eq!(put_on_lattice(&mut bits(&heights), None), None, "{nodata}");
         }
         heights[3] = 5.0;
         heights[36] = 40_000.0;
-        assert_eq!(lattice_row(&heights, Some(-9999.0), &mut out), None);
+        assert_eq!(put_on_lattice(&mut bits(&heights), Some(-9999.0)), None);
     }
 }

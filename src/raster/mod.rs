@@ -15,6 +15,7 @@ mod exr_file;
 mod file;
 mod georef;
 mod geotiff;
+mod large_vec;
 mod lattice_rows;
 mod lonlat;
 mod mosaic;
@@ -46,6 +47,7 @@ pub use geotiff::{
     Bands, ClassColor, ClassImage, ClassPyramid, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar,
     write_geotiff,
 };
+pub use large_vec::LargeVec;
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
@@ -58,7 +60,7 @@ pub use world_file::world_file;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster<T> {
     georef: GeoRef,
-    cells: Vec<T>,
+    cells: LargeVec<T>,
 }
 
 impl<T> Raster<T> {
@@ -66,7 +68,8 @@ impl<T> Raster<T> {
     ///
     /// # Panics
     /// If `cells` does not hold exactly `georef.n_cells()` values.
-    pub fn new(georef: GeoRef, cells: Vec<T>) -> Self {
+    pub fn new(georef: GeoRef, cells: impl Into<LargeVec<T>>) -> Self {
+        let cells = cells.into();
         assert_eq!(cells.len(), georef.n_cells(), "a raster holds one value per cell of its grid");
         Raster { georef, cells }
     }
@@ -91,7 +94,7 @@ impl<T> Raster<T> {
     }
 
     /// The values without their grid.
-    pub fn into_cells(self) -> Vec<T> {
+    pub fn into_cells(self) -> LargeVec<T> {
         self.cells
     }
 }

@@ -6,7 +6,9 @@ use super::terrain::no_terrain_below;
 use super::{Source, refuse_degrees};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
-use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, InputKind, Raster, RasterFile, TileStore, TileStoreWriter};
+use crate::raster::{
+    CellWindow, Crs, CrsKind, GeoRef, InputKind, LargeVec, Raster, RasterFile, TileStore, TileStoreWriter,
+};
 
 /// A raster of heights, opened but not read.
 #[derive(Debug)]
@@ -102,7 +104,7 @@ impl<'a> HeightFile<'a> {
             None => match lattice_heights((path, &file, window), warnings) {
                 // A hole of the file is no fault of it.
                 Err(error) if is_part && error.code() == "E305" => {
-                    (vec![VOID; georef.n_cells()], georef.n_cells() as u64)
+                    (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
                 }
                 heights => heights?,
             },
@@ -138,7 +140,7 @@ impl<'a> HeightFile<'a> {
 fn lattice_heights(
     (path, file, window): (&Path, &RasterFile, CellWindow),
     warnings: &mut Vec<Warning>,
-) -> Result<(Vec<i32>, u64)> {
+) -> Result<(LargeVec<i32>, u64)> {
     let mut sorted = LatticeHeights::of(file);
     let raster = file.read(window, warnings, |height| sorted.put(height))?;
     let n_void = sorted.finish(path, raster.cells().len())?;

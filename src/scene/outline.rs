@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn the_base_of_a_building_is_the_lowest_ground_under_it() {
         let grid = GeoRef::new((0.0, 4.0), (1.0, 1.0), (4, 4), None).expect("a valid grid");
-        let terrain = Raster::new(grid, (0..16).collect());
+        let terrain = Raster::new(grid, (0..16).collect::<Vec<_>>());
         // Columns 1–2, rows 1–2 from the north: values 5, 6, 9, 10; the vertex (3, 1) lies in cell (row 2, col 3).
         let ring = vec![[1.2, 1.2], [2.8, 1.2], [2.8, 2.8], [1.2, 2.8]];
         assert_eq!(lowest_under(&[vec![ring]], &terrain), Some(5));

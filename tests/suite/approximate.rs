@@ -22,7 +22,7 @@ fn small(random: &mut Random) -> (Columns, LatticePoint, i64) {
         1..=6 => 0,
         _ => i32::try_from(random.within(0, spread) * 512).unwrap(),
     });
-    let columns = Columns::new(n_rows, n_cols, tops.collect());
+    let columns = Columns::new(n_rows, n_cols, tops.collect::<Vec<_>>());
     let along = |random: &mut Random, n: usize| random.within(-2, 2 * i64::try_from(n).unwrap() + 2) * 512;
     let (x, y) = (along(random, n_cols), along(random, n_rows));
     let nudge = |random: &mut Random| random.choose(&[0, 0, 1, -1, 100]);

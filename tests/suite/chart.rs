@@ -194,7 +194,7 @@ fn a_row_names_the_engine_that_decided_it() {
 /// The rough raster as a field, and a UAV over it.
 fn rough_field() -> (HeightField, Uav) {
     let georef = GeoRef::new((0.0, 40.0), (1.0, 1.0), (40, 48), None).unwrap();
-    let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect();
+    let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect::<Vec<_>>();
     let surface = Raster::new(georef.clone(), tops);
     let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 256 };
     let field = HeightField::build(&georef, solids, &mut Vec::new());

@@ -30,7 +30,7 @@ pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random:
         let z = height_steps(f64::from(*z)).unwrap();
         if z > 0 && noise > 0 { z + i32::try_from(random.within(-noise, noise)).unwrap() } else { z }
     });
-    let surface = Raster::new(field.grid().clone(), cells.collect());
+    let surface = Raster::new(field.grid().clone(), cells.collect::<Vec<_>>());
     let solids = Solids::Raster { surface, ground, building_threshold: 256 };
     HeightField::build(field.grid(), solids, &mut Vec::new())
 }

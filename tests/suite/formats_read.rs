@@ -18,7 +18,7 @@ fn read(path: &Path) -> Result<Read, Error> {
     let mut warnings = Vec::new();
     let file = RasterFile::open(path, &mut warnings)?;
     let raster = file.read(file.georef().window(), &mut warnings, |height| height)?;
-    Ok(Read { heights: raster.into_cells(), warnings })
+    Ok(Read { heights: raster.into_cells().into_vec(), warnings })
 }
 
 fn codes(warnings: &[Warning]) -> Vec<String> {

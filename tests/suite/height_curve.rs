@@ -91,7 +91,7 @@ fn plateau(random: &mut Random) -> HeightField {
         0 => ground + i32::try_from(random.within(300, 30_000)).unwrap(),
         _ => ground,
     };
-    let cells = (0..24 * 24).map(|_| height(random)).collect();
+    let cells = (0..24 * 24).map(|_| height(random)).collect::<Vec<_>>();
     let surface = Raster::new(grid.clone(), cells);
     let solids = Solids::Raster { surface, ground: Ground::Flat(ground), building_threshold: 256 };
     HeightField::build(&grid, solids, &mut Vec::new())

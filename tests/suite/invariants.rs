@@ -14,7 +14,7 @@ use skyshed::coverage::{
 use skyshed::height_field::{CellKind, HeightField, Station};
 use skyshed::los::{columns_ceiling, columns_least_height, columns_los, link_los, prisms_ceiling, prisms_los};
 use skyshed::quantity::{Frame, VOID};
-use skyshed::raster::{GeoRef, Raster};
+use skyshed::raster::{GeoRef, LargeVec, Raster};
 use skyshed::scene::{Footprint, FootprintFaults, Ground, Solids};
 
 use crate::oracle::{Columns, P3, Prism};
@@ -299,7 +299,7 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
         1..=4 => i32::try_from(random.within(1, 9000)).unwrap(),
         _ => 0,
     };
-    let cells = (0..n * n).map(|_| height(random)).collect();
+    let cells = (0..n * n).map(|_| height(random)).collect::<Vec<_>>();
     let solids =
         Solids::Raster { surface: Raster::new(grid.clone(), cells), ground: Ground::Flat(0), building_threshold: 256 };
     HeightField::build(&grid, solids, &mut Vec::new())
@@ -472,14 +472,14 @@ fn union_count_and_which_agree_with_each_other_and_with_the_masks() {
     let mut random = Random(15);
     let field = vector_town(&mut random, 42);
     // More than 32 UAVs, so that `which` needs two words.
-    let masks: Vec<Vec<u8>> = (0..35)
+    let masks: Vec<LargeVec<u8>> = (0..35)
         .map(|k| {
             let uav = uav_at(&field, f64::from(k) + 0.5, f64::from((k * 17) % 42) + 0.25, 15 * M);
             let radius = Some(18.0);
             map(&field, &uav, &MapOptions { radius, ..options(Receivers::Ground, HeightLayers::default()) }).mask
         })
         .collect();
-    let masks: Vec<&[u8]> = masks.iter().map(Vec::as_slice).collect();
+    let masks: Vec<&[u8]> = masks.iter().map(LargeVec::as_slice).collect();
     let mut overlay = Overlay::new(masks[0].len());
     masks.iter().for_each(|mask| overlay.add(mask));
     let (union, count, which) = (overlay.union(), overlay.count(), which_layer(&masks));

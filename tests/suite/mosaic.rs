@@ -27,7 +27,7 @@ pub(crate) fn read(path: &Path) -> Result<(Vec<f64>, Vec<Warning>), Error> {
     let mut warnings = Vec::new();
     let file = RasterFile::open(path, &mut warnings)?;
     let raster = file.read(file.georef().window(), &mut warnings, |height| height)?;
-    Ok((raster.into_cells(), warnings))
+    Ok((raster.into_cells().into_vec(), warnings))
 }
 
 pub(crate) fn codes(warnings: &[Warning]) -> Vec<String> {
@@ -128,7 +128,7 @@ fn mapped(folder: &Folder, scene: &str, name: &str) -> Option<(Vec<u8>, serde_js
     let file = RasterFile::open(&folder.join(&format!("{name}.tif")), &mut Vec::new()).unwrap();
     let mask = file.read(file.georef().window(), &mut Vec::new(), |v| if v.is_nan() { 255.0 } else { v }).unwrap();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes")]
-    Some((mask.into_cells().into_iter().map(|v| v as u8).collect(), document["digest"].clone()))
+    Some((mask.cells().iter().map(|v| *v as u8).collect(), document["digest"].clone()))
 }
 
 #[test]

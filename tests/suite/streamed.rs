@@ -55,7 +55,7 @@ fn facts(mut document: Value) -> Value {
 fn cells(path: &Path) -> Vec<u8> {
     let file = GeoTiff::open(path, &mut Vec::new()).expect("a GeoTIFF");
     let raster = file.read(file.georef().window(), &mut Vec::new(), class_of);
-    raster.expect("its cells").into_cells()
+    raster.expect("its cells").into_cells().into_vec()
 }
 
 #[test]

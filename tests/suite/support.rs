@@ -59,7 +59,7 @@ pub(crate) fn point(p: oracle::P3) -> LatticePoint {
 /// The crate's columns of the oracle's.
 pub(crate) fn columns_of(columns: &oracle::Columns) -> Columns {
     let top = |h: &Option<i64>| h.map_or(VOID, |h| i32::try_from(h).unwrap());
-    Columns::new(columns.n_rows, columns.n_cols, columns.heights.iter().map(top).collect())
+    Columns::new(columns.n_rows, columns.n_cols, columns.heights.iter().map(top).collect::<Vec<_>>())
 }
 
 /// The crate's prisms of the oracle's: repaired and cut into convex pieces, as files are.

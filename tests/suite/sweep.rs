@@ -162,7 +162,7 @@ fn small_raster(random: &mut Random, n_rows: usize, n_cols: usize) -> (Columns, 
                 _ => i32::try_from(uav_z + own.within(-spread, spread)).unwrap(),
             }
         })
-        .collect();
+        .collect::<Vec<_>>();
     (Columns::new(n_rows, n_cols, tops), uav_z)
 }
 

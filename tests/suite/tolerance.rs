@@ -142,7 +142,7 @@ fn a_difference_is_counted_by_hand() {
     // Two blocks of 2 × 2 cells beside a wall: the coarse cell over the wall has no receiver, as its maximum is a roof.
     // 32 × 16 cells, open but for a wall 1 cell wide in column 16, 20 m high; the UAV 10 m high at the west end.
     let grid = GeoRef::new((0.0, 16.0), (1.0, 1.0), (16, 32), None).unwrap();
-    let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect();
+    let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect::<Vec<_>>();
     let solids =
         Solids::Raster { surface: Raster::new(grid.clone(), tops), ground: Ground::Flat(0), building_threshold: 256 };
     let field = HeightField::build(&grid, solids, &mut Vec::new());

@@ -65,7 +65,7 @@ fn read_mask(path: &Path, band: usize) -> Vec<u8> {
     let file = GeoTiff::open(path, &mut warnings).unwrap();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes 0, 1 and 255")]
     let value = |v: f64| if v.is_nan() { 255 } else { v as u8 };
-    file.read_band(band, file.georef().window(), &mut warnings, value).unwrap().into_cells()
+    file.read_band(band, file.georef().window(), &mut warnings, value).unwrap().into_cells().into_vec()
 }
 
 /// The oracle on the solids of a scene.

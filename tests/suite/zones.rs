@@ -279,7 +279,7 @@ fn as_raster(field: &HeightField, cell: (f64, f64)) -> HeightField {
     let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
     let grid = GeoRef::new((0.0, cell.1 * n_rows as f64), cell, (n_rows, n_cols), None).unwrap();
     let is_building = |k: usize| field.cells().building.contains(k / n_cols, k % n_cols);
-    let tops = (0..n_rows * n_cols).map(|k| i32::from(is_building(k)) * 10 * STEPS).collect();
+    let tops = (0..n_rows * n_cols).map(|k| i32::from(is_building(k)) * 10 * STEPS).collect::<Vec<_>>();
     let surface = Raster::new(grid.clone(), tops);
     HeightField::build(
         &grid,

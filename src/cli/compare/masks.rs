@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::coverage::class;
 use crate::error::{Error, Result, Warning};
-use crate::raster::{GeoRef, RasterFile};
+use crate::raster::{GeoRef, LargeVec, RasterFile};
 use crate::scene::refuse_two_crs;
 
 /// A mask of an earlier run.
@@ -17,7 +17,7 @@ pub(super) struct SavedMask {
     /// The file.
     pub(super) path: String,
     /// Classes of [`crate::coverage::class`].
-    pub(super) mask: Vec<u8>,
+    pub(super) mask: LargeVec<u8>,
     /// Where its UAV was, if the file says so \[CRS units\].
     pub(super) place: Option<(f64, f64)>,
 }

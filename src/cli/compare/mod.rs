@@ -26,7 +26,7 @@ use crate::coverage::{CellGroups, Control, Mapper, Overlay, SiteCoverage, Tally,
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, encode_table};
 use crate::los::Method;
-use crate::raster::CellBlocks;
+use crate::raster::{CellBlocks, LargeVec};
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
 use crate::scene::{Site, Source};
 use crate::zones::{NONE, ZoneMap};
@@ -50,7 +50,7 @@ const BYTES_PER_CELL: usize = 5 + 1 + 4;
 struct Placed {
     id: String,
     origin: Origin,
-    mask: Vec<u8>,
+    mask: LargeVec<u8>,
     tally: Tally,
     margins: Option<crate::coverage::MarginSample>,
 }

@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     fn row(heights: &[i32]) -> Columns {
-        Columns::new(1, heights.len(), heights.iter().map(|h| h * STEPS_PER_UNIT).collect())
+        Columns::new(1, heights.len(), heights.iter().map(|h| h * STEPS_PER_UNIT).collect::<Vec<_>>())
     }
 
     fn at(x: f64, z: f64) -> LatticePoint {

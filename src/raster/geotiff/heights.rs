@@ -11,11 +11,11 @@ use super::header::Codec;
 use super::tags::TiffSource;
 use super::{GeoTiff, turn_over};
 use crate::error::{Error, Result, Warning};
-use crate::raster::Raster;
 use crate::raster::file::reserve_cells;
-use crate::raster::lattice_rows::lattice_row;
+use crate::raster::lattice_rows::put_on_lattice;
 use crate::raster::sample::Sample;
 use crate::raster::voids::Voids;
+use crate::raster::{LargeVec, Raster};
 
 /// Bytes that a thread reads at a time: they are converted while they are in its cache.
 const READ_BYTES: usize = 256 << 10;
@@ -52,15 +52,23 @@ impl GeoTiff {
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
         let nodata = self.nodata.map(|nodata| nodata as f32);
         drop(reserve_cells::<i32>(&self.path, self.georef())?);
-        let mut cells = vec![0_i32; self.georef().n_cells()];
+        let mut cells = LargeVec::<i32>::zeroed(self.georef().n_cells());
 
         let n_cols = image.n_cols;
-        let rows_at_once = (READ_BYTES / (4 * n_cols)).clamp(1, image.block_rows);
-        // Parts of strips: the row of the file, the number of rows, and where their bytes begin.
-        let mut parts: Vec<(u64, &mut [i32])> = Vec::new();
-        let mut rest = cells.as_mut_slice();
+        // Strips that lie one behind the other in the file are one run of rows.
+        let mut runs: Vec<(u64, usize)> = Vec::new();
         for (strip, (offset, _)) in image.blocks.iter().enumerate() {
             let n_rows = image.stored_rows(strip);
+            match runs.last_mut() {
+                Some((start, rows)) if *start + 4 * (*rows * n_cols) as u64 == *offset => *rows += n_rows,
+                _ => runs.push((*offset, n_rows)),
+            }
+        }
+        let rows_at_once = (READ_BYTES / (4 * n_cols)).max(1);
+        // Where the bytes of a part begin, and its cells.
+        let mut parts: Vec<(u64, &mut [i32])> = Vec::new();
+        let mut rest = &mut *cells;
+        for (offset, n_rows) in runs {
             for first in (0..n_rows).step_by(rows_at_once) {
                 let n_here = rows_at_once.min(n_rows - first);
                 let (part, after) = std::mem::take(&mut rest).split_at_mut(n_here * n_cols);
@@ -69,33 +77,27 @@ impl GeoTiff {
             }
         }
         let (is_odd, n_nodata) = (AtomicBool::new(false), AtomicU64::new(0));
-        let read = |buffers: &mut (Option<File>, Vec<u8>, Vec<f32>), (offset, cells): (u64, &mut [i32])| {
+        let read = |file: &mut Option<File>, (offset, cells): (u64, &mut [i32])| {
             if is_odd.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let (file, bytes, heights) = buffers;
             let failed = |e: std::io::Error| Error::file(301, format!("cannot read `{}`: {e}", self.path.display()));
             if file.is_none() {
                 *file = Some(File::open(&self.path).map_err(failed)?);
             }
             let Some(file) = file else { return Ok(()) };
-            bytes.resize(4 * cells.len(), 0);
-            heights.resize(cells.len(), 0.0);
+            let bytes = bytemuck::cast_slice_mut(cells);
             file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(bytes)).map_err(failed)?;
-            for (height, bytes) in heights.iter_mut().zip(bytes.chunks_exact(4)) {
-                let bits = u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                *height = f32::from_bits(if is_swapped { bits.swap_bytes() } else { bits });
+            if is_swapped {
+                cells.iter_mut().for_each(|bits| *bits = bits.swap_bytes());
             }
-            match lattice_row(heights, nodata, cells) {
+            match put_on_lattice(cells, nodata) {
                 Some(found) => n_nodata.fetch_add(found, Ordering::Relaxed),
                 None => u64::from(is_odd.swap(true, Ordering::Relaxed)),
             };
             Ok(())
         };
-        parts
-            .into_par_iter()
-            .map_init(|| (None, Vec::new(), Vec::new()), |buffers, part| read(buffers, part))
-            .collect::<Result<()>>()?;
+        parts.into_par_iter().map_init(|| None, read).collect::<Result<()>>()?;
         if is_odd.into_inner() {
             return Ok(None);
         }

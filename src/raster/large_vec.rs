@@ -1,0 +1,169 @@
+//! Values of the cells of large grids, in few and large pages of memory where the system has them.
+
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+
+use bytemuck::Pod;
+#[cfg(target_os = "linux")]
+use bytemuck::{cast_slice, cast_slice_mut};
+
+/// Bytes from which large pages are asked for: two of them, of 2 MiB.
+#[cfg(target_os = "linux")]
+const LARGE_BYTES: usize = 4 << 20;
+
+/// As many values as were there at first: a vector that does not grow.
+///
+/// PERF: the first touch of each page of new memory costs the kernel as much as line of sight costs us for hundreds of cells.
+/// Linux has pages of 2 MiB for those who ask (`transparent_hugepage`, which is `madvise` on most machines), one touch
+/// instead of 512, and does without where it has none left. The allocator does not ask, so what is large comes from the system itself.
+pub struct LargeVec<T>(Store<T>);
+
+enum Store<T> {
+    Heap(Vec<T>),
+    #[cfg(target_os = "linux")]
+    Pages(Pages<T>),
+}
+
+/// Anonymous memory, and how to look at it: only types of plain bytes get here.
+#[cfg(target_os = "linux")]
+struct Pages<T> {
+    map: memmap2::MmapMut,
+    view: fn(&[u8]) -> &[T],
+    view_mut: fn(&mut [u8]) -> &mut [T],
+}
+
+impl<T: Pod> LargeVec<T> {
+    /// `n` zeros.
+    pub fn zeroed(n: usize) -> Self {
+        LargeVec(Store::zeroed(n))
+    }
+}
+
+impl<T: Pod> Store<T> {
+    #[cfg(target_os = "linux")]
+    fn zeroed(n: usize) -> Self {
+        let n_bytes = n.saturating_mul(size_of::<T>());
+        // Without memory the vector says what is to be said.
+        let map = (n_bytes >= LARGE_BYTES).then(|| memmap2::MmapMut::map_anon(n_bytes).ok()).flatten();
+        map.map_or_else(
+            || Store::Heap(vec![T::zeroed(); n]),
+            |map| {
+                // A system without large pages refuses, and has given small ones.
+                let _refused = map.advise(memmap2::Advice::HugePage);
+                Store::Pages(Pages { map, view: cast_slice, view_mut: cast_slice_mut })
+            },
+        )
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn zeroed(n: usize) -> Self {
+        Store::Heap(vec![T::zeroed(); n])
+    }
+}
+
+impl<T> LargeVec<T> {
+    /// All values.
+    pub fn as_slice(&self) -> &[T] {
+        self
+    }
+}
+
+impl<T: Clone> LargeVec<T> {
+    /// The values as a vector, which may grow: without a copy if they are few.
+    pub fn into_vec(self) -> Vec<T> {
+        match self.0 {
+            Store::Heap(values) => values,
+            #[cfg(target_os = "linux")]
+            Store::Pages(pages) => (pages.view)(&pages.map).to_vec(),
+        }
+    }
+}
+
+impl<T> Deref for LargeVec<T> {
+    type Target = [T];
+
+    #[inline]
+    fn deref(&self) -> &[T] {
+        match &self.0 {
+            Store::Heap(values) => values,
+            #[cfg(target_os = "linux")]
+            Store::Pages(pages) => (pages.view)(&pages.map),
+        }
+    }
+}
+
+impl<T> DerefMut for LargeVec<T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [T] {
+        match &mut self.0 {
+            Store::Heap(values) => values,
+            #[cfg(target_os = "linux")]
+            Store::Pages(pages) => (pages.view_mut)(&mut pages.map),
+        }
+    }
+}
+
+impl<T> From<Vec<T>> for LargeVec<T> {
+    fn from(values: Vec<T>) -> Self {
+        LargeVec(Store::Heap(values))
+    }
+}
+
+impl<T> FromIterator<T> for LargeVec<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        LargeVec::from(values.into_iter().collect::<Vec<T>>())
+    }
+}
+
+impl<'a, T> IntoIterator for &'a LargeVec<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<T: Clone> Clone for LargeVec<T> {
+    fn clone(&self) -> Self {
+        LargeVec::from(self.to_vec())
+    }
+}
+
+impl<T> Default for LargeVec<T> {
+    fn default() -> Self {
+        LargeVec::from(Vec::new())
+    }
+}
+
+impl<T: PartialEq> PartialEq for LargeVec<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: Eq> Eq for LargeVec<T> {}
+
+impl<T: fmt::Debug> fmt::Debug for LargeVec<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(&**self).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_and_small_ones_behave_alike() {
+        for n in [0, 5, (4 << 20) / 4 - 1, (4 << 20) / 4, (6 << 20) / 4 + 3] {
+            let mut values = LargeVec::<i32>::zeroed(n);
+            assert_eq!(values.len(), n);
+            assert!(values.iter().all(|value| *value == 0));
+            values.iter_mut().zip(0..).for_each(|(value, i)| *value = i);
+            let copy = values.clone();
+            assert!(copy == values, "{n}");
+            assert!(values.into_vec().into_iter().eq(0..i32::try_from(n).expect("small")), "{n}");
+        }
+    }
+}
