@@ -1,8 +1,6 @@
 //! Columns: the solid of a raster, each cell a flat-topped column.
 
-use fearless_simd::{Level, Simd, dispatch};
-use rayon::prelude::*;
-
+use super::tile_maxima::TileMaxima;
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 use crate::raster::LargeVec;
 
@@ -18,8 +16,7 @@ pub struct Columns {
     n_cols: usize,
     n_rows: usize,
     tops: LargeVec<i32>,
-    max_top: i32,
-    min_top: i32,
+    tiles: TileMaxima,
 }
 
 impl Columns {
@@ -30,8 +27,8 @@ impl Columns {
     pub fn new(n_rows: usize, n_cols: usize, tops: impl Into<LargeVec<i32>>) -> Self {
         let tops = tops.into();
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
-        let (lowest, max_top) = tops.par_chunks(1 << 16).map(extremes).reduce(|| EMPTY, widest);
-        Columns { n_cols, n_rows, tops, max_top, min_top: lowest }
+        let tiles = TileMaxima::of(&tops, n_cols);
+        Columns { n_cols, n_rows, tops, tiles }
     }
 
     /// Number of columns of cells.
@@ -49,14 +46,19 @@ impl Columns {
         &self.tops
     }
 
+    /// The highest tops of tiles of cells.
+    pub fn tiles(&self) -> &TileMaxima {
+        &self.tiles
+    }
+
     /// The highest top, [`VOID`] if all cells are void.
     pub fn max_top(&self) -> i32 {
-        self.max_top
+        self.tiles.extremes().1
     }
 
     /// The lowest top, [`VOID`] if any cell is void.
     pub fn min_top(&self) -> i32 {
-        self.min_top
+        self.tiles.extremes().0
     }
 
     /// Top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
@@ -95,26 +97,6 @@ impl Columns {
         let lowest = [(west, south), (west, north), (east, south), (east, north)].map(|(e, n)| self.top(e, n));
         lowest.into_iter().min().unwrap_or(VOID)
     }
-}
-
-/// The extremes of no tops.
-const EMPTY: (i32, i32) = (i32::MAX, VOID);
-
-/// The lowest and the highest of some tops.
-fn extremes(tops: &[i32]) -> (i32, i32) {
-    #[inline(always)]
-    fn run<S: Simd>(simd: S, tops: &[i32]) -> (i32, i32) {
-        // PERF: compiled for the instructions of this machine, where the compiler makes vectors of it.
-        simd.vectorize(
-            #[inline(always)]
-            || tops.iter().fold(EMPTY, |range, top| (range.0.min(*top), range.1.max(*top))),
-        )
-    }
-    dispatch!(Level::new(), simd => run(simd, tops))
-}
-
-fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
-    (a.0.min(b.0), a.1.max(b.1))
 }
 
 #[cfg(test)]

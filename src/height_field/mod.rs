@@ -13,6 +13,7 @@ mod field;
 mod merge;
 mod prisms;
 mod roofs;
+mod tile_maxima;
 mod triangulate;
 
 pub use casters::{Caster, CasterBlock, Casters};
@@ -21,4 +22,5 @@ pub use coarser::Pooling;
 pub use columns::Columns;
 pub use field::{CellKind, GridPositions, HeightField, Place, Station, cell_frame};
 pub use prisms::{Buckets, Piece, Prisms};
+pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, Ring, convex_pieces};

@@ -4,10 +4,13 @@
 //! is over the higher of the two at its lowest point in the line, the line is clear; only else are the cells looked at one
 //! by one, as `ray` does. The cell is carried from line to line by adding to a remainder.
 
-use crate::height_field::Columns;
+use crate::height_field::{Columns, TILE_BITS};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Lines of a tile.
+const LINES: i64 = 1 << TILE_BITS;
 
 /// Which way a line of cells lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +45,18 @@ pub(super) fn columns_los_over_lines(
         Across::Column => (dx.abs(), dy.abs(), stride_x, stride_y, cells_left(dy, north, columns.n_rows())),
     };
     let link = LinkOverLines { length, along, z: receiver.z, climb: uav.z - receiver.z, most };
-    link.is_clear(&LineCells { tops: columns.tops(), own, stride, sideways }, lines)
+    let per_row = as_isize(columns.tiles().per_row());
+    let (step_x, step_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { 1 } else { -1 });
+    let from_north = as_i64(columns.n_rows()) - 1 - north;
+    let tiles = match across {
+        Across::Row => {
+            LineTiles { line: from_north, lateral: east, steps: (step_y, step_x), strides: (per_row, 1), columns }
+        }
+        Across::Column => {
+            LineTiles { line: east, lateral: from_north, steps: (step_x, step_y), strides: (1, per_row), columns }
+        }
+    };
+    link.is_clear(&LineCells { tops: columns.tops(), own, stride, sideways, tiles: Some(tiles) }, lines)
 }
 
 /// A link as lines of cells see it, from the receiver to the UAV.
@@ -68,13 +82,39 @@ pub(super) struct LineCells<'a> {
     /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line.
     pub(super) stride: isize,
     pub(super) sideways: isize,
+    /// The highest tops of tiles of these cells, if they are known.
+    pub(super) tiles: Option<LineTiles<'a>>,
+}
+
+/// Where the tiles are found that lines of cells pass.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineTiles<'a> {
+    columns: &'a Columns,
+    /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
+    line: i64,
+    lateral: i64,
+    /// How both change on the way to the UAV, by 1.
+    steps: (i64, i64),
+    /// Steps to the tile of the next lines, and to the next tile of the same lines, as numbers rise.
+    strides: (isize, isize),
+}
+
+impl LineTiles<'_> {
+    /// The highest top in the tile of line `line` at `lateral`.
+    #[inline(always)]
+    fn maximum(&self, line: i64, lateral: i64) -> i32 {
+        let (across, along) = self.strides;
+        #[expect(clippy::cast_sign_loss, reason = "a tile of the raster")]
+        let tile = ((line >> TILE_BITS) as isize * across + (lateral >> TILE_BITS) as isize * along) as usize;
+        self.columns.tiles().maxima()[tile]
+    }
 }
 
 impl LinkOverLines {
     /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link.
     pub(super) fn is_clear(&self, cells: &LineCells<'_>, (near, far): (i64, i64)) -> bool {
         let LinkOverLines { length, along, z, climb, most } = *self;
-        let LineCells { tops, own, stride, sideways } = *cells;
+        let LineCells { tops, own, stride, sideways, tiles } = *cells;
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
         let whole = CELL * length;
         let (first_n, stop) = (length - far, length - near);
@@ -91,28 +131,60 @@ impl LinkOverLines {
         let mut lines_left = n_lines;
         // A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
         let mut clear_below = z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb;
+        let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.steps.0);
+        let over_tile = Passed::of(LINES, along, length);
         while lines_left > 0 {
-            if beside < 0 {
-                // Beside the raster nothing blocks.
-                return true;
-            }
-            // The ray enters the line in `cell`, and leaves it there or in the next one.
-            rest += growth;
-            let steps_over = rest >= whole;
-            rest -= if steps_over { whole } else { 0 };
-            let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
-            let first = tops[cell];
-            let second = if steps_over && beside == 0 { i32::MIN } else { tops[next] };
-            if i64::from(first.max(second)) * length > clear_below {
-                let n = first_n + (n_lines - lines_left) * CELL;
-                if self.is_blocked(LineMet { n, passed: most - beside, rest, steps_over }, (first, second)) {
-                    return false;
+            // Lines to be looked at one by one, before a tile may spare some of them.
+            let mut single = lines_left;
+            if let Some(tiles) = &tiles {
+                let (step, sidestep) = tiles.steps;
+                let within = line & (LINES - 1);
+                let n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
+                single = n;
+                line += n * step;
+                // Cells that the ray can pass meanwhile: of at most nine in a row the first and the last are in all their tiles.
+                let reach = n.min(over_tile.borders + 1);
+                if beside >= reach {
+                    let from = tiles.lateral + sidestep * (most - beside);
+                    let at = line - step;
+                    let highest = tiles.maximum(at, from).max(tiles.maximum(at, from + sidestep * reach));
+                    if i64::from(highest) * length <= clear_below + ((n - 1) * CELL * climb).min(0) {
+                        lines_left -= n;
+                        let over = if n == LINES { over_tile } else { Passed::of(n, along, length) };
+                        rest += CELL * over.rest;
+                        let carries = rest >= whole;
+                        rest -= if carries { whole } else { 0 };
+                        let borders = over.borders + i64::from(carries);
+                        beside -= borders;
+                        cell = cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
+                        clear_below += n * CELL * climb;
+                        continue;
+                    }
                 }
             }
-            beside -= i64::from(steps_over);
-            cell = next.wrapping_add_signed(stride);
-            clear_below += CELL * climb;
-            lines_left -= 1;
+            for _ in 0..single {
+                if beside < 0 {
+                    // Beside the raster nothing blocks.
+                    return true;
+                }
+                // The ray enters the line in `cell`, and leaves it there or in the next one.
+                rest += growth;
+                let steps_over = rest >= whole;
+                rest -= if steps_over { whole } else { 0 };
+                let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
+                let first = tops[cell];
+                let second = if steps_over && beside == 0 { i32::MIN } else { tops[next] };
+                if i64::from(first.max(second)) * length > clear_below {
+                    let n = first_n + (n_lines - lines_left) * CELL;
+                    if self.is_blocked(LineMet { n, passed: most - beside, rest, steps_over }, (first, second)) {
+                        return false;
+                    }
+                }
+                beside -= i64::from(steps_over);
+                cell = next.wrapping_add_signed(stride);
+                clear_below += CELL * climb;
+                lines_left -= 1;
+            }
         }
         true
     }
@@ -137,6 +209,25 @@ impl LinkOverLines {
     }
 }
 
+/// What a ray passes sideways on its way over some lines.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    /// Whole cells.
+    borders: i64,
+    /// What is left over, in cells times the length of the link.
+    rest: i64,
+}
+
+impl Passed {
+    /// Over `n` lines, at most a tile of them.
+    fn of(n: i64, along: i64, length: i64) -> Self {
+        // EXACT: both are at most 2^26, so that 32 bits do, which are divided in half the time.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 2^29")]
+        let (passed, length) = ((n * along) as u32, length as u32);
+        Passed { borders: i64::from(passed / length), rest: i64::from(passed % length) }
+    }
+}
+
 /// A line of cells that a ray meets.
 #[derive(Debug, Clone, Copy)]
 struct LineMet {
@@ -147,6 +238,10 @@ struct LineMet {
     rest: i64,
     /// Whether it leaves the line in the next cell.
     steps_over: bool,
+}
+
+fn as_isize(n: usize) -> isize {
+    isize::try_from(n).unwrap_or(isize::MAX)
 }
 
 fn as_i64(n: usize) -> i64 {

@@ -255,6 +255,54 @@ fn lowest_of(base: &[i32]) -> i32 {
     base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0)
 }
 
+/// Low houses and yards with some towers, so that much lies in the dark of something; what receivers stand on may be
+/// far above or below the tops.
+#[test]
+fn towns_in_which_most_bins_sleep_agree_with_ray() {
+    let n = if slow() { 4000 } else { 120 };
+    let levels = simd_levels();
+    let totals: Vec<(u64, u64)> = (0..n)
+        .into_par_iter()
+        .map(|seed| {
+            let mut random = Random(seed ^ 0x70_17);
+            let (n_rows, n_cols) = (random.index(20, 260), random.index(20, 260));
+            let block = random.choose(&[3, 8, 11, 16]);
+            let towers = u64::try_from(random.choose(&[0, 1, 4, 20])).unwrap();
+            let town = random.next();
+            let height = |row: usize, col: usize, kind: u64| {
+                let at = u64::try_from((row / block) << 20 | (col / block)).unwrap() ^ kind << 50;
+                let mut own = Random(town ^ at.wrapping_mul(0x2545_F491_4F6C_DD1D));
+                match own.chance(towers) {
+                    true => i32::try_from(own.within(0, 90 * 1024)).unwrap(),
+                    false => i32::try_from(own.choose(&[0, 0, 0, 3000, 9000, 9000, 15_000])).unwrap(),
+                }
+            };
+            let cells = |kind: u64| (0..n_rows * n_cols).map(move |i| height(i / n_cols, i % n_cols, kind));
+            let columns = Columns::new(n_rows, n_cols, cells(0).collect::<Vec<_>>());
+            let place = |random: &mut Random, n: usize| {
+                let span = i64::try_from(n).unwrap();
+                random.within(-span, 2 * span) * 1024 + random.choose(&[0, 512, 512, 300])
+            };
+            let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
+            let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z };
+            let other: Vec<i32>;
+            let receivers = match random.within(0, 2) {
+                0 => ReceiverHeights::Flat(random.choose(&[0, 1536, 30 * 1024])),
+                1 => ReceiverHeights::Over { base: columns.tops(), above: 1536, lowest: 0, highest: columns.max_top() },
+                _ => {
+                    other = cells(1).collect();
+                    let highest = *other.iter().max().unwrap();
+                    ReceiverHeights::Over { base: &other, above: 1536, lowest: 0, highest }
+                }
+            };
+            let wanted = every_cell(n_rows, n_cols);
+            compare(&columns, uav, receivers, &wanted, whole(&columns), random.choose(&levels))
+        })
+        .collect();
+    let (receivers, undecided) = totals.iter().fold((0, 0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
+    assert!(receivers > n * 10_000 && undecided * 10 < receivers, "{undecided} of {receivers} left to ray");
+}
+
 #[test]
 fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
     let levels = simd_levels();

@@ -63,24 +63,46 @@ pub(super) fn heights_above_uav<S: Simd>(simd: S, raw: &[i32], uav_z: i32, line:
     }
 }
 
-/// Looks up the cells under the edges `first..first + count` at distances `a` and `e`: `highest` gets the larger of both
-/// heights of each edge, `exits` the height at `e`; both from index 0 on.
+/// The numbers of the lanes.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "a kernel: everything it reads and writes")]
+fn lane_numbers<S: Simd>(simd: S) -> S::i32s {
+    const NUMBERS: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+    S::i32s::from_slice(simd, &NUMBERS[..S::i32s::LEN])
+}
+
+/// How far the edges of bins are apart at the two distances between which a line lies, lane by lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EdgeSteps<S: Simd> {
+    a: i64,
+    e: i64,
+    steps_a: S::u32s,
+    steps_e: S::u32s,
+}
+
+impl<S: Simd> EdgeSteps<S> {
+    /// For a line from distance `a` to `e`.
+    #[inline(always)]
+    pub(super) fn new(simd: S, (a, e): (i64, i64)) -> Self {
+        // EXACT: 0 ≤ a < e ≤ 2^26, and at most 16 lanes.
+        #[expect(clippy::cast_possible_truncation, reason = "at most 2^26")]
+        let steps = |y: i64| -> S::u32s { (lane_numbers(simd) * S::i32s::splat(simd, y as i32)).bitcast() };
+        EdgeSteps { a, e, steps_a: steps(a), steps_e: steps(e) }
+    }
+}
+
+/// Looks up the cells under the edges `first..first + count` at both distances: `highest` gets the larger of both heights of
+/// each edge, `exits` the height at the farther one; both from index 0 on.
+#[inline(always)]
 pub(super) fn look_up_edges<S: Simd>(
     simd: S,
     map: EdgeMap,
     line: &[f32],
-    first: i64,
-    count: usize,
-    (a, e): (i64, i64),
-    highest: &mut [f32],
-    exits: &mut [f32],
+    (first, count): (i64, usize),
+    steps: &EdgeSteps<S>,
+    (highest, exits): (&mut [f32], &mut [f32]),
 ) {
     let n = S::f32s::LEN;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ a < e ≤ 2^26, lanes ≤ 16")]
-    let steps = |y: i64| S::u32s::from_fn(simd, |i| i as u32 * y as u32);
-    let (steps_a, steps_e) = (steps(a), steps(e));
+    let EdgeSteps { a, e, steps_a, steps_e } = *steps;
     let lanes = i64::try_from(n).unwrap_or(16);
     let (mut at_a, mut at_e) = (map.uav + first * a, map.uav + first * e);
     for i in (0..count).step_by(n) {
@@ -252,6 +274,19 @@ pub(super) enum LineReceivers<'a> {
     Over { base: &'a [i32], first: i64, above: i32 },
 }
 
+impl LineReceivers<'_> {
+    /// How high the receiver of lateral cell `c` is above the UAV \[1/1024 m\].
+    #[inline]
+    pub(super) fn height(&self, c: usize) -> i64 {
+        match self {
+            LineReceivers::Flat(z) => i64::from(*z),
+            LineReceivers::Over { base, first, above } => {
+                i64::from(base[c - usize::try_from(*first).unwrap_or(0)]) + i64::from(*above)
+            }
+        }
+    }
+}
+
 /// What is known of up to 64 receivers: a bit each.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Decided {
@@ -259,57 +294,96 @@ pub(super) struct Decided {
     pub(super) undecided: u64,
 }
 
+/// How receivers of a line lie over its bins, and how high they are, lane by lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ReceiverLanes<S: Simd> {
+    map: ReceiverMap,
+    bins_per_receiver: BinsPerReceiver,
+    /// What the place of a receiver among the bins grows by from lane to lane: whole bins, and `distance`-ths of one.
+    wholes: S::i32s,
+    rests: S::i32s,
+    distances: S::i32s,
+    per_distance: S::f32s,
+    /// The same from vector to vector.
+    step: (i64, i64),
+    /// The slope of receivers that are all alike.
+    flat: S::f32s,
+}
+
+impl<S: Simd> ReceiverLanes<S> {
+    /// For the receivers of one line.
+    #[inline(always)]
+    pub(super) fn new(simd: S, map: ReceiverMap, receivers: &LineReceivers<'_>) -> Self {
+        let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
+        let bins_per_receiver = if map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1) {
+            BinsPerReceiver::Two
+        } else if map.pitch * (lanes - 1) < map.distance * (4 * lanes - 1) {
+            BinsPerReceiver::Four
+        } else {
+            BinsPerReceiver::Many
+        };
+        let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
+        let carried = lanes * rest / map.distance;
+        let step = (lanes * whole + carried, lanes * rest - carried * map.distance);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "distances are at most 2^26")]
+        let (distance, rest, whole, per_distance) =
+            (map.distance as i32, rest as i32, whole as i32, 1.0 / map.distance as f32);
+        let numbers = lane_numbers(simd);
+        let per_distance = S::f32s::splat(simd, per_distance);
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let flat = match receivers {
+            LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
+            LineReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
+        };
+        ReceiverLanes {
+            map,
+            bins_per_receiver,
+            wholes: numbers * S::i32s::splat(simd, whole),
+            rests: numbers * S::i32s::splat(simd, rest),
+            distances: S::i32s::splat(simd, distance),
+            per_distance,
+            step,
+            flat,
+        }
+    }
+}
+
 /// Decides the receivers `cells` of a line, calling `word(index, decided)` for each run of 64 that holds one.
 #[inline(always)]
 pub(super) fn decide_line<S: Simd>(
     simd: S,
     bounds: &Bounds<'_>,
-    map: &ReceiverMap,
+    lanes_of: &ReceiverLanes<S>,
     receivers: &LineReceivers<'_>,
     cells: std::ops::Range<i64>,
     word: &mut impl FnMut(usize, Decided),
 ) {
-    let n = S::f32s::LEN;
-    let lanes = i64::try_from(n).unwrap_or(16);
-    let bins_per_receiver = if map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1) {
-        BinsPerReceiver::Two
-    } else if map.pitch * (lanes - 1) < map.distance * (4 * lanes - 1) {
-        BinsPerReceiver::Four
-    } else {
-        BinsPerReceiver::Many
-    };
-    let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "distances are at most 2^26")]
-    let (distance, rest, whole, per_distance) =
-        (map.distance as i32, rest as i32, whole as i32, 1.0 / map.distance as f32);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "lanes ≤ 16")]
-    let (steps, wholes) = (S::i32s::from_fn(simd, |i| i as i32 * rest), S::i32s::from_fn(simd, |i| i as i32 * whole));
-    let (distances, one, zero) = (S::i32s::splat(simd, distance), S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
-    let per_distance = S::f32s::splat(simd, per_distance);
+    let ReceiverLanes { map, bins_per_receiver, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
+    let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
+    let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
     let doubt = S::f32s::splat(simd, DOUBT);
-    #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-    let flat = match receivers {
-        LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
-        LineReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
-    };
     let mut found = Decided::default();
     let mut c = cells.start.div_euclid(lanes) * lanes;
+    // The bin of the first lane, and what is left over.
+    let numerator = c * map.pitch + map.offset;
+    let mut bin = numerator.div_euclid(map.distance);
+    let mut left_over = numerator - bin * map.distance;
     while c < cells.end {
-        let numerator = c * map.pitch + map.offset;
         // On the axis itself a receiver is one bin past the last.
-        let bin = numerator.div_euclid(map.distance).min(bounds.last_bin);
+        let past = (bin - bounds.last_bin).max(0);
         // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay within 2^30. The
         // quotient is guessed in floats to within one and put right in integers.
         #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
-        let numerators = S::i32s::splat(simd, (numerator - bin * map.distance) as i32) + steps;
+        let numerators = S::i32s::splat(simd, (left_over + past * map.distance) as i32) + rests;
         let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance).to_int();
         let left = numerators - guess * distances;
         let guess = guess - left.simd_lt(zero).select(one, zero);
         let guess = guess + left.simd_ge(distances).select(one, zero);
+        let first_bin = bin - past;
         #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
-        let last = S::i32s::splat(simd, (bounds.last_bin - bin).min(1 << 20) as i32);
+        let last = S::i32s::splat(simd, (bounds.last_bin - first_bin).min(1 << 20) as i32);
         let index: S::u32s = (guess + wholes).min(last).bitcast();
-        let base = bin - bounds.first_bin + PAD_I64;
+        let base = first_bin - bounds.first_bin + PAD_I64;
         let upper = look_up_bins(simd, bins_per_receiver, bounds.upper, base, index);
         let lower = look_up_bins(simd, bins_per_receiver, bounds.lower, base, index);
 
@@ -333,6 +407,12 @@ pub(super) fn decide_line<S: Simd>(
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of the raster")]
             word(((c - lanes) / 64) as usize, found);
             found = Decided::default();
+        }
+        bin += step.0;
+        left_over += step.1;
+        if left_over >= map.distance {
+            bin += 1;
+            left_over -= map.distance;
         }
     }
 }

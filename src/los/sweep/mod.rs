@@ -49,17 +49,25 @@
 //! * Near lines need few bins: a bin splits in two, which inherit its bounds, when the next line asks for narrower ones.
 //!   What is loose stays loose, so bins are kept one level finer than needed (fewer undecided receivers for a quarter more
 //!   look-ups).
-//! * Bins in which no later receiver can be LoS retire, 64 at a time; in dense cities nearly all do.
+//! * Bins in which no later receiver can be LoS retire, 32 at a time; in dense cities nearly all do.
+//! * Bins sleep through what lies in the dark. The highest top and receiver of each tile of 8 × 8 cells are known
+//!   ([`TileMaxima`]). Where those of all tiles that 32 bins pass in the next eight lines are less steep than the least
+//!   `lower` of these bins, nothing there can raise a bound, be suspected or be seen: not `lower`; not `upper`, which is never
+//!   below it; nor is a receiver LoS. So neither cells nor receivers are looked at. Every quantity in this comparison is
+//!   rounded as it is line by line, which keeps the order, so the bits are the same. From 100 m above the middle of 4096²
+//!   cells, two bins of five (suburban) to four of five (high-rise) sleep where every cell is a receiver.
 //! * An undecided receiver need only be asked about the lines that can matter: each bin remembers the first and the last
 //!   line that was as steep as any receiver in doubt could be, that is neither below the lowest possible receiver nor below
-//!   `lower`. That is a building or two instead of the whole path. A pyramid of maxima, which lets a walk skip what is
-//!   low, was planned for this; the two line numbers cost less memory and make most walks shorter than its blocks.
+//!   `lower`. On the ground that is a building or two instead of the whole path; on roofs it may be hundreds of lines, of
+//!   which a walk skips eight at a time where the tiles are below it.
 //! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout.
 //!
-//! Cost: about 1.5 look-ups per cell, and a short walk for each undecided receiver (0.02 to 3 % of all).
+//! Cost: about three look-ups per cell that is not in the dark, and a walk for each undecided receiver (0.02 to 3 % of all).
 
 mod kernels;
+mod line_order;
 mod quadrant_pass;
+mod shared_bits;
 mod streamed;
 mod wedge;
 
@@ -70,18 +78,17 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::kernels::{Decided, LineReceivers};
+use self::line_order::{STRIP, for_tile_lines, turn};
+use self::shared_bits::{SharedBits, rows_and_columns};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
-use self::wedge::{Line, MAX_PARTS, NEAR, Suspects, Wedge, WedgeFrame};
+use self::wedge::{Line, MAX_PARTS, NEAR, Suspects, TileLine, Wedge, WedgeFrame};
 use super::columns_lines::{Across, columns_los_over_lines};
 use super::columns_los;
-use crate::height_field::Columns;
+use crate::height_field::{Columns, TileMaxima};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
-use crate::raster::{BitGrid, CellWindow};
+use crate::raster::{BitGrid, CellWindow, set_bits};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
-
-/// Columns that are turned into lines together.
-const STRIP: usize = 64;
 
 /// Heights of the receivers at the cell centers of the columns.
 #[derive(Debug, Clone, Copy)]
@@ -160,6 +167,12 @@ pub fn sweep_los(
         rows: SharedBits::new(columns.n_rows(), columns.n_cols()),
         cols: SharedBits::new(columns.n_cols(), columns.n_rows()),
         undecided: AtomicU64::new(0),
+        bases: match receivers {
+            ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, columns.tops()) => {
+                Some(TileMaxima::of(base, columns.n_cols()))
+            }
+            _ => None,
+        },
     };
     let quadrants = [Quadrant::North, Quadrant::South, Quadrant::East, Quadrant::West];
     let parts = parts(columns.n_rows().max(columns.n_cols()));
@@ -170,7 +183,7 @@ pub fn sweep_los(
     });
     sweep.near_box();
     let undecided = sweep.undecided.load(Ordering::Relaxed);
-    Swept { los: sweep.into_los(), undecided }
+    Swept { los: rows_and_columns(&sweep.rows, &sweep.cols, wanted), undecided }
 }
 
 /// Cells across a raster beyond which its quadrants are cut once more.
@@ -191,31 +204,6 @@ enum Quadrant {
     West,
 }
 
-/// Bits that several threads write, one line after another.
-struct SharedBits {
-    words: Vec<AtomicU64>,
-    per_line: usize,
-}
-
-impl SharedBits {
-    fn new(n_lines: usize, n_cells: usize) -> Self {
-        let per_line = n_cells.div_ceil(64);
-        let mut words = Vec::with_capacity(n_lines * per_line);
-        words.resize_with(n_lines * per_line, || AtomicU64::new(0));
-        SharedBits { words, per_line }
-    }
-
-    /// The words of a line.
-    fn line(&self, line: usize) -> &[AtomicU64] {
-        &self.words[line * self.per_line..(line + 1) * self.per_line]
-    }
-
-    #[inline]
-    fn add(&self, line: usize, word: usize, bits: u64) {
-        self.words[line * self.per_line + word].fetch_or(bits, Ordering::Relaxed);
-    }
-}
-
 struct Sweep<'a> {
     columns: &'a Columns,
     uav: LatticePoint,
@@ -227,6 +215,8 @@ struct Sweep<'a> {
     /// Line of sight by column, from the quadrants east and west.
     cols: SharedBits,
     undecided: AtomicU64,
+    /// The highest of what receivers stand on, tile by tile, where that is not the tops.
+    bases: Option<TileMaxima>,
 }
 
 impl Sweep<'_> {
@@ -264,33 +254,40 @@ impl Sweep<'_> {
         let distances = |row: usize| Self::distances(as_i64(n_rows - 1 - row) * CELL, self.uav.y, outward);
         let last = if quadrant == Quadrant::North { rows.start } else { rows.end.saturating_sub(1) };
         let frame = self.frame(self.uav.x, (window.col, window.col + window.n_cols), n_cols, distances(last).1);
-        let mut pass = |row: usize| -> bool {
-            let (near, center, far) = distances(row);
-            if far <= 0 {
+        let per_row = self.columns.tiles().per_row();
+        let mut asked = 0;
+        for_tile_lines(rows, outward < 0, |rows| {
+            let (first, last) = (distances(rows.first), distances(rows.last));
+            if last.2 <= 0 {
                 return true;
             }
-            let cells = row * n_cols..(row + 1) * n_cols;
-            let line = Line { tops: &self.columns.tops()[cells.clone()], first: 0, near, center, far };
-            let receivers = match self.receivers {
-                ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
-                ReceiverHeights::Over { base, above, .. } => {
-                    LineReceivers::Over { base: &base[cells], first: 0, above: above.wrapping_sub(frame.uav_z) }
+            let tiles = self.tile_line(rows.tile, (first.0, last.2), (per_row, 1));
+            wedge.look_ahead(simd, &frame, first.1, Some(&tiles));
+            rows.each(|row| {
+                let (near, center, far) = distances(row);
+                if far <= 0 {
+                    return;
                 }
-            };
-            let wanted = self.wanted.row(row);
-            wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
-                let open = decided.undecided & wanted[word];
-                let los = decided.los | self.ask_each(open, 64 * word, suspects, Across::Row, |lateral| (row, lateral));
-                if los != 0 {
-                    self.rows.add(row, word, los);
-                }
+                let cells = row * n_cols..(row + 1) * n_cols;
+                let line = Line { tops: &self.columns.tops()[cells.clone()], first: 0, near, center, far };
+                let receivers = match self.receivers {
+                    ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
+                    ReceiverHeights::Over { base, above, .. } => {
+                        LineReceivers::Over { base: &base[cells], first: 0, above: above.wrapping_sub(frame.uav_z) }
+                    }
+                };
+                let wanted = self.wanted.row(row);
+                let z = |col: usize| receivers.height(col) + self.uav.z;
+                wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
+                    let open = decided.undecided & wanted[word];
+                    let (seen, n) = self.ask_each(open, 64 * word, suspects, Across::Row, |col| (row, col), z);
+                    asked += n;
+                    self.rows.add(row, word, decided.los | seen, suspects.is_shared(word));
+                });
             });
             !wedge.is_done()
-        };
-        match quadrant {
-            Quadrant::North => rows.rev().all(&mut pass),
-            _ => rows.into_iter().all(&mut pass),
-        };
+        });
+        self.undecided.fetch_add(asked, Ordering::Relaxed);
     }
 
     fn run_columns<S: fearless_simd::Simd>(&self, simd: S, quadrant: Quadrant, wedge: &mut Wedge) {
@@ -303,63 +300,85 @@ impl Sweep<'_> {
         // Lateral positions run south, as rows do.
         let uav_lateral = as_i64(n_rows) * CELL - self.uav.y;
         let frame = self.frame(uav_lateral, (window.row, window.row + window.n_rows), n_rows, distances(last).1);
-        let (mut tops, mut bases) = (Vec::new(), Vec::new());
-        let first_strip = cols.start / STRIP;
-        let strips = first_strip..cols.end.div_ceil(STRIP);
-        let mut pass = |strip: usize| -> bool {
-            let cols = (strip * STRIP).max(cols.start)..((strip + 1) * STRIP).min(cols.end);
-            let (a, b) = (distances(cols.start), distances(cols.end - 1));
-            let (near, far) = (a.0.min(b.0), a.2.max(b.2));
-            if far <= 0 {
+        let per_row = self.columns.tiles().per_row();
+        // Columns of tops and bases as lines of `n_rows` each, of which those cells are there that can be looked at.
+        // Not a power of two, so that the same cells of all lines do not compete for one place in the cache.
+        let pitch = n_rows.next_multiple_of(32) + 16;
+        let mut tops = vec![0; STRIP * pitch];
+        let mut strip = usize::MAX;
+        let own_base = match self.receivers {
+            ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, self.columns.tops()) => Some(base),
+            _ => None,
+        };
+        let mut bases = vec![0; if own_base.is_some() { STRIP * pitch } else { 0 }];
+        let mut asked = 0;
+        for_tile_lines(cols.clone(), outward > 0, |of_tile| {
+            let (first, last) = (distances(of_tile.first), distances(of_tile.last));
+            if last.2 <= 0 {
                 return true;
             }
-            let (low, high) = wedge.reach(&frame, near, far);
-            let span = usize::try_from(low).unwrap_or(0)..usize::try_from(high).unwrap_or(0);
-            let width = span.len();
-            turn(self.columns.tops(), n_cols, &cols, &span, &mut tops);
-            let own_base = match self.receivers {
-                ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, self.columns.tops()) => {
-                    turn(base, n_cols, &cols, &span, &mut bases);
-                    true
+            let tiles = self.tile_line(of_tile.tile, (first.0, last.2), (1, per_row));
+            wedge.look_ahead(simd, &frame, first.1, Some(&tiles));
+            let turned = of_tile.first / STRIP * STRIP..((of_tile.first / STRIP + 1) * STRIP).min(n_cols);
+            if strip != turned.start {
+                strip = turned.start;
+                let (a, b) = (distances(turned.start), distances(turned.end - 1));
+                let (low, high) = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
+                let rows = usize::try_from(low).unwrap_or(0)..usize::try_from(high).unwrap_or(0);
+                turn(self.columns.tops(), n_cols, &turned, &rows, (&mut tops, pitch));
+                if let Some(base) = own_base {
+                    turn(base, n_cols, &turned, &rows, (&mut bases, pitch));
                 }
-                _ => false,
-            };
-            let mut each = |col: usize| -> bool {
+            }
+            of_tile.each(|col| {
                 let (near, center, far) = distances(col);
                 if far <= 0 {
-                    return true;
+                    return;
                 }
-                let cells = (col - cols.start) * width..(col - cols.start + 1) * width;
-                let line = Line { tops: &tops[cells.clone()], first: low, near, center, far };
+                let start = (col - turned.start) * pitch;
+                let cells = start..start + n_rows;
+                let line = Line { tops: &tops[cells.clone()], first: 0, near, center, far };
                 let receivers = match self.receivers {
                     ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
                     ReceiverHeights::Over { above, .. } => {
-                        let base = if own_base { &bases[cells] } else { &tops[cells] };
-                        LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
+                        let base = if own_base.is_some() { &bases[cells] } else { &tops[cells] };
+                        LineReceivers::Over { base, first: 0, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
+                let z = |row: usize| receivers.height(row) + self.uav.z;
                 wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
-                    let los = decided.los
-                        | self
-                            .ask_each(decided.undecided, 64 * word, suspects, Across::Column, |lateral| (lateral, col));
-                    if los != 0 {
-                        self.cols.add(col, word, los);
-                    }
+                    let open = decided.undecided;
+                    let (seen, n) = self.ask_each(open, 64 * word, suspects, Across::Column, |row| (row, col), z);
+                    asked += n;
+                    self.cols.add(col, word, decided.los | seen, suspects.is_shared(word));
                 });
-                !wedge.is_done()
-            };
-            match quadrant {
-                Quadrant::East => cols.clone().all(&mut each),
-                _ => cols.clone().rev().all(&mut each),
-            }
-        };
-        match quadrant {
-            Quadrant::East => strips.into_iter().all(&mut pass),
-            _ => strips.rev().all(&mut pass),
-        };
+            });
+            !wedge.is_done()
+        });
+        self.undecided.fetch_add(asked, Ordering::Relaxed);
     }
 
-    /// Of the undecided receivers from lateral cell `first` on, those that `ray` finds in line of sight.
+    /// The tiles of some rows or columns of cells, which lie between two distances; tiles have `strides` to the next
+    /// lines of tiles and along them.
+    fn tile_line(&self, number: usize, (near, far): (i64, i64), (across, stride): (usize, usize)) -> TileLine<'_> {
+        fn from(tiles: &TileMaxima, first: usize) -> &[i32] {
+            &tiles.maxima()[first..]
+        }
+        let uav_z = i32::try_from(self.uav.z).unwrap_or(i32::MAX);
+        let tops = from(self.columns.tiles(), number * across);
+        let (bases, above) = match self.receivers {
+            ReceiverHeights::Flat(z) => (None, z.wrapping_sub(uav_z)),
+            ReceiverHeights::Over { above, .. } => (
+                Some(from(self.bases.as_ref().unwrap_or(self.columns.tiles()), number * across)),
+                above.wrapping_sub(uav_z),
+            ),
+        };
+        TileLine { near, far, tops, bases, stride, above }
+    }
+
+    /// Of the undecided receivers from lateral cell `first` on, those that `ray` finds in line of sight, and how many it
+    /// was asked about. `cell` and `z` tell row and column and the height of a receiver by its lateral cell.
+    #[inline]
     fn ask_each(
         &self,
         undecided: u64,
@@ -367,29 +386,25 @@ impl Sweep<'_> {
         suspects: &Suspects<'_>,
         across: Across,
         cell: impl Fn(usize) -> (usize, usize),
-    ) -> u64 {
+        z: impl Fn(usize) -> i64,
+    ) -> (u64, u64) {
         let mut los = 0;
-        let mut left = undecided;
         let mut asked = 0;
-        while left != 0 {
-            let bit = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let (row, col) = cell(first + bit);
+        for bit in set_bits(&[undecided]) {
+            let lateral = first + bit;
+            let (row, col) = cell(lateral);
             if !self.wanted.contains(row, col) {
                 continue;
             }
             asked += 1;
             let (x, y) = self.columns.center(row, col);
             let own = row * self.columns.n_cols() + col;
-            let receiver = LatticePoint { x, y, z: self.receivers.at(own) };
-            let lines = suspects.of(as_i64(first + bit));
+            let receiver = LatticePoint { x, y, z: z(lateral) };
+            let lines = suspects.of(as_i64(lateral));
             let is_los = columns_los_over_lines(self.columns, self.uav, (own, receiver), across, lines);
             los |= u64::from(is_los) << bit;
         }
-        if asked > 0 {
-            self.undecided.fetch_add(asked, Ordering::Relaxed);
-        }
-        los
+        (los, asked)
     }
 
     fn ask(&self, row: usize, col: usize) -> bool {
@@ -404,39 +419,10 @@ impl Sweep<'_> {
         for row in rows {
             for col in cols.clone() {
                 if self.wanted.contains(row, col) && self.ask(row, col) {
-                    self.rows.add(row, col / 64, 1 << (col % 64));
+                    self.rows.add(row, col / 64, 1 << (col % 64), true);
                 }
             }
         }
-    }
-
-    /// Both halves together, cut to what is wanted.
-    fn into_los(self) -> BitGrid {
-        let (n_rows, n_cols) = (self.columns.n_rows(), self.columns.n_cols());
-        let mut los = BitGrid::new(n_rows, n_cols);
-        let per_row = los.words_per_row();
-        let per_col = self.cols.per_line;
-        let (rows, cols, wanted) = (&self.rows.words, &self.cols.words, self.wanted);
-        los.words_mut().par_chunks_mut(64 * per_row).enumerate().for_each(|(band, out)| {
-            let n_band = out.len() / per_row;
-            for word in 0..per_row {
-                let mut block = [0_u64; 64];
-                let n_here = (n_cols - 64 * word).min(64);
-                let mut any = 0;
-                for (k, bits) in block.iter_mut().enumerate().take(n_here) {
-                    *bits = cols[(64 * word + k) * per_col + band].load(Ordering::Relaxed);
-                    any |= *bits;
-                }
-                if any != 0 {
-                    transpose(&mut block);
-                }
-                for k in 0..n_band {
-                    let own = rows[(64 * band + k) * per_row + word].load(Ordering::Relaxed);
-                    out[k * per_row + word] = (own | block[k]) & wanted.row(64 * band + k)[word];
-                }
-            }
-        });
-        los
     }
 }
 
@@ -452,71 +438,6 @@ fn near_cells(uav: LatticePoint, n_rows: usize, window: CellWindow) -> (Range<us
     (clip(row, window.row, window.n_rows), clip(east, window.col, window.n_cols))
 }
 
-/// Copies columns `cols` of rows `rows` into lines, one after another.
-fn turn(tops: &[i32], n_cols: usize, cols: &Range<usize>, rows: &Range<usize>, lines: &mut Vec<i32>) {
-    let width = rows.len();
-    // Grows and never shrinks, so that nothing is cleared which is overwritten anyway.
-    if lines.len() < width * cols.len() {
-        lines.resize(width * cols.len(), 0);
-    }
-    const BLOCK: usize = 16;
-    for start in (0..width).step_by(BLOCK) {
-        let height = BLOCK.min(width - start);
-        let sources: [&[i32]; BLOCK] = std::array::from_fn(|k| {
-            let row = rows.start + start + k.min(height - 1);
-            &tops[row * n_cols + cols.start..row * n_cols + cols.end]
-        });
-        for i in 0..cols.len() {
-            let line = &mut lines[i * width + start..i * width + start + height];
-            // PERF: of known length, the copy is unrolled.
-            if let Ok(line) = <&mut [i32; BLOCK]>::try_from(&mut *line) {
-                for (k, top) in line.iter_mut().enumerate() {
-                    *top = sources[k][i];
-                }
-            } else {
-                for (k, top) in line.iter_mut().enumerate() {
-                    *top = sources[k][i];
-                }
-            }
-        }
-    }
-}
-
-/// Turns a block of bits over: bit `c` of word `r` becomes bit `r` of word `c` (Warren, Hacker's Delight, 7-3).
-fn transpose(block: &mut [u64; 64]) {
-    let mut width = 32;
-    let mut mask = 0x0000_0000_ffff_ffff_u64;
-    while width != 0 {
-        let mut k = 0;
-        while k < 64 {
-            let swapped = ((block[k] >> width) ^ block[k + width]) & mask;
-            block[k] ^= swapped << width;
-            block[k + width] ^= swapped;
-            k = (k + width + 1) & !width;
-        }
-        width >>= 1;
-        mask ^= mask << width;
-    }
-}
-
 fn as_i64(n: usize) -> i64 {
     i64::try_from(n).unwrap_or(i64::MAX)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_transposed_block_has_rows_for_columns() {
-        let mut block: [u64; 64] =
-            std::array::from_fn(|r| (r as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(7));
-        let before = block;
-        transpose(&mut block);
-        for (r, row) in before.iter().enumerate() {
-            for (c, column) in block.iter().enumerate() {
-                assert_eq!(row >> c & 1, column >> r & 1);
-            }
-        }
-    }
 }

@@ -8,10 +8,13 @@ use rayon::prelude::*;
 
 use super::super::columns_lines::{LineCells, LinkOverLines};
 use super::kernels::{Decided, LineReceivers};
+use super::line_order::turn;
+use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
 use super::wedge::{Line, Suspects, Wedge, WedgeFrame};
-use super::{CELL, Quadrant, SharedBits, as_i64, parts, transpose, turn};
+use super::{CELL, Quadrant, as_i64, parts};
 use crate::error::Result;
+use crate::height_field::TILE;
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Receivers of a queue that are walked together.
@@ -174,8 +177,9 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         let as_lines = |cells: Vec<i32>| match self.is_rows() {
             true => cells,
             false => {
-                let mut turned = Vec::new();
-                turn(&cells, window.n_cols, &(0..window.n_cols), &(0..window.n_rows), &mut turned);
+                let mut turned = vec![0; cells.len()];
+                let (cols, rows) = (0..window.n_cols, 0..window.n_rows);
+                turn(&cells, window.n_cols, &cols, &rows, (&mut turned, window.n_rows));
                 turned
             }
         };
@@ -263,6 +267,9 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                 return;
             }
             let far = self.far_of(number);
+            if number % TILE == 0 {
+                wedge.look_ahead(simd, &self.frame, far - CELL / 2, None);
+            }
             let cells = lines.start(number)..lines.start(number) + lines.width;
             let first = as_i64(lines.first);
             let line = Line {
@@ -301,9 +308,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                         Walked::Waits(waiting) => left.waiting.push(waiting),
                     }
                 }
-                if los != 0 {
-                    seen.add(row, word, los);
-                }
+                seen.add(row, word, los, suspects.is_shared(word));
             });
         }
     }
@@ -334,6 +339,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                 own: lines.start(line).wrapping_add(lateral).wrapping_sub(lines.first),
                 stride: if lines.is_inward { width } else { -width },
                 sideways: if side < 0 { -1 } else { 1 },
+                tiles: None,
             };
             let near = (self.far_of(here.start) - CELL).max(0);
             if !link.is_clear(&cells, (near, self.far_of(here.end - 1))) {

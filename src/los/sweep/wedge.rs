@@ -3,9 +3,10 @@
 use fearless_simd::prelude::*;
 
 use super::kernels::{
-    BinRows, Bounds, Decided, EdgeMap, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverMap, SLACK, decide_line,
-    heights_above_uav, look_up_edges, raise_bounds,
+    BinRows, Bounds, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes, ReceiverMap,
+    SLACK, decide_line, heights_above_uav, look_up_edges, raise_bounds,
 };
+use crate::height_field::TILE_BITS;
 use crate::quantity::STEPS_PER_UNIT;
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
@@ -27,8 +28,8 @@ const EXTRA_LEVELS: u32 = 1;
 /// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
 pub(super) const NEAR: i64 = 16 * CELL;
 
-/// Bins that retire together.
-const RETIREES: usize = 64;
+/// Bins that sleep or retire together.
+const SLEEPERS: usize = 32;
 
 /// One line of cells across the direction of the sweep, as it is passed over.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +43,49 @@ pub(super) struct Line<'a> {
     pub(super) near: i64,
     pub(super) center: i64,
     pub(super) far: i64,
+}
+
+/// The tiles that a line lies in, and between which distances from the UAV they do \[lattice steps\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TileLine<'a> {
+    pub(super) near: i64,
+    pub(super) far: i64,
+    /// The highest tops, the first tile of the line foremost, the next one `stride` farther.
+    pub(super) tops: &'a [i32],
+    /// The same of what receivers stand on, if they do not all have one height.
+    pub(super) bases: Option<&'a [i32]>,
+    pub(super) stride: usize,
+    /// How high receivers are above that, or what their one height is, less the height of the UAV.
+    pub(super) above: i32,
+}
+
+impl TileLine<'_> {
+    /// Whether the tiles may change bounds of some bins, all of whose lower bounds are at least `lowest`, or hold a receiver
+    /// there that is not hidden: a top or a receiver is as steep as that.
+    #[inline(always)]
+    fn may_matter(&self, frame: &WedgeFrame, map: &EdgeMap, (b0, b1): (i64, i64), lowest: f32) -> bool {
+        let (low, high) = cells_between(map, (b0, b1), (self.near, self.far), frame);
+        if low >= high {
+            return false;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
+        let (highest, per_near, per_far) =
+            (self.highest((low, high), frame.uav_z) as f32, 1.0 / self.near as f32, 1.0 / self.far as f32);
+        (highest * per_near).max(highest * per_far) >= lowest - lowest.abs() * SLACK
+    }
+
+    /// The highest top or receiver above the UAV over the lateral cells `cells`, which are not none.
+    fn highest(&self, (from, to): (i64, i64), uav_z: i32) -> i32 {
+        let tiles = from >> TILE_BITS..((to - 1) >> TILE_BITS) + 1;
+        let highest = |of: &[i32]| {
+            let at = |tile: i64| usize::try_from(tile).ok().and_then(|tile| of.get(tile * self.stride));
+            tiles.clone().filter_map(at).fold(i32::MIN, |a, b| a.max(*b))
+        };
+        // EXACT: known heights differ by less than 2^28; a void stays below all of them.
+        let top = highest(self.tops).saturating_sub(uav_z);
+        let receiver = self.bases.map_or(0, highest).saturating_add(self.above);
+        top.max(receiver)
+    }
 }
 
 /// What is the same for all lines of a wedge.
@@ -76,10 +120,21 @@ pub(super) struct Wedge {
     last_line: Vec<i32>,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
+    /// Of these, intervals of bins that the next lines may change, or see a receiver of.
+    awake: Vec<(usize, usize)>,
     line: Vec<f32>,
     highest: Vec<f32>,
     exits: Vec<f32>,
     n_lines: i32,
+}
+
+/// A line as all bins see it that pass over it.
+#[derive(Debug, Clone, Copy)]
+struct LineEdges<S: Simd> {
+    /// The bins that meet cells of the raster, from the first to after the last, or some more.
+    met: (i64, i64),
+    slopes: LineSlopes,
+    steps: EdgeSteps<S>,
 }
 
 /// The lines that may hide a receiver which the bounds leave undecided.
@@ -90,9 +145,17 @@ pub(super) struct Suspects<'a> {
     last_bin: i64,
     /// Distance of the farther edge of line 0 \[lattice steps\].
     far_of_line_0: i64,
+    /// The words of the first and of the last receiver of the wedge in the line.
+    ends: (i64, i64),
 }
 
 impl Suspects<'_> {
+    /// Whether a word of 64 receivers may hold some of another wedge.
+    #[inline]
+    pub(super) fn is_shared(&self, word: usize) -> bool {
+        as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
+    }
+
     /// The distances between which lie the lines that may hide the receiver of lateral cell `c` \[lattice steps\].
     #[inline]
     pub(super) fn of(&self, c: i64) -> (i64, i64) {
@@ -117,6 +180,7 @@ impl Wedge {
             first_line: Vec::new(),
             last_line: Vec::new(),
             active: Vec::new(),
+            awake: Vec::new(),
             line: Vec::new(),
             highest: Vec::new(),
             exits: Vec::new(),
@@ -127,6 +191,7 @@ impl Wedge {
         wedge.first_line = vec![0; wedge.upper.len()];
         wedge.last_line = wedge.first_line.clone();
         wedge.active.push((0, wedge.len));
+        wedge.awake.push((0, wedge.len));
         wedge
     }
 
@@ -139,10 +204,8 @@ impl Wedge {
     /// last; empty if there are none in the raster.
     pub(super) fn reach(&self, frame: &WedgeFrame, near: i64, far: i64) -> (i64, i64) {
         let (Some(first), Some(last)) = (self.active.first(), self.active.last()) else { return (0, 0) };
-        let map = self.edge_map(frame);
-        let (b0, b1) = (self.first + as_i64(first.0), self.first + as_i64(last.1));
-        let low = map.cell(b0, near).min(map.cell(b0, far)).max(0);
-        let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).min(frame.n_lateral);
+        let bins = (self.first + as_i64(first.0), self.first + as_i64(last.1));
+        let (low, high) = cells_between(&self.edge_map(frame), bins, (near, far), frame);
         (low, high.max(low))
     }
 
@@ -163,7 +226,8 @@ impl Wedge {
             self.level += 1;
             self.first *= 2;
             self.len *= 2;
-            self.active.iter_mut().for_each(|(a, b)| (*a, *b) = (2 * *a, 2 * *b));
+            let finer = self.active.iter_mut().chain(&mut self.awake);
+            finer.for_each(|(a, b)| (*a, *b) = (2 * *a, 2 * *b));
         }
     }
 
@@ -187,22 +251,57 @@ impl Wedge {
                     self.refine(frame, line.far);
                 }
                 self.n_lines += 1;
-                if self.n_lines % 8 == 0 {
-                    self.retire(frame, line.center);
-                }
+                let lanes = ReceiverLanes::new(simd, self.receiver_map(frame, line), receivers);
+                let edges = self.edges_of_line(simd, frame, line);
                 let mut k = 0;
-                while k < self.active.len() {
-                    let interval = self.active[k];
+                while k < self.awake.len() {
+                    let interval = self.awake[k];
                     if line.far > NEAR {
-                        self.decide(simd, frame, line, receivers, interval, word);
+                        self.decide(simd, frame, line, (receivers, &lanes), interval, word);
                     }
                     if !is_last {
-                        self.advance(simd, frame, line, interval);
+                        self.advance(simd, frame, line, &edges, interval);
                     }
                     k += 1;
                 }
             },
         );
+    }
+
+    /// How the receivers of a line lie over the bins.
+    fn receiver_map(&self, frame: &WedgeFrame, line: &Line<'_>) -> ReceiverMap {
+        // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
+        // to each lattice line from inside (see the module).
+        let bias = i64::from(self.first >= 0);
+        let offset = ((CELL / 2 - frame.uav_lateral) << self.level) - bias;
+        // Receivers of the lines around the UAV are decided otherwise.
+        ReceiverMap { pitch: CELL << self.level, offset, distance: line.center.max(1) }
+    }
+
+    /// What all intervals of bins share when they pass over a line.
+    #[inline(always)]
+    fn edges_of_line<S: Simd>(&self, simd: S, frame: &WedgeFrame, line: &Line<'_>) -> LineEdges<S> {
+        let map = self.edge_map(frame);
+        let (y_a, y_e) = (line.near, line.far);
+        let end = line.first + as_i64(line.tops.len());
+        let edge_at = |cell: i64, y: i64| (((cell << self.level) * CELL) - map.uav).div_euclid(y);
+        // Bins that pass beside the raster meet nothing here.
+        let met = match y_a {
+            0 => (i64::MIN, i64::MAX),
+            _ => (
+                edge_at(line.first, y_a).min(edge_at(line.first, y_e)) - 1,
+                edge_at(end, y_a).max(edge_at(end, y_e)) + 2,
+            ),
+        };
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
+        let slopes = LineSlopes {
+            per_near: per(y_a),
+            per_far: per(y_e),
+            lowest: self.lowest_slope(frame, line.center),
+            number: self.n_lines,
+        };
+        LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
 
     #[inline(always)]
@@ -211,21 +310,18 @@ impl Wedge {
         simd: S,
         frame: &WedgeFrame,
         line: &Line<'_>,
-        receivers: &LineReceivers<'_>,
+        (receivers, lanes): (&LineReceivers<'_>, &ReceiverLanes<S>),
         (from, to): (usize, usize),
         word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
     ) {
         let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
-        let pitch = CELL << self.level;
-        // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
-        // to each lattice line from inside (see the module).
-        let bias = i64::from(self.first >= 0);
-        let offset = ((CELL / 2 - frame.uav_lateral) << self.level) - bias;
-        let first_from = |b: i64| -(offset - b * line.center).div_euclid(pitch);
+        let map = self.receiver_map(frame, line);
+        let per_pitch = CELL_BITS + self.level;
+        let first_from = |b: i64| -((map.offset - b * line.center) >> per_pitch);
         let mut cells = (first_from(b0).max(frame.window.0), first_from(b1).min(frame.window.1));
         if b1 == 0 {
             // The axis itself belongs to the last bin of this side as well.
-            cells.1 = (-offset).div_euclid(pitch) + 1;
+            cells.1 = (-map.offset >> per_pitch) + 1;
             cells.1 = cells.1.min(frame.window.1);
         }
         if cells.0 >= cells.1 {
@@ -237,30 +333,32 @@ impl Wedge {
             first_bin: self.first,
             last_bin: self.first + as_i64(self.len) - 1,
         };
-        let map = ReceiverMap { pitch, offset, distance: line.center };
         let suspects = Suspects {
             wedge: self,
             map,
             last_bin: bounds.last_bin,
             far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
+            ends: (first_from(self.first) >> 6, first_from(self.first + as_i64(self.len)) >> 6),
         };
-        decide_line(simd, &bounds, &map, receivers, cells.0..cells.1, &mut |index, decided| {
+        decide_line(simd, &bounds, lanes, receivers, cells.0..cells.1, &mut |index, decided| {
             word(index, decided, &suspects);
         });
     }
 
     #[inline(always)]
-    fn advance<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, line: &Line<'_>, (from, to): (usize, usize)) {
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &WedgeFrame,
+        line: &Line<'_>,
+        edges: &LineEdges<S>,
+        (from, to): (usize, usize),
+    ) {
         let mut map = self.edge_map(frame);
-        let (mut b0, mut b1) = (self.first + as_i64(from), self.first + as_i64(to));
-        // Bins that pass beside the raster meet nothing here.
-        let edge_at = |cell: i64, y: i64| (((cell << self.level) * CELL) - map.uav).div_euclid(y.max(1));
+        let b0 = (self.first + as_i64(from)).max(edges.met.0);
+        let b1 = (self.first + as_i64(to)).min(edges.met.1);
         let (y_a, y_e) = (line.near, line.far);
         let end = line.first + as_i64(line.tops.len());
-        if y_a > 0 {
-            b0 = b0.max(edge_at(line.first, y_a).min(edge_at(line.first, y_e)) - 1);
-            b1 = b1.min(edge_at(end, y_a).max(edge_at(end, y_e)) + 2);
-        }
         if b0 >= b1 {
             return;
         }
@@ -292,17 +390,11 @@ impl Wedge {
             frame.uav_z,
             &mut self.line[at(inside.0)..at(inside.1)],
         );
-        self.line[at(inside.1)..at(high) + PAD].fill(NOTHING);
+        self.line[at(inside.1)..at(high)].fill(NOTHING);
 
-        look_up_edges(simd, map, &self.line, b0, n_bins + 1, (y_a, y_e), &mut self.highest, &mut self.exits);
-        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-        let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
-        let slopes = LineSlopes {
-            per_near: per(y_a),
-            per_far: per(y_e),
-            lowest: self.lowest_slope(frame, line.center),
-            number: self.n_lines,
-        };
+        let slopes = edges.slopes;
+        let looked_up = (&mut self.highest[..], &mut self.exits[..]);
+        look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, looked_up);
         let start = usize::try_from(b0 - self.first).unwrap_or(0) + PAD;
         // Whole vectors first; what they would do past the last bin is done for it alone.
         let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
@@ -349,29 +441,84 @@ impl Wedge {
         lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
     }
 
-    /// Drops the bins in which no receiver at or beyond distance `center` can be in line of sight.
-    fn retire(&mut self, frame: &WedgeFrame, center: i64) {
-        // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
-        let at = if frame.highest_receiver <= 0 { frame.last_center } else { center };
-        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
-        let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
-        let bar = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
-        let mut left: Vec<(usize, usize)> = Vec::with_capacity(self.active.len());
-        for &(from, to) in &self.active {
-            for start in (from..to).step_by(RETIREES) {
-                let end = (start + RETIREES).min(to);
-                let lowest = self.lower[PAD + start..PAD + end].iter().fold(f32::INFINITY, |a, b| a.min(*b));
-                if lowest > bar {
-                    continue;
+    /// Looks ahead from distance `center`: drops the bins in which no receiver from there on can be in line of sight, and
+    /// finds those that need not be looked at in the next lines, if the tiles are known that these lie in. Call it
+    /// every few lines, and before the first of any tiles.
+    pub(super) fn look_ahead<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &WedgeFrame,
+        center: i64,
+        tiles: Option<&TileLine<'_>>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
+                let at = if frame.highest_receiver <= 0 { frame.last_center } else { center };
+                #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
+                let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
+                let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
+                let tiles = tiles.filter(|tiles| tiles.near >= NEAR);
+                let map = self.edge_map(frame);
+                let active = std::mem::take(&mut self.active);
+                self.awake.clear();
+                for &(from, to) in &active {
+                    for start in (from..to).step_by(SLEEPERS) {
+                        let end = (start + SLEEPERS).min(to);
+                        let lowest = lowest_of(&self.lower[PAD + start..PAD + end]);
+                        if lowest > dark {
+                            continue;
+                        }
+                        append(&mut self.active, (start, end));
+                        let bins = (self.first + as_i64(start), self.first + as_i64(end));
+                        if tiles.is_none_or(|tiles| tiles.may_matter(frame, &map, bins, lowest)) {
+                            append(&mut self.awake, (start, end));
+                        }
+                    }
                 }
-                match left.last_mut() {
-                    Some(last) if last.1 == start => last.1 = end,
-                    _ => left.push((start, end)),
-                }
-            }
-        }
-        self.active = left;
+            },
+        );
     }
+}
+
+/// Adds an interval to others before it.
+#[inline(always)]
+fn append(intervals: &mut Vec<(usize, usize)>, (start, end): (usize, usize)) {
+    match intervals.last_mut() {
+        Some(last) if last.1 == start => last.1 = end,
+        _ => intervals.push((start, end)),
+    }
+}
+
+/// The lowest of some slopes.
+#[inline(always)]
+fn lowest_of(slopes: &[f32]) -> f32 {
+    let lower = |a: f32, b: f32| if b < a { b } else { a };
+    // PERF: as many at once as a vector has lanes; one after another, each would wait for the one before.
+    let mut lowest = [f32::INFINITY; 16];
+    let mut chunks = slopes.chunks_exact(16);
+    for chunk in &mut chunks {
+        for (lowest, slope) in lowest.iter_mut().zip(chunk) {
+            *lowest = lower(*lowest, *slope);
+        }
+    }
+    for (lowest, slope) in lowest.iter_mut().zip(chunks.remainder()) {
+        *lowest = lower(*lowest, *slope);
+    }
+    for half in [8, 4, 2, 1] {
+        for k in 0..half {
+            lowest[k] = lower(lowest[k], lowest[k + half]);
+        }
+    }
+    lowest[0]
+}
+
+/// Lateral cells of the raster under the bins `b0..b1` between two distances, from the first to after the last.
+fn cells_between(map: &EdgeMap, (b0, b1): (i64, i64), (near, far): (i64, i64), frame: &WedgeFrame) -> (i64, i64) {
+    let low = map.cell(b0, near).min(map.cell(b0, far)).max(0);
+    let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).min(frame.n_lateral);
+    (low, high)
 }
 
 /// The least level at which bins are narrower than a cell at distance `far`.
