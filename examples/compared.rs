@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed::Result<_>>()?;
     let options = MapOptions::default();
-    let maps = Mapper::new(&field, &options)?.map_many(&uavs, true, &Control::default(), |_| {})?.sites;
+    let maps = Mapper::new(&field, &options)?.map_many(&uavs, true, &Control::default(), |_| {}, |_| {})?.sites;
 
     let details: Vec<String> =
         maps.iter().map(|map| format!("P_LoS = {:.4}", map.tally.p_los().unwrap_or(f64::NAN))).collect();

@@ -191,8 +191,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
     let ManyMaps { sites: coverages, overlay } =
         messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
-            mapper.map_many(&uavs, keeps_masks, &control, |site| {
-                digest.add(&site.mask);
+            let each_part = |cells: &[u8]| digest.add(cells);
+            mapper.map_many(&uavs, keeps_masks, &control, each_part, |site| {
                 facts.push(SiteFacts::of(site, zones.as_ref()));
             })
         })?;

@@ -16,7 +16,8 @@ pub struct ManyMaps {
 }
 
 impl Mapper<'_> {
-    /// Maps what each of some UAVs sees, calling `each` with every map in the order of the UAVs.
+    /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after another, in the order of the UAVs
+    /// and from the north, and `each` with every map once its mask is complete.
     ///
     /// Unless `keep`, the masks and layers of a map are dropped after that, so that memory does not grow with the number
     /// of UAVs: at most [`maps_at_once`] are held. The outcome does not depend on the number of threads.
@@ -28,16 +29,20 @@ impl Mapper<'_> {
         uavs: &[Uav],
         keep: bool,
         control: &Control,
+        mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<ManyMaps> {
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
         let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.n_cells()));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
-                [one] => vec![self.map(one, control)?],
+                [one] => vec![self.map_in_parts(one, control, &mut each_part)?],
                 _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
             };
             for mut site in maps {
+                if chunk.len() > 1 {
+                    each_part(&site.mask);
+                }
                 each(&site);
                 if let Some(overlay) = &mut overlay {
                     overlay.add(&site.mask);

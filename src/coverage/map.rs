@@ -290,6 +290,16 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
+        self.map_in_parts(uav, control, &mut |_| {})
+    }
+
+    /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made.
+    pub(super) fn map_in_parts(
+        &self,
+        uav: &Uav,
+        control: &Control,
+        each_part: &mut (dyn FnMut(&[u8]) + Send),
+    ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let range = Range::of(grid, &uav.station.place, self.options.radius);
@@ -311,35 +321,32 @@ impl<'a> Mapper<'a> {
         let mut ceiling = layer(layers.ceiling);
         let mut least_height = layer(layers.least_height);
         let heights = CellHeights::new(self.field, uav, self.options);
-        let rows: Vec<Row<'_>> = split(&mut mask, n_rows, n_cols)
+        let rows = split(&mut mask, n_rows, n_cols)
             .zip(split(&mut margin, n_rows, n_cols))
             .zip(split(&mut ceiling, n_rows, n_cols))
             .zip(split(&mut least_height, n_rows, n_cols))
             .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
-            .collect();
-        let tally = rows
-            .into_par_iter()
-            .enumerate()
-            .map(|(row, mut out)| {
-                let mut tally = Tally::default();
-                if control.stop.load(Ordering::Relaxed) {
-                    return tally;
+            .enumerate();
+        let fill = |(row, out): (usize, &mut Row<'_>)| {
+            let mut tally = Tally::default();
+            if control.stop.load(Ordering::Relaxed) {
+                return tally;
+            }
+            let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
+            for (receivers, (wanted, los)) in self.receivers.iter().zip(&decided) {
+                let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
+                sets.add(wanted, los.row(row));
+                tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
+                if layers.has_heights() {
+                    heights.fill(out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
                 }
-                let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
-                for (receivers, (wanted, los)) in self.receivers.iter().zip(&decided) {
-                    let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
-                    sets.add(wanted, los.row(row));
-                    tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
-                    if layers.has_heights() {
-                        heights.fill(&mut out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
-                    }
-                }
-                tally.add_others(&sets, n_cols);
-                write_classes(&sets, out.mask);
-                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-                tally
-            })
-            .reduce(Tally::default, |a, b| a.plus(&b));
+            }
+            tally.add_others(&sets, n_cols);
+            write_classes(&sets, out.mask);
+            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+            tally
+        };
+        let tally = in_bands(rows, BAND_CELLS.div_ceil(n_cols), fill, each_part);
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
@@ -421,6 +428,35 @@ struct Row<'a> {
     margin: &'a mut [f32],
     ceiling: &'a mut [f32],
     least_height: &'a mut [f32],
+}
+
+/// Cells of a band of rows that is handed over at once.
+const BAND_CELLS: usize = 1 << 20;
+
+/// Fills rows band by band, and hands each band over while the next one is filled; the sum of what `fill` counts.
+fn in_bands<'a>(
+    mut rows: impl Iterator<Item = (usize, Row<'a>)>,
+    n_at_once: usize,
+    fill: impl Fn((usize, &mut Row<'a>)) -> Tally + Sync,
+    each_part: &mut (dyn FnMut(&[u8]) + Send),
+) -> Tally {
+    let mut tally = Tally::default();
+    let mut filled: Vec<(usize, Row<'a>)> = Vec::new();
+    loop {
+        let mut band: Vec<(usize, Row<'a>)> = rows.by_ref().take(n_at_once).collect();
+        let (of_band, ()) = rayon::join(
+            || {
+                let rows = band.par_iter_mut().map(|(row, out)| fill((*row, out)));
+                rows.reduce(Tally::default, |a, b| a.plus(&b))
+            },
+            || filled.iter().for_each(|(_, row)| each_part(row.mask)),
+        );
+        tally = tally.plus(&of_band);
+        filled = band;
+        if filled.is_empty() {
+            return tally;
+        }
+    }
 }
 
 /// The rows of a layer, or as many empty rows.

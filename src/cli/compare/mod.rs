@@ -196,7 +196,7 @@ fn mapped(
     let control = Control::default();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {
-        mapper.map_many(uavs, true, &control, |_| {})
+        mapper.map_many(uavs, true, &control, |_| {}, |_| {})
     })?;
     let placed = |site: SiteCoverage| Placed {
         id: site.uav.id.clone(),

@@ -30,7 +30,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         .enumerate()
         .map(|(k, uav)| crate::coverage::Uav { id: (k + 1).to_string(), ..uav.clone() })
         .collect();
-    let maps = job.mapper.map_many(&named, true, &Control::default(), |_| {})?;
+    let maps = job.mapper.map_many(&named, true, &Control::default(), |_| {}, |_| {})?;
     if format != Format::GeoTiff {
         return batch.add(path, &picture(job, &maps, format)?);
     }

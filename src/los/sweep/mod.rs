@@ -189,10 +189,11 @@ pub fn sweep_los(
 /// Cells across a raster beyond which its quadrants are cut once more.
 const LONGEST_LINE: usize = 4096;
 
-/// Wedges to each side of the axis of a quadrant: enough for every thread, and for the bins of a wedge and the lines behind
-/// it to stay in a core's cache; no more, since long lines are read faster than short ones.
+/// Wedges to each side of the axis of a quadrant: eight for every thread in all, since some take longer than others, and
+/// enough for the bins of a wedge and the lines behind it to stay in a core's cache; no more, since long lines are read
+/// faster than short ones.
 fn parts(n_across: usize) -> i64 {
-    let for_threads = rayon::current_num_threads() / 2;
+    let for_threads = rayon::current_num_threads();
     as_i64(for_threads.max(n_across / LONGEST_LINE).next_power_of_two()).clamp(1, MAX_PARTS)
 }
 
