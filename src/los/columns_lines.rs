@@ -21,17 +21,17 @@ pub(super) enum Across {
     Column,
 }
 
-/// Whether a link is clear, given that only the lines of cells from `near` to `far` \[lattice steps from the UAV\] can
-/// block it.
+/// Whether a link is clear, given that only the lines of cells between the distances `lines[1]` \[lattice steps from the
+/// UAV\] can block it; those of `lines[0]`, a few that are likely to, are looked at first.
 ///
 /// The receiver is the center of cell `own` of the raster, in none of these lines, and not farther from the UAV along the
-/// lines than across them. Cost: one comparison per line.
+/// lines than across them. Cost: one comparison per line, or per eight lines that lie in tiles below the link.
 pub(super) fn columns_los_over_lines(
     columns: &Columns,
     uav: LatticePoint,
     (own, receiver): (usize, LatticePoint),
     across: Across,
-    lines: (i64, i64),
+    lines: [(i64, i64); 2],
 ) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
@@ -56,7 +56,8 @@ pub(super) fn columns_los_over_lines(
             LineTiles { line: east, lateral: from_north, steps: (step_x, step_y), strides: (1, per_row), columns }
         }
     };
-    link.is_clear(&LineCells { tops: columns.tops(), own, stride, sideways, tiles: Some(tiles) }, lines)
+    let cells = LineCells { tops: columns.tops(), own, stride, sideways, tiles: None };
+    link.is_clear(&cells, lines[0]) && link.is_clear(&LineCells { tiles: Some(tiles), ..cells }, lines[1])
 }
 
 /// A link as lines of cells see it, from the receiver to the UAV.

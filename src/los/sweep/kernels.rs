@@ -155,6 +155,7 @@ pub(super) struct BinRows<'a> {
     pub(super) lower: &'a mut [f32],
     pub(super) first_line: &'a mut [i32],
     pub(super) last_line: &'a mut [i32],
+    pub(super) steepest_line: &'a mut [i32],
 }
 
 /// Values `values[base + index]`.
@@ -213,7 +214,7 @@ pub(super) fn raise_bounds<S: Simd>(
     let (per_a, per_e) = (S::f32s::splat(simd, line.per_near), S::f32s::splat(simd, line.per_far));
     let (lowest, number) = (S::f32s::splat(simd, line.lowest), S::i32s::splat(simd, line.number));
     let slack = S::f32s::splat(simd, SLACK);
-    let BinRows { upper, lower, first_line, last_line } = bins;
+    let BinRows { upper, lower, first_line, last_line, steepest_line } = bins;
     for i in (0..upper.len()).step_by(n) {
         let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
         let load_line = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
@@ -223,6 +224,8 @@ pub(super) fn raise_bounds<S: Simd>(
         let steepest = (high * per_a).max(high * per_e);
         let before = load(upper, i);
         before.max(steepest).store_slice(&mut upper[i..i + n]);
+        let is_steepest = steepest.simd_gt(before);
+        is_steepest.select(number, load_line(steepest_line)).store_slice(&mut steepest_line[i..i + n]);
         let proven = load(lower, i).max(low * per_e);
         proven.store_slice(&mut lower[i..i + n]);
         // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so this line may hide it

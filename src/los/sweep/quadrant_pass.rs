@@ -301,7 +301,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                         StreamedHeights::Flat(z) => z,
                         StreamedHeights::Over { above, .. } => base[cells.start + lateral - lines.first] + above,
                     };
-                    let suspected = self.line_numbers(suspects.of(as_i64(lateral)));
+                    let suspected = self.line_numbers(suspects.of(as_i64(lateral)).all);
                     match self.walk(lines, ((number, lateral), z), suspected) {
                         Walked::Seen => los |= 1 << bit,
                         Walked::Hidden => {}

@@ -20,11 +20,6 @@ const FIRST_LEVEL: u32 = 4;
 /// The most wedges that one side of a quadrant can be cut into.
 pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 
-/// How much finer bins are than the line that they pass over asks for, as a power of two.
-///
-/// PERF: 1 leaves two thirds of the undecided receivers that 0 does, and more costs more than it saves.
-const EXTRA_LEVELS: u32 = 1;
-
 /// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
 pub(super) const NEAR: i64 = 16 * CELL;
 
@@ -118,6 +113,8 @@ pub(super) struct Wedge {
     /// Numbers of the first and of the last line that may hide a receiver from here on.
     first_line: Vec<i32>,
     last_line: Vec<i32>,
+    /// The number of the line that `upper` is of.
+    steepest_line: Vec<i32>,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
     /// Of these, intervals of bins that the next lines may change, or see a receiver of.
@@ -149,6 +146,15 @@ pub(super) struct Suspects<'a> {
     ends: (i64, i64),
 }
 
+/// Lines that may hide a receiver, by the distances between which they lie \[lattice steps\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SuspectLines {
+    /// From the first to the last of them.
+    pub(super) all: (i64, i64),
+    /// The steepest: the likeliest to hide it.
+    pub(super) steepest: (i64, i64),
+}
+
 impl Suspects<'_> {
     /// Whether a word of 64 receivers may hold some of another wedge.
     #[inline]
@@ -156,14 +162,18 @@ impl Suspects<'_> {
         as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
     }
 
-    /// The distances between which lie the lines that may hide the receiver of lateral cell `c` \[lattice steps\].
+    /// The lines that may hide the receiver of lateral cell `c`.
     #[inline]
-    pub(super) fn of(&self, c: i64) -> (i64, i64) {
+    pub(super) fn of(&self, c: i64) -> SuspectLines {
         let bin = self.map.bin(c).min(self.last_bin);
         let i = usize::try_from(bin - self.wedge.first).unwrap_or(0) + PAD;
-        let (first, last) = (i64::from(self.wedge.first_line[i]), i64::from(self.wedge.last_line[i]));
-        let far = |line: i64| self.far_of_line_0 + line * CELL;
-        ((far(first) - CELL).max(0), far(last))
+        let far = |lines: &[i32]| self.far_of_line_0 + i64::from(lines[i]) * CELL;
+        let near = |far: i64| (far - CELL).max(0);
+        let steepest = far(&self.wedge.steepest_line);
+        SuspectLines {
+            all: (near(far(&self.wedge.first_line)), far(&self.wedge.last_line)),
+            steepest: (near(steepest), steepest),
+        }
     }
 }
 
@@ -179,6 +189,7 @@ impl Wedge {
             lower: Vec::new(),
             first_line: Vec::new(),
             last_line: Vec::new(),
+            steepest_line: Vec::new(),
             active: Vec::new(),
             awake: Vec::new(),
             line: Vec::new(),
@@ -190,6 +201,7 @@ impl Wedge {
         wedge.lower = wedge.upper.clone();
         wedge.first_line = vec![0; wedge.upper.len()];
         wedge.last_line = wedge.first_line.clone();
+        wedge.steepest_line = wedge.first_line.clone();
         wedge.active.push((0, wedge.len));
         wedge.awake.push((0, wedge.len));
         wedge
@@ -213,16 +225,15 @@ impl Wedge {
         EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level, first_cell: 0 }
     }
 
-    /// Makes bins narrower than a cell at distance `far`, and nearer lines finer still, though never finer than the last
-    /// one: a bin that splits in two hands its bounds down to both, so what is loose stays loose.
-    fn refine(&mut self, frame: &WedgeFrame, far: i64) {
-        let finest = level_for(frame.last_center - CELL / 2);
-        let level = (level_for(far) + EXTRA_LEVELS).min(finest).max(FIRST_LEVEL);
+    /// Makes bins narrower than a cell at distance `far`: a bin that splits in two hands its bounds down to both.
+    fn refine(&mut self, far: i64) {
+        let level = level_for(far).max(FIRST_LEVEL);
         while self.level < level {
             self.upper = split(&self.upper, self.len, NOTHING);
             self.lower = split(&self.lower, self.len, NOTHING);
             self.first_line = split(&self.first_line, self.len, 0);
             self.last_line = split(&self.last_line, self.len, 0);
+            self.steepest_line = split(&self.steepest_line, self.len, 0);
             self.level += 1;
             self.first *= 2;
             self.len *= 2;
@@ -248,7 +259,7 @@ impl Wedge {
                 // The last line hides nobody.
                 let is_last = line.center >= frame.last_center;
                 if !is_last {
-                    self.refine(frame, line.far);
+                    self.refine(line.far);
                 }
                 self.n_lines += 1;
                 let lanes = ReceiverLanes::new(simd, self.receiver_map(frame, line), receivers);
@@ -408,7 +419,8 @@ impl Wedge {
                 upper: &mut self.upper[whole.clone()],
                 lower: &mut self.lower[whole.clone()],
                 first_line: &mut self.first_line[whole.clone()],
-                last_line: &mut self.last_line[whole],
+                last_line: &mut self.last_line[whole.clone()],
+                steepest_line: &mut self.steepest_line[whole],
             },
         );
         for i in vectors..n_bins {
@@ -423,6 +435,9 @@ impl Wedge {
                     self.first_line[bin] = slopes.number;
                 }
                 self.last_line[bin] = slopes.number;
+            }
+            if steepest > self.upper[bin] {
+                self.steepest_line[bin] = slopes.number;
             }
             self.upper[bin] = self.upper[bin].max(steepest);
             self.lower[bin] = proven;
