@@ -36,7 +36,7 @@ impl Mapper<'_> {
         let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.n_cells()));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
-                [one] => vec![self.map_in_parts(one, control, &mut each_part)?],
+                [one] => vec![self.map_in_parts(one, control, Some(&mut each_part))?],
                 _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
             };
             for mut site in maps {

@@ -290,7 +290,7 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
-        self.map_in_parts(uav, control, &mut |_| {})
+        self.map_in_parts(uav, control, None)
     }
 
     /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made.
@@ -298,7 +298,7 @@ impl<'a> Mapper<'a> {
         &self,
         uav: &Uav,
         control: &Control,
-        each_part: &mut (dyn FnMut(&[u8]) + Send),
+        each_part: Option<EachPart<'_>>,
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -346,7 +346,19 @@ impl<'a> Mapper<'a> {
             control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
             tally
         };
-        let tally = in_bands(rows, BAND_CELLS.div_ceil(n_cols), fill, each_part);
+        let is_stopped = || control.stop.load(Ordering::Relaxed);
+        let tally = match each_part {
+            Some(each_part) => {
+                // Rows enough for every thread, also of wide grids.
+                let n_at_once = BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads());
+                in_bands(rows, n_at_once, fill, &mut |cells| {
+                    if !is_stopped() {
+                        each_part(cells)
+                    }
+                })
+            }
+            None => in_bands(rows, n_rows, fill, &mut |_| {}),
+        };
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
@@ -430,6 +442,9 @@ struct Row<'a> {
     least_height: &'a mut [f32],
 }
 
+/// What takes one part of a mask after another.
+pub(super) type EachPart<'a> = &'a mut (dyn FnMut(&[u8]) + Send);
+
 /// Cells of a band of rows that is handed over at once.
 const BAND_CELLS: usize = 1 << 20;
 
@@ -438,7 +453,7 @@ fn in_bands<'a>(
     mut rows: impl Iterator<Item = (usize, Row<'a>)>,
     n_at_once: usize,
     fill: impl Fn((usize, &mut Row<'a>)) -> Tally + Sync,
-    each_part: &mut (dyn FnMut(&[u8]) + Send),
+    each_part: EachPart<'_>,
 ) -> Tally {
     let mut tally = Tally::default();
     let mut filled: Vec<(usize, Row<'a>)> = Vec::new();
@@ -557,4 +572,32 @@ fn floor_of(surface: i32) -> f64 {
 #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32, 4 mm at 32 km")]
 fn narrow(v: f64) -> f32 {
     v as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masks_are_filled_and_handed_over_in_order_whatever_the_bands() {
+        for n_rows in [0, 1, 2, 7, 64] {
+            for n_at_once in [1, 2, 5, 63, 64, 65] {
+                let mut mask = vec![0_u8; 3 * n_rows];
+                let rows = mask.chunks_mut(3).map(|mask| Row {
+                    mask,
+                    margin: &mut [],
+                    ceiling: &mut [],
+                    least_height: &mut [],
+                });
+                let fill = |(row, out): (usize, &mut Row<'_>)| {
+                    out.mask.fill(u8::try_from(row).expect("few rows") + 1);
+                    Tally::of_mask(&[0])
+                };
+                let mut found = Vec::new();
+                let tally = in_bands(rows.enumerate(), n_at_once, fill, &mut |part| found.extend_from_slice(part));
+                let expected: Vec<u8> = (1..).flat_map(|row| [row; 3]).take(3 * n_rows).collect();
+                assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} at once");
+            }
+        }
+    }
 }

@@ -133,17 +133,17 @@ impl LinkOverLines {
         // A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
         let mut clear_below = z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb;
         let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.steps.0);
-        let over_tile = Passed::of(LINES, along, length);
+        let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
             // Lines to be looked at one by one, before a tile may spare some of them.
             let mut single = lines_left;
-            if let Some(tiles) = &tiles {
+            if let Some((tiles, over_tile)) = &tiles {
                 let (step, sidestep) = tiles.steps;
                 let within = line & (LINES - 1);
                 let n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 single = n;
                 line += n * step;
-                // Cells that the ray can pass meanwhile: of at most nine in a row the first and the last are in all their tiles.
+                // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles of the first and the last.
                 let reach = n.min(over_tile.borders + 1);
                 if beside >= reach {
                     let from = tiles.lateral + sidestep * (most - beside);
@@ -151,7 +151,7 @@ impl LinkOverLines {
                     let highest = tiles.maximum(at, from).max(tiles.maximum(at, from + sidestep * reach));
                     if i64::from(highest) * length <= clear_below + ((n - 1) * CELL * climb).min(0) {
                         lines_left -= n;
-                        let over = if n == LINES { over_tile } else { Passed::of(n, along, length) };
+                        let over = if n == LINES { *over_tile } else { Passed::of(n, along, length) };
                         rest += CELL * over.rest;
                         let carries = rest >= whole;
                         rest -= if carries { whole } else { 0 };

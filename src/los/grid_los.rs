@@ -1,7 +1,7 @@
 //! One UAV against a whole grid of receivers, by whichever engine the scene calls for.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use super::{
     ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, r2_los, shadow_los,
     shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station};
+use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station, TileMaxima};
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Which engine is asked for.
@@ -167,6 +167,8 @@ pub struct GridReceivers<'a> {
     above: i32,
     /// The lowest and the highest of `stands_on` over the cells.
     range: (i32, i32),
+    /// The highest by tile, once an engine has asked for it.
+    tiles: OnceLock<TileMaxima>,
 }
 
 impl<'a> GridReceivers<'a> {
@@ -197,7 +199,7 @@ impl<'a> GridReceivers<'a> {
                 if low > high { (0, 0) } else { (low, high) }
             }
         };
-        GridReceivers { cells, stands_on, above, range }
+        GridReceivers { cells, stands_on, above, range, tiles: OnceLock::new() }
     }
 
     /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
@@ -217,6 +219,11 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => Some((heights, self.above)),
             StandsOn::BoundedCells(heights, _) => Some((heights, self.above)),
         }
+    }
+
+    /// The highest of what all cells hold that receivers stand on, by tile; found when it is first asked for.
+    fn tiles(&self) -> &TileMaxima {
+        self.tiles.get_or_init(|| TileMaxima::of(self.bases().map_or(&[], |(bases, _)| bases), self.cells.n_cols()))
     }
 
     /// Bounds on what the receivers stand on, and how high they are above it \[1/1024 m\].
@@ -384,7 +391,10 @@ impl<'a> GridLos<'a> {
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
         let heights = match receivers.bases() {
-            Some((base, _)) if lowest < highest => ReceiverHeights::Over { base, above, lowest, highest },
+            Some((base, _)) if lowest < highest => {
+                let tiles = (!std::ptr::eq(base, columns.tops())).then(|| receivers.tiles());
+                ReceiverHeights::Over { base, above, lowest, highest, tiles }
+            }
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los

@@ -101,7 +101,7 @@ impl AsciiGrid {
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
-    pub fn read<T>(
+    pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
         warnings: &mut Vec<Warning>,

@@ -7,9 +7,11 @@ use bytemuck::Pod;
 #[cfg(target_os = "linux")]
 use bytemuck::{cast_slice, cast_slice_mut};
 
-/// Bytes from which large pages are asked for: two of them, of 2 MiB.
+/// How many bytes are asked for in large pages, which have 2 MiB. Less is held by the allocator as well. Of more, little is
+/// gained beside the work that is done on it, and much may be lost: on a virtual machine whose host takes back what is
+/// free, the host is asked for each large page piece by piece, while small pages are often those that another program has just left.
 #[cfg(target_os = "linux")]
-const LARGE_BYTES: usize = 4 << 20;
+const LARGE_BYTES: std::ops::RangeInclusive<usize> = 4 << 20..=128 << 20;
 
 /// As many values as were there at first: a vector that does not grow.
 ///
@@ -21,15 +23,7 @@ pub struct LargeVec<T>(Store<T>);
 enum Store<T> {
     Heap(Vec<T>),
     #[cfg(target_os = "linux")]
-    Pages(Pages<T>),
-}
-
-/// Anonymous memory, and how to look at it: only types of plain bytes get here.
-#[cfg(target_os = "linux")]
-struct Pages<T> {
-    map: memmap2::MmapMut,
-    view: fn(&[u8]) -> &[T],
-    view_mut: fn(&mut [u8]) -> &mut [T],
+    Pages(memmap2::MmapMut),
 }
 
 impl<T: Pod> LargeVec<T> {
@@ -44,13 +38,13 @@ impl<T: Pod> Store<T> {
     fn zeroed(n: usize) -> Self {
         let n_bytes = n.saturating_mul(size_of::<T>());
         // Without memory the vector says what is to be said.
-        let map = (n_bytes >= LARGE_BYTES).then(|| memmap2::MmapMut::map_anon(n_bytes).ok()).flatten();
+        let map = LARGE_BYTES.contains(&n_bytes).then(|| memmap2::MmapMut::map_anon(n_bytes).ok()).flatten();
         map.map_or_else(
             || Store::Heap(vec![T::zeroed(); n]),
             |map| {
                 // A system without large pages refuses, and has given small ones.
                 let _refused = map.advise(memmap2::Advice::HugePage);
-                Store::Pages(Pages { map, view: cast_slice, view_mut: cast_slice_mut })
+                Store::Pages(map)
             },
         )
     }
@@ -61,25 +55,25 @@ impl<T: Pod> Store<T> {
     }
 }
 
-impl<T> LargeVec<T> {
+impl<T: Pod> LargeVec<T> {
     /// All values.
     pub fn as_slice(&self) -> &[T] {
         self
     }
 }
 
-impl<T: Clone> LargeVec<T> {
+impl<T: Pod> LargeVec<T> {
     /// The values as a vector, which may grow: without a copy if they are few.
     pub fn into_vec(self) -> Vec<T> {
         match self.0 {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
-            Store::Pages(pages) => (pages.view)(&pages.map).to_vec(),
+            Store::Pages(map) => cast_slice(&map[..]).to_vec(),
         }
     }
 }
 
-impl<T> Deref for LargeVec<T> {
+impl<T: Pod> Deref for LargeVec<T> {
     type Target = [T];
 
     #[inline]
@@ -87,18 +81,18 @@ impl<T> Deref for LargeVec<T> {
         match &self.0 {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
-            Store::Pages(pages) => (pages.view)(&pages.map),
+            Store::Pages(map) => cast_slice(map),
         }
     }
 }
 
-impl<T> DerefMut for LargeVec<T> {
+impl<T: Pod> DerefMut for LargeVec<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
         match &mut self.0 {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
-            Store::Pages(pages) => (pages.view_mut)(&mut pages.map),
+            Store::Pages(map) => cast_slice_mut(map),
         }
     }
 }
@@ -115,7 +109,7 @@ impl<T> FromIterator<T> for LargeVec<T> {
     }
 }
 
-impl<'a, T> IntoIterator for &'a LargeVec<T> {
+impl<'a, T: Pod> IntoIterator for &'a LargeVec<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
 
@@ -124,7 +118,7 @@ impl<'a, T> IntoIterator for &'a LargeVec<T> {
     }
 }
 
-impl<T: Clone> Clone for LargeVec<T> {
+impl<T: Pod> Clone for LargeVec<T> {
     fn clone(&self) -> Self {
         LargeVec::from(self.to_vec())
     }
@@ -136,15 +130,15 @@ impl<T> Default for LargeVec<T> {
     }
 }
 
-impl<T: PartialEq> PartialEq for LargeVec<T> {
+impl<T: Pod + PartialEq> PartialEq for LargeVec<T> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
     }
 }
 
-impl<T: Eq> Eq for LargeVec<T> {}
+impl<T: Pod + Eq> Eq for LargeVec<T> {}
 
-impl<T: fmt::Debug> fmt::Debug for LargeVec<T> {
+impl<T: Pod + fmt::Debug> fmt::Debug for LargeVec<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_list().entries(&**self).finish()
     }

@@ -27,6 +27,8 @@ mod tile_store;
 mod voids;
 mod world_file;
 
+use bytemuck::Pod;
+
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
 pub use bil_file::{BilValues, bil_header};
 pub use bit_grid::{BitGrid, bits_between, set_bits};
@@ -58,12 +60,12 @@ pub use world_file::world_file;
 
 /// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Raster<T> {
+pub struct Raster<T: Pod> {
     georef: GeoRef,
     cells: LargeVec<T>,
 }
 
-impl<T> Raster<T> {
+impl<T: Pod> Raster<T> {
     /// A raster from its cells.
     ///
     /// # Panics

@@ -6,6 +6,8 @@ use std::time::Instant;
 use skyshed::raster::{AsciiGrid, CellWindow, GeoTiff, RasterFile, write_ascii_grid};
 use skyshed::{Error, ErrorClass, Warning};
 
+use crate::plain_tiff::{Cells, PlainTiff};
+use crate::program::Folder;
 use crate::support::truth;
 
 /// What a file is read as: its heights (NaN: void), and what was odd.
@@ -304,4 +306,44 @@ fn a_written_ascii_grid_reads_back_bit_for_bit() {
     assert!(same(&read.heights, &heights), "{:?}", read.heights);
     let georef_again = AsciiGrid::open(&path, &mut Vec::new()).expect("what was written").georef().clone();
     assert!(georef_again.same_grid(&georef));
+}
+
+/// Strips that follow each other are read together; those that lie anywhere else, one by one.
+#[test]
+fn plain_strips_are_read_wherever_they_lie() {
+    let folder = Folder::new();
+    let values: Vec<f64> = (0..40 * 11).map(|k| f64::from(k * 37 % 1000) / 8.0).collect();
+    let (n_cols, n_rows) = (11, 40);
+    let tiff = PlainTiff {
+        corner: (691_000.0, 5_334_000.0),
+        cell: 1.0,
+        n_cols,
+        n_rows,
+        cells: Cells::Float32,
+        values: values.clone(),
+        nodata: None,
+        rows_per_strip: 3,
+        epsg: 25832,
+    };
+    let (in_order, strip) = (tiff.bytes(), 3 * 11 * 4);
+    let offsets: Vec<u8> = (0..14_u32).flat_map(|k| (8 + k * 132).to_le_bytes()).collect();
+    let table = in_order.windows(offsets.len()).position(|bytes| bytes == offsets).expect("the offsets of strips");
+    // Whole strips change places: neighbors, and some that lie far apart.
+    for swaps in [&[][..], &[(0, 1)], &[(2, 9), (3, 4)], &[(0, 12), (1, 11), (2, 10), (5, 6)]] {
+        let mut bytes = in_order.clone();
+        for (a, b) in swaps {
+            for k in 0..strip {
+                bytes.swap(8 + a * strip + k, 8 + b * strip + k);
+            }
+            for k in 0..4 {
+                bytes.swap(table + 4 * a + k, table + 4 * b + k);
+            }
+        }
+        let path = folder.join("strips.tif");
+        std::fs::write(&path, bytes).unwrap();
+        let file = GeoTiff::open(&path, &mut Vec::new()).expect("a GeoTIFF");
+        let (raster, n_void) = file.read_plain_heights(&mut Vec::new()).expect("heights").expect("stored plainly");
+        let found: Vec<f64> = raster.cells().iter().map(|steps| f64::from(*steps) / 1024.0).collect();
+        assert!(same(&found, &values) && n_void == 0, "{swaps:?}");
+    }
 }

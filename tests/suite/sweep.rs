@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 use skyshed::error::Result;
-use skyshed::height_field::Columns;
+use skyshed::height_field::{Columns, TileMaxima};
 use skyshed::los::{
     ColumnsReader, ReceiverHeights, SimdLevel, StreamLimits, StreamedHeights, StreamedScene, columns_los, simd_levels,
     streamed_sweep_los, sweep_los,
@@ -124,7 +124,7 @@ fn streamed(
 ) -> BitGrid {
     let (heights, base) = match receivers {
         ReceiverHeights::Flat(z) => (StreamedHeights::Flat(z), &[][..]),
-        ReceiverHeights::Over { base, above, lowest, highest } => {
+        ReceiverHeights::Over { base, above, lowest, highest, .. } => {
             let is_top = std::ptr::eq(base, columns.tops());
             (StreamedHeights::Over { is_top, above, range: (lowest, highest) }, base)
         }
@@ -192,17 +192,7 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                     }
                 }
             }
-            let mut window = whole(&columns);
-            if random.chance(20) {
-                // A window must hold what lies between its cells and the UAV.
-                let clip = |v: i64, n: usize| usize::try_from(v.div_euclid(1024).max(0)).unwrap().min(n - 1);
-                let (col, row) = (clip(uav.x, n_cols), n_rows - 1 - clip(uav.y, n_rows));
-                let row0 = random.index(0, row);
-                let col0 = random.index(0, col);
-                let row1 = random.index(row, n_rows - 1);
-                let col1 = random.index(col, n_cols - 1);
-                window = CellWindow { row: row0, col: col0, n_rows: row1 - row0 + 1, n_cols: col1 - col0 + 1 };
-            }
+            let window = window_towards(&mut random, uav, (n_rows, n_cols));
             let level = random.choose(&levels);
             let base: Vec<i32>;
             let receivers = match random.within(0, 3) {
@@ -213,6 +203,7 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                     above: random.choose(&[0, 1, 1536]),
                     lowest: lowest_of(columns.tops()),
                     highest: columns.max_top(),
+                    tiles: None,
                 },
                 _ => {
                     base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
@@ -221,6 +212,7 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
                         above: 1536,
                         lowest: lowest_of(&base),
                         highest: *base.iter().max().unwrap(),
+                        tiles: None,
                     }
                 }
             };
@@ -251,6 +243,18 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
     assert!(undecided * 4 < receivers, "{undecided} of {receivers} left to ray: the sweep decides nothing");
 }
 
+/// All cells, or one time in five a window of them, which must hold what lies between its cells and the UAV.
+fn window_towards(random: &mut Random, uav: LatticePoint, (n_rows, n_cols): (usize, usize)) -> CellWindow {
+    if !random.chance(20) {
+        return CellWindow { row: 0, col: 0, n_rows, n_cols };
+    }
+    let clip = |v: i64, n: usize| usize::try_from(v.div_euclid(1024).max(0)).unwrap().min(n - 1);
+    let (col, row) = (clip(uav.x, n_cols), n_rows - 1 - clip(uav.y, n_rows));
+    let (row0, col0) = (random.index(0, row), random.index(0, col));
+    let (row1, col1) = (random.index(row, n_rows - 1), random.index(col, n_cols - 1));
+    CellWindow { row: row0, col: col0, n_rows: row1 - row0 + 1, n_cols: col1 - col0 + 1 }
+}
+
 fn lowest_of(base: &[i32]) -> i32 {
     base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0)
 }
@@ -272,6 +276,9 @@ fn towns_in_which_most_bins_sleep_agree_with_ray() {
             let height = |row: usize, col: usize, kind: u64| {
                 let at = u64::try_from((row / block) << 20 | (col / block)).unwrap() ^ kind << 50;
                 let mut own = Random(town ^ at.wrapping_mul(0x2545_F491_4F6C_DD1D));
+                if kind == 0 && own.within(0, 299) == 0 {
+                    return own.choose(&[VOID, VOID, BLOCKS_ALL]);
+                }
                 match own.chance(towers) {
                     true => i32::try_from(own.within(0, 90 * 1024)).unwrap(),
                     false => own.choose(&[0, 0, 0, 3000, 9000, 9000, 15_000]),
@@ -285,18 +292,32 @@ fn towns_in_which_most_bins_sleep_agree_with_ray() {
             };
             let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
             let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z };
-            let other: Vec<i32>;
+            let (other, tiles): (Vec<i32>, TileMaxima);
             let receivers = match random.within(0, 2) {
                 0 => ReceiverHeights::Flat(random.choose(&[0, 1536, 30 * 1024])),
-                1 => ReceiverHeights::Over { base: columns.tops(), above: 1536, lowest: 0, highest: columns.max_top() },
+                1 => {
+                    let highest = columns.max_top();
+                    ReceiverHeights::Over { base: columns.tops(), above: 1536, lowest: 0, highest, tiles: None }
+                }
                 _ => {
                     other = cells(1).collect();
                     let highest = *other.iter().max().unwrap();
-                    ReceiverHeights::Over { base: &other, above: 1536, lowest: 0, highest }
+                    tiles = TileMaxima::of(&other, n_cols);
+                    let tiles = random.choose(&[None, Some(&tiles)]);
+                    ReceiverHeights::Over { base: &other, above: 1536, lowest: 0, highest, tiles }
                 }
             };
-            let wanted = every_cell(n_rows, n_cols);
-            compare(&columns, uav, receivers, &wanted, whole(&columns), random.choose(&levels))
+            let window = window_towards(&mut random, uav, (n_rows, n_cols));
+            let is_wanted = random.choose(&[100, 100, 60]);
+            let mut wanted = BitGrid::new(n_rows, n_cols);
+            for row in window.row..window.row + window.n_rows {
+                for col in window.col..window.col + window.n_cols {
+                    if random.chance(is_wanted) && ![VOID, BLOCKS_ALL].contains(&columns.tops()[row * n_cols + col]) {
+                        wanted.insert(row, col);
+                    }
+                }
+            }
+            compare(&columns, uav, receivers, &wanted, window, random.choose(&levels))
         })
         .collect();
     let (receivers, undecided) = totals.iter().fold((0, 0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
@@ -324,6 +345,7 @@ fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
                 above: 1536,
                 lowest: lowest_of(columns.tops()),
                 highest: columns.max_top(),
+                tiles: None,
             };
             let mut wanted = every_cell(n_rows, n_cols);
             for cell in (0..n_rows * n_cols).filter(|c| [VOID, BLOCKS_ALL].contains(&columns.tops()[*c])) {

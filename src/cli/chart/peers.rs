@@ -172,10 +172,10 @@ fn read_mask(path: &Path, grid: &GeoRef) -> Result<BitGrid, String> {
     if found != (grid.n_rows(), grid.n_cols()) {
         return Err(format!("its mask has {} × {} cells, wanted those of the scene", found.1, found.0));
     }
-    let cells = file.read(file.georef().window(), &mut Vec::new(), |v| v > 0.5).map_err(|e| e.to_string())?;
+    let cells = file.read(file.georef().window(), &mut Vec::new(), |v| u8::from(v > 0.5)).map_err(|e| e.to_string())?;
     let mut los = BitGrid::new(found.0, found.1);
     for row in 0..found.0 {
-        cells.row(row).iter().enumerate().filter(|(_, is_los)| **is_los).for_each(|(col, _)| los.insert(row, col));
+        cells.row(row).iter().enumerate().filter(|(_, is_los)| **is_los == 1).for_each(|(col, _)| los.insert(row, col));
     }
     Ok(los)
 }

@@ -374,7 +374,7 @@ pub(super) fn decide_line<S: Simd>(
     while c < cells.end {
         // On the axis itself a receiver is one bin past the last.
         let past = (bin - bounds.last_bin).max(0);
-        // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay within 2^30. The
+        // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay below 2^31. The
         // quotient is guessed in floats to within one and put right in integers.
         #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
         let numerators = S::i32s::splat(simd, (left_over + past * map.distance) as i32) + rests;

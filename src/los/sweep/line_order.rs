@@ -47,23 +47,22 @@ pub(super) fn for_tile_lines(lines: Range<usize>, is_upward: bool, mut each: imp
 /// Columns that are turned into lines together.
 pub(super) const STRIP: usize = 64;
 
-/// Copies columns `cols` of rows `rows` into lines that are `pitch` apart, each cell to where its row is in the line.
-pub(super) fn turn(
-    tops: &[i32],
-    n_cols: usize,
-    cols: &Range<usize>,
-    rows: &Range<usize>,
-    (lines, pitch): (&mut [i32], usize),
-) {
+/// Copies columns `cols` of rows `rows` into lines, one after another.
+pub(super) fn turn(tops: &[i32], n_cols: usize, cols: &Range<usize>, rows: &Range<usize>, lines: &mut Vec<i32>) {
+    let width = rows.len();
+    // Grows and never shrinks, so that nothing is cleared which is overwritten anyway.
+    if lines.len() < width * cols.len() {
+        lines.resize(width * cols.len(), 0);
+    }
     const BLOCK: usize = 16;
-    for start in rows.clone().step_by(BLOCK) {
-        let height = BLOCK.min(rows.end - start);
+    for start in (0..width).step_by(BLOCK) {
+        let height = BLOCK.min(width - start);
         let sources: [&[i32]; BLOCK] = std::array::from_fn(|k| {
-            let row = start + k.min(height - 1);
+            let row = rows.start + start + k.min(height - 1);
             &tops[row * n_cols + cols.start..row * n_cols + cols.end]
         });
         for i in 0..cols.len() {
-            let line = &mut lines[i * pitch + start..i * pitch + start + height];
+            let line = &mut lines[i * width + start..i * width + start + height];
             // PERF: of known length, the copy is unrolled.
             if let Ok(line) = <&mut [i32; BLOCK]>::try_from(&mut *line) {
                 for (k, top) in line.iter_mut().enumerate() {

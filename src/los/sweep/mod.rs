@@ -71,6 +71,7 @@ mod shared_bits;
 mod streamed;
 mod wedge;
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -105,6 +106,8 @@ pub enum ReceiverHeights<'a> {
         lowest: i32,
         /// The highest of `base`, or anything higher.
         highest: i32,
+        /// The highest of `base` by tile, where that is not the tops; found anew if it is not given.
+        tiles: Option<&'a TileMaxima>,
     },
 }
 
@@ -168,8 +171,8 @@ pub fn sweep_los(
         cols: SharedBits::new(columns.n_cols(), columns.n_rows()),
         undecided: AtomicU64::new(0),
         bases: match receivers {
-            ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, columns.tops()) => {
-                Some(TileMaxima::of(base, columns.n_cols()))
+            ReceiverHeights::Over { base, tiles, .. } if !std::ptr::eq(base, columns.tops()) => {
+                Some(tiles.map_or_else(|| Cow::Owned(TileMaxima::of(base, columns.n_cols())), Cow::Borrowed))
             }
             _ => None,
         },
@@ -217,7 +220,7 @@ struct Sweep<'a> {
     cols: SharedBits,
     undecided: AtomicU64,
     /// The highest of what receivers stand on, tile by tile, where that is not the tops.
-    bases: Option<TileMaxima>,
+    bases: Option<Cow<'a, TileMaxima>>,
 }
 
 impl Sweep<'_> {
@@ -302,16 +305,13 @@ impl Sweep<'_> {
         let uav_lateral = as_i64(n_rows) * CELL - self.uav.y;
         let frame = self.frame(uav_lateral, (window.row, window.row + window.n_rows), n_rows, distances(last).1);
         let per_row = self.columns.tiles().per_row();
-        // Columns of tops and bases as lines of `n_rows` each, of which those cells are there that can be looked at.
-        // Not a power of two, so that the same cells of all lines do not compete for one place in the cache.
-        let pitch = n_rows.next_multiple_of(32) + 16;
-        let mut tops = vec![0; STRIP * pitch];
-        let mut strip = usize::MAX;
+        // Columns of tops and bases as lines, of which those cells are there that can be looked at.
+        let (mut tops, mut bases) = (Vec::new(), Vec::new());
+        let (mut strip, mut low, mut width) = (usize::MAX, 0, 0);
         let own_base = match self.receivers {
             ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, self.columns.tops()) => Some(base),
             _ => None,
         };
-        let mut bases = vec![0; if own_base.is_some() { STRIP * pitch } else { 0 }];
         let mut asked = 0;
         for_tile_lines(cols.clone(), outward > 0, |of_tile| {
             let (first, last) = (distances(of_tile.first), distances(of_tile.last));
@@ -324,11 +324,12 @@ impl Sweep<'_> {
             if strip != turned.start {
                 strip = turned.start;
                 let (a, b) = (distances(turned.start), distances(turned.end - 1));
-                let (low, high) = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
-                let rows = usize::try_from(low).unwrap_or(0)..usize::try_from(high).unwrap_or(0);
-                turn(self.columns.tops(), n_cols, &turned, &rows, (&mut tops, pitch));
+                let reach = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
+                let rows = usize::try_from(reach.0).unwrap_or(0)..usize::try_from(reach.1).unwrap_or(0);
+                (low, width) = (reach.0, rows.len());
+                turn(self.columns.tops(), n_cols, &turned, &rows, &mut tops);
                 if let Some(base) = own_base {
-                    turn(base, n_cols, &turned, &rows, (&mut bases, pitch));
+                    turn(base, n_cols, &turned, &rows, &mut bases);
                 }
             }
             of_tile.each(|col| {
@@ -336,14 +337,13 @@ impl Sweep<'_> {
                 if far <= 0 {
                     return;
                 }
-                let start = (col - turned.start) * pitch;
-                let cells = start..start + n_rows;
-                let line = Line { tops: &tops[cells.clone()], first: 0, near, center, far };
+                let cells = (col - turned.start) * width..(col - turned.start + 1) * width;
+                let line = Line { tops: &tops[cells.clone()], first: low, near, center, far };
                 let receivers = match self.receivers {
                     ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
                     ReceiverHeights::Over { above, .. } => {
                         let base = if own_base.is_some() { &bases[cells] } else { &tops[cells] };
-                        LineReceivers::Over { base, first: 0, above: above.wrapping_sub(frame.uav_z) }
+                        LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
                 let z = |row: usize| receivers.height(row) + self.uav.z;
@@ -370,7 +370,7 @@ impl Sweep<'_> {
         let (bases, above) = match self.receivers {
             ReceiverHeights::Flat(z) => (None, z.wrapping_sub(uav_z)),
             ReceiverHeights::Over { above, .. } => (
-                Some(from(self.bases.as_ref().unwrap_or(self.columns.tiles()), number * across)),
+                Some(from(self.bases.as_deref().unwrap_or(self.columns.tiles()), number * across)),
                 above.wrapping_sub(uav_z),
             ),
         };

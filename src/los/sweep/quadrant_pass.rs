@@ -177,9 +177,8 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         let as_lines = |cells: Vec<i32>| match self.is_rows() {
             true => cells,
             false => {
-                let mut turned = vec![0; cells.len()];
-                let (cols, rows) = (0..window.n_cols, 0..window.n_rows);
-                turn(&cells, window.n_cols, &cols, &rows, (&mut turned, window.n_rows));
+                let mut turned = Vec::new();
+                turn(&cells, window.n_cols, &(0..window.n_cols), &(0..window.n_rows), &mut turned);
                 turned
             }
         };

@@ -207,7 +207,7 @@ impl GeoTiff {
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
-    pub fn read<T>(
+    pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
         warnings: &mut Vec<Warning>,
@@ -229,7 +229,7 @@ impl GeoTiff {
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
-    pub fn read_band<T>(
+    pub fn read_band<T: bytemuck::Pod>(
         &self,
         band: usize,
         window: CellWindow,

@@ -149,7 +149,7 @@ impl Mosaic {
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
-    pub fn read<T>(
+    pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
         warnings: &mut Vec<Warning>,
