@@ -244,6 +244,8 @@ impl Wedge {
 
     /// Decides the receivers of a line by what lies before it, then adds the line to the bounds.
     ///
+    /// Lines lie in the tiles that [`Wedge::look_ahead`] was told of last, if it was told of any.
+    ///
     /// PERF: everything below is inlined into one function compiled for the instruction set of `simd`.
     pub(super) fn pass<S: Simd>(
         &mut self,
@@ -470,7 +472,8 @@ impl Wedge {
             #[inline(always)]
             || {
                 // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
-                let at = if frame.highest_receiver <= 0 { frame.last_center } else { center };
+                // Beside the UAV centers may be behind it.
+                let at = if frame.highest_receiver <= 0 { frame.last_center } else { center }.max(1);
                 #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
                 let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
                 let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
