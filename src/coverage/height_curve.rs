@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::map::surface_under;
+use super::cell_heights::surface_under;
 use super::{Control, SiteCoverage, Uav, class};
 use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{CellKind, HeightField, Station};

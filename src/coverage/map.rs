@@ -3,17 +3,17 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::cell_classes::{RowSets, write_classes};
+use super::cell_heights::{CellHeights, ceiling_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
+use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, split};
 use super::stability::{Decided, ShiftedRoofs};
 use super::{Stability, Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
-use crate::height_field::{Casters, GridPositions, HeightField, Place, Station};
-use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_ceilings, link_least_heights, link_los};
-use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
+use crate::height_field::{Casters, GridPositions, HeightField, Station};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_los};
+use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
 /// Which cells hold receivers.
@@ -320,7 +320,7 @@ impl<'a> Mapper<'a> {
         let mut margin = layer(layers.margin);
         let mut ceiling = layer(layers.ceiling);
         let mut least_height = layer(layers.least_height);
-        let heights = CellHeights::new(self.field, uav, self.options);
+        let heights = CellHeights::new(self.field, uav, layers);
         let rows = split(&mut mask, n_rows, n_cols)
             .zip(split(&mut margin, n_rows, n_cols))
             .zip(split(&mut ceiling, n_rows, n_cols))
@@ -434,117 +434,6 @@ pub(crate) fn interrupted() -> Error {
     Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
-/// One row of every output; rows of layers that are not wanted are empty.
-struct Row<'a> {
-    mask: &'a mut [u8],
-    margin: &'a mut [f32],
-    ceiling: &'a mut [f32],
-    least_height: &'a mut [f32],
-}
-
-/// What takes one part of a mask after another.
-pub(super) type EachPart<'a> = &'a mut (dyn FnMut(&[u8]) + Send);
-
-/// Cells of a band of rows that is handed over at once.
-const BAND_CELLS: usize = 1 << 20;
-
-/// Fills rows band by band, and hands each band over while the next one is filled; the sum of what `fill` counts.
-fn in_bands<'a>(
-    mut rows: impl Iterator<Item = (usize, Row<'a>)>,
-    n_at_once: usize,
-    fill: impl Fn((usize, &mut Row<'a>)) -> Tally + Sync,
-    each_part: EachPart<'_>,
-) -> Tally {
-    let mut tally = Tally::default();
-    let mut filled: Vec<(usize, Row<'a>)> = Vec::new();
-    loop {
-        let mut band: Vec<(usize, Row<'a>)> = rows.by_ref().take(n_at_once).collect();
-        let (of_band, ()) = rayon::join(
-            || {
-                let rows = band.par_iter_mut().map(|(row, out)| fill((*row, out)));
-                rows.reduce(Tally::default, |a, b| a.plus(&b))
-            },
-            || filled.iter().for_each(|(_, row)| each_part(row.mask)),
-        );
-        tally = tally.plus(&of_band);
-        filled = band;
-        if filled.is_empty() {
-            return tally;
-        }
-    }
-}
-
-/// The rows of a layer, or as many empty rows.
-fn split<T>(cells: &mut [T], n_rows: usize, n_cols: usize) -> impl Iterator<Item = &mut [T]> {
-    let width = if cells.is_empty() { 0 } else { n_cols };
-    let mut rest = cells;
-    (0..n_rows).map(move |_| {
-        let (row, tail) = std::mem::take(&mut rest).split_at_mut(width);
-        rest = tail;
-        row
-    })
-}
-
-/// The layers of heights, cell by cell.
-struct CellHeights<'a> {
-    field: &'a HeightField,
-    uav: &'a Uav,
-    layers: HeightLayers,
-    /// Lowest height that a UAV may have at its place \[1/1024 m\].
-    surface_under_uav: i32,
-}
-
-impl<'a> CellHeights<'a> {
-    fn new(field: &'a HeightField, uav: &'a Uav, options: &MapOptions) -> Self {
-        CellHeights { field, uav, layers: options.layers, surface_under_uav: surface_under(field, &uav.station.place) }
-    }
-
-    /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight.
-    fn fill(
-        &self,
-        out: &mut Row<'_>,
-        positions: &GridPositions,
-        receivers: &GridReceivers<'_>,
-        row: usize,
-        (wanted, los): (&[u64], &[u64]),
-    ) {
-        let first = row * self.field.grid().n_cols();
-        for col in set_bits(wanted) {
-            let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };
-            let is_los = los[col / 64] >> (col % 64) & 1 == 1;
-            if self.layers.margin || self.layers.ceiling {
-                let base = receivers.base(first + col);
-                let (ceiling, margin) = ceiling_and_margin(self.field, self.uav, &receiver, base);
-                debug_assert_eq!(is_los, margin >= 0.0);
-                if let Some(v) = out.ceiling.get_mut(col) {
-                    *v = narrow(ceiling);
-                }
-                if let Some(v) = out.margin.get_mut(col) {
-                    *v = margin;
-                }
-            }
-            if let Some(v) = out.least_height.get_mut(col) {
-                let (b, t) = link_least_heights(self.field, &self.uav.station, &receiver);
-                let least = b.height_steps().max(t.height_steps()).max(floor_of(self.surface_under_uav));
-                let least = least / f64::from(STEPS_PER_UNIT);
-                *v = if least > MAX_HEIGHT_M { f32::INFINITY } else { narrow(least) };
-            }
-        }
-    }
-}
-
-/// The ceiling of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
-pub(super) fn ceiling_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f64, f32) {
-    let (b, t) = link_ceilings(field, &uav.station, receiver);
-    let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
-    let ceiling = b.height_steps().max(t.height_steps()).max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
-    #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-    let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
-    // The sign is decided exactly; rounding to f32 must not turn it.
-    let margin = narrow(height - ceiling);
-    (ceiling, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
-}
-
 /// The receiver of a UAV with the least margin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstReceiver {
@@ -552,52 +441,4 @@ pub struct WorstReceiver {
     pub margin_m: f32,
     /// Its row and column.
     pub cell: (usize, usize),
-}
-
-/// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if
-/// none is known.
-pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
-    field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place))
-}
-
-/// A surface as the least height over it; nothing known bounds nothing but the lattice.
-fn floor_of(surface: i32) -> f64 {
-    if surface == VOID {
-        -MAX_HEIGHT_M * f64::from(STEPS_PER_UNIT)
-    } else {
-        meters(surface) * f64::from(STEPS_PER_UNIT)
-    }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32, 4 mm at 32 km")]
-fn narrow(v: f64) -> f32 {
-    v as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn masks_are_filled_and_handed_over_in_order_whatever_the_bands() {
-        for n_rows in [0, 1, 2, 7, 64] {
-            for n_at_once in [1, 2, 5, 63, 64, 65] {
-                let mut mask = vec![0_u8; 3 * n_rows];
-                let rows = mask.chunks_mut(3).map(|mask| Row {
-                    mask,
-                    margin: &mut [],
-                    ceiling: &mut [],
-                    least_height: &mut [],
-                });
-                let fill = |(row, out): (usize, &mut Row<'_>)| {
-                    out.mask.fill(u8::try_from(row).expect("few rows") + 1);
-                    Tally::of_mask(&[0])
-                };
-                let mut found = Vec::new();
-                let tally = in_bands(rows.enumerate(), n_at_once, fill, &mut |part| found.extend_from_slice(part));
-                let expected: Vec<u8> = (1..).flat_map(|row| [row; 3]).take(3 * n_rows).collect();
-                assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} at once");
-            }
-        }
-    }
 }

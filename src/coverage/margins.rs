@@ -5,7 +5,8 @@
 
 use rayon::prelude::*;
 
-use super::map::{Mapper, ceiling_and_margin};
+use super::cell_heights::ceiling_and_margin;
+use super::map::Mapper;
 use super::{SiteCoverage, class};
 use crate::height_field::Station;
 use crate::raster::BitGrid;

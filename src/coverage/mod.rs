@@ -4,6 +4,7 @@
 //! depend on the number of threads: every cell is decided alone and all sums are integer counts.
 
 mod cell_classes;
+mod cell_heights;
 mod elevation;
 mod height_curve;
 mod idle;
@@ -15,6 +16,7 @@ mod pairs;
 mod polygons;
 mod place_sums;
 mod range;
+mod row_bands;
 mod stability;
 mod streamed;
 mod tally;
@@ -22,14 +24,13 @@ mod track;
 mod uav;
 mod uav_grid;
 
+pub use cell_heights::surface_under;
 pub use height_curve::HeightCurve;
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, which_layer};
 pub use many::{ManyMaps, maps_at_once};
 pub(crate) use map::interrupted;
-pub use map::{
-    Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, WorstReceiver, map_site, surface_under,
-};
+pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, WorstReceiver, map_site};
 pub use margins::{GRAZING_M, MarginSample, MarginStats};
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference, difference_layer};
 pub use polygons::{CoveragePolygon, PolygonOptions, coverage_polygons};

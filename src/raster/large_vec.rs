@@ -31,6 +31,20 @@ impl<T: Pod> LargeVec<T> {
     pub fn zeroed(n: usize) -> Self {
         LargeVec(Store::zeroed(n))
     }
+
+    /// All values.
+    pub fn as_slice(&self) -> &[T] {
+        self
+    }
+
+    /// The values as a vector, which may grow: without a copy unless they are in pages of their own.
+    pub fn into_vec(self) -> Vec<T> {
+        match self.0 {
+            Store::Heap(values) => values,
+            #[cfg(target_os = "linux")]
+            Store::Pages(map) => cast_slice(&map[..]).to_vec(),
+        }
+    }
 }
 
 impl<T: Pod> Store<T> {
@@ -52,24 +66,6 @@ impl<T: Pod> Store<T> {
     #[cfg(not(target_os = "linux"))]
     fn zeroed(n: usize) -> Self {
         Store::Heap(vec![T::zeroed(); n])
-    }
-}
-
-impl<T: Pod> LargeVec<T> {
-    /// All values.
-    pub fn as_slice(&self) -> &[T] {
-        self
-    }
-}
-
-impl<T: Pod> LargeVec<T> {
-    /// The values as a vector, which may grow: without a copy if they are few.
-    pub fn into_vec(self) -> Vec<T> {
-        match self.0 {
-            Store::Heap(values) => values,
-            #[cfg(target_os = "linux")]
-            Store::Pages(map) => cast_slice(&map[..]).to_vec(),
-        }
     }
 }
 

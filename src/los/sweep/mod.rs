@@ -309,7 +309,7 @@ impl Sweep<'_> {
         let (mut tops, mut bases) = (Vec::new(), Vec::new());
         let (mut strip, mut low, mut width) = (usize::MAX, 0, 0);
         let own_base = match self.receivers {
-            ReceiverHeights::Over { base, .. } if !std::ptr::eq(base, self.columns.tops()) => Some(base),
+            ReceiverHeights::Over { base, .. } if self.bases.is_some() => Some(base),
             _ => None,
         };
         let mut asked = 0;

@@ -1,0 +1,84 @@
+//! The rows of a map's outputs, filled in bands of which each is handed over while the next is filled.
+
+use rayon::prelude::*;
+
+use super::Tally;
+
+/// One row of every output; rows of layers that are not wanted are empty.
+pub(super) struct Row<'a> {
+    pub(super) mask: &'a mut [u8],
+    pub(super) margin: &'a mut [f32],
+    pub(super) ceiling: &'a mut [f32],
+    pub(super) least_height: &'a mut [f32],
+}
+
+/// What takes one part of a mask after another.
+pub(super) type EachPart<'a> = &'a mut (dyn FnMut(&[u8]) + Send);
+
+/// Cells of a band of rows that is handed over at once.
+pub(super) const BAND_CELLS: usize = 1 << 20;
+
+/// Fills rows band by band, and hands each band over while the next one is filled; the sum of what `fill` counts.
+pub(super) fn in_bands<'a>(
+    mut rows: impl Iterator<Item = (usize, Row<'a>)>,
+    n_at_once: usize,
+    fill: impl Fn((usize, &mut Row<'a>)) -> Tally + Sync,
+    each_part: EachPart<'_>,
+) -> Tally {
+    let mut tally = Tally::default();
+    let mut filled: Vec<(usize, Row<'a>)> = Vec::new();
+    loop {
+        let mut band: Vec<(usize, Row<'a>)> = rows.by_ref().take(n_at_once).collect();
+        let (of_band, ()) = rayon::join(
+            || {
+                let rows = band.par_iter_mut().map(|(row, out)| fill((*row, out)));
+                rows.reduce(Tally::default, |a, b| a.plus(&b))
+            },
+            || filled.iter().for_each(|(_, row)| each_part(row.mask)),
+        );
+        tally = tally.plus(&of_band);
+        filled = band;
+        if filled.is_empty() {
+            return tally;
+        }
+    }
+}
+
+/// The rows of a layer, or as many empty rows.
+pub(super) fn split<T>(cells: &mut [T], n_rows: usize, n_cols: usize) -> impl Iterator<Item = &mut [T]> {
+    let width = if cells.is_empty() { 0 } else { n_cols };
+    let mut rest = cells;
+    (0..n_rows).map(move |_| {
+        let (row, tail) = std::mem::take(&mut rest).split_at_mut(width);
+        rest = tail;
+        row
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masks_are_filled_and_handed_over_in_order_whatever_the_bands() {
+        for n_rows in [0, 1, 2, 7, 64] {
+            for n_at_once in [1, 2, 5, 63, 64, 65] {
+                let mut mask = vec![0_u8; 3 * n_rows];
+                let rows = mask.chunks_mut(3).map(|mask| Row {
+                    mask,
+                    margin: &mut [],
+                    ceiling: &mut [],
+                    least_height: &mut [],
+                });
+                let fill = |(row, out): (usize, &mut Row<'_>)| {
+                    out.mask.fill(u8::try_from(row).expect("few rows") + 1);
+                    Tally::of_mask(&[0])
+                };
+                let mut found = Vec::new();
+                let tally = in_bands(rows.enumerate(), n_at_once, fill, &mut |part| found.extend_from_slice(part));
+                let expected: Vec<u8> = (1..).flat_map(|row| [row; 3]).take(3 * n_rows).collect();
+                assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} at once");
+            }
+        }
+    }
+}
