@@ -3,7 +3,15 @@
 //! Every lane does the same few IEEE operations in the same order at every width, nothing is fused and nothing is
 //! summed across lanes, so all instruction sets give the same bits.
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{
+    __m256, __m256i, __m512, __m512i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_permutevar8x32_ps,
+    _mm256_slli_epi32, _mm512_permutex2var_ps,
+};
+
 use fearless_simd::prelude::*;
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Level, f32x8, f32x16, u32x8, u32x16};
 
 use crate::quantity::VOID;
 
@@ -125,11 +133,47 @@ fn look_up_cells<S: Simd>(simd: S, map: EdgeMap, line: &[f32], at: i64, steps: S
     table(simd, line, to_index(base), (S::u32s::splat(simd, within) + steps) >> map.shift)
 }
 
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
+    #[inline(always)]
+    fn permute_avx2(avx2: Avx2, low: __m256, high: __m256, index: __m256i) -> __m256 {
+        let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index));
+        _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index), is_high)
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
+    #[inline(always)]
+    fn permute_avx512(avx512: Avx512, low: __m512, high: __m512, index: __m512i) -> __m512 {
+        _mm512_permutex2var_ps(low, index, high)
+    }
+);
+
 /// Values `table[base + index]` for lanes of `index` below twice the width.
 #[inline(always)]
 fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
     let n = S::f32s::LEN;
     let window = &table[base..base + 2 * n];
+    // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
+    #[cfg(target_arch = "x86_64")]
+    match simd.level() {
+        Level::Avx2(avx2) => {
+            let index = u32x8::from_slice(avx2, index.as_slice());
+            let (low, high) = (f32x8::from_slice(avx2, &window[..8]), f32x8::from_slice(avx2, &window[8..]));
+            let found: f32x8<_> = permute_avx2(avx2, low.into(), high.into(), index.into()).simd_into(avx2);
+            return S::f32s::from_slice(simd, found.as_slice());
+        }
+        Level::Avx512(avx512) => {
+            let index = u32x16::from_slice(avx512, index.as_slice());
+            let (low, high) = (f32x16::from_slice(avx512, &window[..16]), f32x16::from_slice(avx512, &window[16..]));
+            let found: f32x16<_> = permute_avx512(avx512, low.into(), high.into(), index.into()).simd_into(avx512);
+            return S::f32s::from_slice(simd, found.as_slice());
+        }
+        _ => {}
+    }
     let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
     // Each lane index becomes the indices of its four bytes.
     let bytes = index * 0x0404_0404 + 0x0302_0100;
