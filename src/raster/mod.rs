@@ -46,8 +46,8 @@ pub(crate) use file::reserve_cells;
 pub use georef::{CellWindow, GeoRef};
 pub(crate) use geotiff::xml_text;
 pub use geotiff::{
-    Bands, ClassColor, ClassImage, ClassPyramid, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, pam_sidecar,
-    write_geotiff,
+    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
+    pam_sidecar, write_geotiff,
 };
 pub use large_vec::LargeVec;
 pub use lonlat::LonLatGrid;

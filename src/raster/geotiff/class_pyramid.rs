@@ -122,7 +122,6 @@ impl ClassPyramid {
         let levels = self.levels.iter().map(|level| {
             let shape = (self.n_rows.div_ceil(level.reduction), level.n_cols);
             Ok(Level {
-                layout: TiffLayout::Cog,
                 tags: level_tags::<u8>(&head, (shape, level.reduction), &[image.name], Predictor::None)?,
                 blocks: level.blocks.iter().map(|block| Cow::Borrowed(block.as_slice())).collect(),
             })

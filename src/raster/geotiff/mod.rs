@@ -25,6 +25,7 @@ mod heights;
 mod lerc;
 mod overview;
 mod placement;
+mod plain;
 mod read;
 mod stored;
 mod tags;
@@ -33,6 +34,7 @@ mod write;
 pub use class_pyramid::{ClassImage, ClassPyramid};
 pub use geo_tags::pam_sidecar;
 pub(crate) use geo_tags::xml_text;
+pub use plain::ClassStrips;
 pub use write::{Bands, ClassColor, GeoTiffImage, TiffLayout, encode_geotiff, write_geotiff};
 
 use std::path::{Path, PathBuf};

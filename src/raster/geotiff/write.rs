@@ -3,7 +3,7 @@
 //!
 //! All blocks (tiles or strips) are compressed in parallel and held in memory, so that every offset is known before the
 //! first byte is written: header, directories (full resolution first), blocks of the smallest overview, …, blocks of the
-//! full resolution. The bytes depend on the input alone, not on the number of threads or the time of day.
+//! full resolution; plain files have their directory behind their strips (`plain.rs`). The bytes depend on the input alone, not on the number of threads or the time of day.
 //!
 //! The codecs and the byte layout of tags are those of `tiff-writer`. What says where the picture lies and what it is about
 //! is in `geo_tags.rs`; GDAL's tag for nodata (42113) is written here.
@@ -22,6 +22,7 @@ use tiff_writer::{TiffWriteSample, encoder};
 use super::super::GeoRef;
 use super::geo_tags::place_tags;
 use super::overview::{Reduce, first_of, most_frequent, overview};
+use super::plain::write_plain;
 use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
@@ -41,7 +42,8 @@ pub enum TiffLayout {
     #[default]
     Cog,
     /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other without gaps, north
-    /// first, so a band is one stretch of little-endian numbers.
+    /// first, so a band is one stretch of little-endian numbers; the first begins behind the header, at byte 8, or 16 of a
+    /// BigTIFF.
     Plain,
 }
 
@@ -97,7 +99,7 @@ pub fn encode_geotiff(image: &GeoTiffImage<'_>) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes the file front to back; a BigTIFF if it is above 4 GiB.
+/// Writes the file front to back; a BigTIFF if it is above 4 GiB, or 3 GiB of a plain one.
 ///
 /// # Errors
 /// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.
@@ -114,7 +116,10 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
         Bands::Float(bands) => levels(image, bands, Predictor::FloatingPoint, first_of, |_| None)?,
         Bands::UInt32(bands) => levels(image, bands, Predictor::None, first_of, |_| None)?,
     };
-    write_levels(out, &levels, force_big)
+    match levels.as_slice() {
+        [only] if image.layout == TiffLayout::Plain => write_plain(out, only, force_big),
+        levels => write_levels(out, levels, force_big),
+    }
 }
 
 /// Header, directories and blocks, the smallest overview first.
@@ -132,7 +137,6 @@ pub(super) fn write_levels(out: &mut impl Write, levels: &[Level<'_>], force_big
 
 /// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
 pub(super) struct Level<'a> {
-    pub(super) layout: TiffLayout,
     pub(super) tags: Vec<Tag>,
     pub(super) blocks: Vec<Cow<'a, [u8]>>,
 }
@@ -169,7 +173,7 @@ fn levels<'a, T: TiffWriteSample + Send + Sync>(
             TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?.into_iter().map(Cow::Owned).collect(),
             TiffLayout::Plain => plain_strips(bands, shape.1, as_bytes)?,
         };
-        levels.push(Level { layout: image.layout, tags, blocks });
+        levels.push(Level { tags, blocks });
         if is_last_level(shape, reduction) || image.layout == TiffLayout::Plain {
             return Ok(levels);
         }
@@ -297,7 +301,7 @@ pub(super) fn compressed_tiles<T: TiffWriteSample + Send + Sync>(
         .collect()
 }
 
-fn rows_per_strip<T: TiffWriteSample>(n_cols: usize) -> usize {
+pub(super) fn rows_per_strip<T: TiffWriteSample>(n_cols: usize) -> usize {
     STRIP_BYTES.div_ceil(n_cols * T::BYTES_PER_SAMPLE)
 }
 
@@ -343,7 +347,7 @@ fn head(levels: &[Level<'_>], force_big: bool) -> Result<Vec<u8>> {
     for (level, &start) in levels.iter().zip(&starts) {
         align(&mut head)?;
         let tags = level.tags_at(start, is_big);
-        let (offsets, counts) = level.place_codes();
+        let (offsets, counts) = TILE_PLACES;
         let directory = encoder::write_ifd(&mut head, order, is_big, &tags, offsets, counts, level.blocks.len())
             .map_err(refused)?;
         match pointer {
@@ -385,39 +389,45 @@ impl Level<'_> {
         self.blocks.iter().map(|block| block.len() as u64).sum()
     }
 
-    /// The tags that hold where the blocks begin and how long they are.
-    fn place_codes(&self) -> (u16, u16) {
-        match self.layout {
-            TiffLayout::Cog => (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS),
-            TiffLayout::Plain => (tiff_core::TAG_STRIP_OFFSETS, tiff_core::TAG_STRIP_BYTE_COUNTS),
-        }
-    }
-
     /// All tags in order, for blocks that begin at `start`.
     fn tags_at(&self, start: u64, is_big: bool) -> Vec<Tag> {
-        let mut next = start;
-        let mut offsets = Vec::with_capacity(self.blocks.len());
-        for block in &self.blocks {
-            offsets.push(next);
-            next += block.len() as u64;
-        }
-        let counts = self.blocks.iter().map(|block| block.len() as u64).collect();
-        // Saturation is out of reach: a file in which an offset does not fit in 32 bits is a BigTIFF.
-        let narrow = |n| u32::try_from(n).unwrap_or(u32::MAX);
-        let value = |numbers: Vec<u64>| match is_big {
-            true => TagValue::Long8(numbers),
-            false => TagValue::Long(numbers.into_iter().map(narrow).collect()),
-        };
-        let mut tags = self.tags.clone();
-        let (offsets_code, counts_code) = self.place_codes();
-        tags.push(Tag::new(offsets_code, value(offsets)));
-        tags.push(Tag::new(counts_code, value(counts)));
-        tags.sort_by_key(|tag| tag.code);
-        tags
+        let lens: Vec<u64> = self.blocks.iter().map(|block| block.len() as u64).collect();
+        tags_with_places(&self.tags, TILE_PLACES, &lens, start, is_big)
     }
 }
 
-fn refused(cause: tiff_writer::Error) -> Error {
+/// The tags that hold where tiles begin and how long they are.
+const TILE_PLACES: (u16, u16) = (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS);
+
+/// Tags, and those that hold where blocks of some lengths begin, one behind the other from `start` on, and how long they
+/// are: all in order.
+pub(super) fn tags_with_places(
+    tags: &[Tag],
+    (offsets_code, counts_code): (u16, u16),
+    lens: &[u64],
+    start: u64,
+    is_big: bool,
+) -> Vec<Tag> {
+    let mut next = start;
+    let mut offsets = Vec::with_capacity(lens.len());
+    for len in lens {
+        offsets.push(next);
+        next += len;
+    }
+    // Saturation is out of reach: a file in which an offset does not fit in 32 bits is a BigTIFF.
+    let narrow = |n| u32::try_from(n).unwrap_or(u32::MAX);
+    let value = |numbers: Vec<u64>| match is_big {
+        true => TagValue::Long8(numbers),
+        false => TagValue::Long(numbers.into_iter().map(narrow).collect()),
+    };
+    let mut tags = tags.to_vec();
+    tags.push(Tag::new(offsets_code, value(offsets)));
+    tags.push(Tag::new(counts_code, value(lens.to_vec())));
+    tags.sort_by_key(|tag| tag.code);
+    tags
+}
+
+pub(super) fn refused(cause: tiff_writer::Error) -> Error {
     Error::internal(402, format!("cannot encode a GeoTIFF: {cause}"))
 }
 

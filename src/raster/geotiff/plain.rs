@@ -1,0 +1,189 @@
+//! Plain GeoTIFFs: a header of 8 bytes (16 of a BigTIFF), strips of bare numbers, and the directory, so that cells can be
+//! written before it is known what there is to say about them.
+
+use std::io::{Cursor, Seek, SeekFrom, Write};
+
+use tiff_core::{ByteOrder, Predictor, Tag};
+use tiff_writer::encoder;
+
+use super::class_pyramid::ClassImage;
+use super::write::{Level, level_tags, refused, rows_per_strip, tags_with_places};
+use super::{Bands, GeoTiffImage, TiffLayout};
+use crate::error::{Error, Result};
+
+/// The most cells of a classic TIFF \[bytes\]: what is left of the 4 GiB that it can be holds any directory.
+const LARGEST_CLASSIC: u64 = 3 << 30;
+
+/// Writes a plain file front to back.
+pub(super) fn write_plain(out: &mut impl Write, level: &Level<'_>, force_big: bool) -> Result<()> {
+    let lens: Vec<u64> = level.blocks.iter().map(|block| block.len() as u64).collect();
+    let frame = Frame::around(lens.iter().sum(), force_big);
+    out.write_all(&frame.header()?).map_err(failed)?;
+    for block in &level.blocks {
+        out.write_all(block).map_err(failed)?;
+    }
+    out.write_all(&frame.directory(&level.tags, &lens)?).map_err(failed)
+}
+
+/// A plain GeoTIFF of classes whose rows are written one after another, from the north: the file that
+/// [`super::write_geotiff`] writes of the same cells in memory.
+#[derive(Debug)]
+pub struct ClassStrips<W> {
+    out: W,
+    n_rows: usize,
+    n_cols: usize,
+    n_pushed: usize,
+    frame: Frame,
+}
+
+impl<W: Write> ClassStrips<W> {
+    /// Begins a file of a shape: writes its header.
+    ///
+    /// # Errors
+    /// E401 if `out` refuses the bytes.
+    pub fn new(mut out: W, (n_rows, n_cols): (usize, usize)) -> Result<Self> {
+        let frame = Frame::around((n_rows * n_cols) as u64, false);
+        out.write_all(&frame.header()?).map_err(failed)?;
+        Ok(ClassStrips { out, n_rows, n_cols, n_pushed: 0, frame })
+    }
+
+    /// Writes whole rows.
+    ///
+    /// # Errors
+    /// E401 if `out` refuses the bytes.
+    ///
+    /// # Panics
+    /// If `cells` are no whole rows, or more than there are.
+    pub fn push(&mut self, cells: &[u8]) -> Result<()> {
+        assert!(cells.len().is_multiple_of(self.n_cols), "whole rows");
+        self.n_pushed += cells.len() / self.n_cols;
+        assert!(self.n_pushed <= self.n_rows, "no more rows than there are");
+        self.out.write_all(cells).map_err(failed)
+    }
+
+    /// Writes what the file is, with items of GDAL's metadata, and returns what was written to.
+    ///
+    /// # Errors
+    /// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn finish(mut self, image: &ClassImage<'_>, metadata: &[(String, String)]) -> Result<W> {
+        assert_eq!(self.n_pushed, self.n_rows, "all rows were pushed");
+        let head = GeoTiffImage {
+            georef: image.georef,
+            bands: Bands::Byte(vec![(image.name.to_string(), &[])]),
+            nodata: image.nodata,
+            palette: image.palette,
+            metadata,
+            layout: TiffLayout::Plain,
+        };
+        let tags = level_tags::<u8>(&head, ((self.n_rows, self.n_cols), 1), &[image.name], Predictor::None)?;
+        let in_strip = rows_per_strip::<u8>(self.n_cols);
+        let rows_of = |first: usize| in_strip.min(self.n_rows - first);
+        let lens: Vec<u64> =
+            (0..self.n_rows).step_by(in_strip).map(|first| (rows_of(first) * self.n_cols) as u64).collect();
+        self.out.write_all(&self.frame.directory(&tags, &lens)?).map_err(failed)?;
+        Ok(self.out)
+    }
+}
+
+/// What stands before and behind the cells of a file.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    is_big: bool,
+    /// Length of all cells \[bytes\].
+    n_bytes: u64,
+}
+
+const ORDER: ByteOrder = ByteOrder::LittleEndian;
+
+impl Frame {
+    fn around(n_bytes: u64, force_big: bool) -> Self {
+        Frame { is_big: force_big || n_bytes > LARGEST_CLASSIC, n_bytes }
+    }
+
+    /// Where the directory begins, on an even offset.
+    fn directory_at(&self) -> u64 {
+        (encoder::header_len(self.is_big) + self.n_bytes).next_multiple_of(2)
+    }
+
+    fn header(&self) -> Result<Vec<u8>> {
+        let mut bytes = Cursor::new(Vec::new());
+        let header = encoder::write_header(&mut bytes, ORDER, self.is_big).map_err(refused)?;
+        encoder::patch_first_ifd(&mut bytes, header, ORDER, self.is_big, self.directory_at()).map_err(refused)?;
+        Ok(bytes.into_inner())
+    }
+
+    /// All that comes after the cells, given the lengths of the strips.
+    fn directory(&self, tags: &[Tag], lens: &[u64]) -> Result<Vec<u8>> {
+        let first = encoder::header_len(self.is_big);
+        let codes = (tiff_core::TAG_STRIP_OFFSETS, tiff_core::TAG_STRIP_BYTE_COUNTS);
+        let tags = tags_with_places(tags, codes, lens, first, self.is_big);
+        let mut bytes = Beyond { start: first + self.n_bytes, bytes: Cursor::new(Vec::new()) };
+        bytes.seek(SeekFrom::Start(self.directory_at())).map_err(failed)?;
+        encoder::write_ifd(&mut bytes, ORDER, self.is_big, &tags, codes.0, codes.1, lens.len()).map_err(refused)?;
+        Ok(bytes.bytes.into_inner())
+    }
+}
+
+/// The end of a file, from offset `start` on.
+struct Beyond {
+    start: u64,
+    bytes: Cursor<Vec<u8>>,
+}
+
+impl Write for Beyond {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.bytes.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Beyond {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let to = match to {
+            SeekFrom::Start(at) => SeekFrom::Start(at.checked_sub(self.start).ok_or(std::io::ErrorKind::InvalidInput)?),
+            from => from,
+        };
+        Ok(self.bytes.seek(to)? + self.start)
+    }
+}
+
+fn failed(cause: std::io::Error) -> Error {
+    Error::internal(401, format!("cannot write a GeoTIFF: {cause}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{ClassColor, GeoRef, write_geotiff};
+
+    #[test]
+    fn a_plain_file_of_rows_is_the_file_of_the_raster() {
+        for (n_rows, n_cols) in [(1, 1), (3, 5), (200, 300), (9, 1025), (2, 9001)] {
+            let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+            let cells: Vec<u8> = (0..n_rows * n_cols).map(|k| [0, 1, 2, 255][k * k / 7 % 4]).collect();
+            let palette = [ClassColor { value: 1, name: "a".into(), rgba: [1, 2, 3, 255] }];
+            let metadata = [("SKYSHED".to_string(), "{}".to_string())];
+            let image = GeoTiffImage {
+                georef: &georef,
+                bands: Bands::Byte(vec![("los".to_string(), &cells)]),
+                nodata: Some(255.0),
+                palette: Some(&palette),
+                metadata: &metadata,
+                layout: TiffLayout::Plain,
+            };
+            let mut expected = Vec::new();
+            write_geotiff(&mut expected, &image).unwrap();
+            assert_eq!(expected[8..8 + cells.len()], cells);
+            let mut strips = ClassStrips::new(Vec::new(), (n_rows, n_cols)).unwrap();
+            cells.chunks(n_cols * 100).for_each(|rows| strips.push(rows).unwrap());
+            let class = ClassImage { georef: &georef, nodata: Some(255.0), palette: Some(&palette), name: "los" };
+            assert!(strips.finish(&class, &metadata).unwrap() == expected, "{n_rows}×{n_cols}");
+        }
+    }
+}
