@@ -38,6 +38,8 @@ pub mod quantity;
 
 pub mod error;
 
+mod digest;
+
 pub mod raster;
 
 pub mod scene;

@@ -8,8 +8,6 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use sha2::{Digest, Sha256};
-
 use super::args::MapArgs;
 use super::map::{Given, GivenScene, run_one, sites, typed_sites};
 use super::map_streamed::{check_streamed, on_disk, too_large};
@@ -18,6 +16,7 @@ use super::plan::{
     ready, warn_of_raster,
 };
 use super::{interrupt, messages};
+use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Format, sidecars, site_in_names, with_suffix};
 use crate::quantity::counted;

@@ -6,8 +6,7 @@ use std::hash::{BuildHasher, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
+use crate::digest::Sha256;
 use crate::error::{Error, Result};
 
 /// A file format, told by the extension.
@@ -224,7 +223,7 @@ impl Batch {
     /// internal error if writing fails (E401).
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         // Only sidecars are ever common to two outputs, and they are small.
-        let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| <[u8; 32]>::from(Sha256::digest(bytes)));
+        let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| Sha256::digest(bytes));
         match self.digests.get(path) {
             Some(Some(before)) if Some(*before) == digest => Ok(()),
             _ => self.add_written(path, digest, |file| {

@@ -2,18 +2,17 @@
 //!
 //! Keys are stable within a version. A number that does not exist is null with a reason, never 0 or NaN.
 
-use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
-
 use super::ToleranceFacts;
 use super::features::feature_collection;
 use super::stability::StabilityFacts;
 use crate::coverage::{IdleFootprints, Placement, SiteCoverage, Tally};
+use crate::digest::Sha256;
 use crate::error::Warning;
 use crate::los::Method;
 use crate::raster::GeoRef;
-use crate::scene::{Source, hex_digits};
+use crate::scene::Source;
 use crate::zones::{N_CODES, Zone, ZoneMap};
+use serde_json::{Map, Value, json};
 
 /// What every document says of a run.
 #[derive(Debug, Clone)]
@@ -184,7 +183,7 @@ impl MaskDigest {
 
 /// A digest as documents tell it: `sha256:` and its hexadecimal digits.
 pub(crate) fn digest_words(hasher: Sha256) -> String {
-    format!("sha256:{}", hex_digits(hasher))
+    format!("sha256:{}", hasher.hex_digits())
 }
 
 /// The digest of some masks.

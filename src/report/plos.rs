@@ -1,11 +1,9 @@
 //! P_LoS studies as reported: the document `skyshed/plos/1`, its table and its arrays.
 
-use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
-
 use super::documents::digest_words;
 use super::tolerance::form_json;
 use crate::accuracy::{CONFIDENCE, Simpler};
+use crate::digest::Sha256;
 use crate::error::Warning;
 use crate::los::Method;
 use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS, student_quantile};
@@ -13,6 +11,7 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::SHIFTS;
 use crate::quantity::tidy;
 use crate::scene::{BuiltUp, Source};
+use serde_json::{Map, Value, json};
 
 /// What a method says of P_LoS.
 #[derive(Debug, Clone, PartialEq)]

@@ -37,7 +37,6 @@ pub use projection::Projection;
 pub use repairs::Repair;
 pub use sites::{Site, read_sites};
 pub use source::Source;
-pub(crate) use source::hex_digits;
 pub use streamed::{StreamedSurface, WindowedBase, WindowedSolids, row_bands};
 pub use surface::{SurfaceOptions, read_surface, surface_grid};
 pub(crate) use table::line_of;

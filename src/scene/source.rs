@@ -3,8 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
-
+use crate::digest::Sha256;
 use crate::error::{Error, Result, Warning};
 use crate::raster::RasterFile;
 
@@ -21,11 +20,6 @@ pub struct Source {
 const HASH_LIMIT_BYTES: u64 = 64 << 20;
 /// Most tiles of a mosaic that are named one by one.
 const MAX_NAMED_TILES: usize = 1000;
-
-/// A digest in hexadecimal digits.
-pub(crate) fn hex_digits(hasher: Sha256) -> String {
-    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 impl Source {
     /// A source with its hash, which is left out above 64 MiB unless `always_hash`.
@@ -45,7 +39,7 @@ impl Source {
                     n => hasher.update(&block[..n]),
                 }
             }
-            Some(hex_digits(hasher))
+            Some(hasher.hex_digits())
         } else {
             None
         };
