@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use skyshed::coverage::{CellGroups, Control, MapOptions, Mapper, Uav, count_pairs};
+use skyshed::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav, count_pairs};
 use skyshed::height_field::HeightField;
 use skyshed::quantity::Height;
 use skyshed::raster::CellBlocks;
@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed::Result<_>>()?;
     let options = MapOptions::default();
-    let maps = Mapper::new(&field, &options)?.map_many(&uavs, true, &Control::default(), |_| {}, |_| {})?.sites;
+    let maps =
+        Mapper::new(&field, &options)?.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?.sites;
 
     let details: Vec<String> =
         maps.iter().map(|map| format!("P_LoS = {:.4}", map.tally.p_los().unwrap_or(f64::NAN))).collect();

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
-use super::map_files::{Writer, check_flags};
+use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
 use super::plan::{
@@ -17,7 +17,7 @@ use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
 use super::words::{idle_in_words, pretty};
 use super::{interrupt, messages};
-use crate::coverage::{Control, HeightLayers, ManyMaps, MapOptions, Mapper, Tally, Uav, maps_at_once};
+use crate::coverage::{Control, HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, Tally, Uav, maps_at_once};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
@@ -163,7 +163,13 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| holds_masks(*f, args));
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let is_shifted = layers.contains(&Layer::Stability);
-    let n_held = if keeps_masks { uavs.len() } else { uavs.len().min(maps_at_once()) };
+    let direct = written_at_once(&outputs, &layers, args)
+        .filter(|_| uavs.len() == 1 && zones.is_none() && !curve_plan.is_wanted());
+    let n_held = match (direct, keeps_masks) {
+        (Some(_), _) => 0,
+        (None, true) => uavs.len(),
+        (None, false) => uavs.len().min(maps_at_once()),
+    };
     let bytes_per_cell = n_held
         .saturating_mul(1 + 4 * n_measures)
         .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
@@ -189,13 +195,25 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let mut digest = MaskDigest::new(scene.field.grid());
     let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
-    let ManyMaps { sites: coverages, overlay } =
-        messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
-            let each_part = |cells: &[u8]| digest.add(cells);
-            mapper.map_many(&uavs, keeps_masks, &control, each_part, |site| {
-                facts.push(SiteFacts::of(site, zones.as_ref()));
-            })
-        })?;
+    let mut batch = Batch::new(args.out.overwrite);
+    let mut file = direct.map(|path| MaskFile::new(path, mask_values(args)));
+    let keep = match (&file, keeps_masks) {
+        (Some(_), _) => KeepMasks::Never,
+        (None, true) => KeepMasks::Always,
+        (None, false) => KeepMasks::UntilTold,
+    };
+    let mapped = messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
+        let each_part = |cells: &[u8]| match &mut file {
+            None => digest.add(cells),
+            Some(file) => {
+                let write = || file.push(&mut batch, scene.field.grid(), cells, &control);
+                rayon::join(|| digest.add(cells), write);
+            }
+        };
+        mapper.map_many(&uavs, keep, &control, each_part, |site| facts.push(SiteFacts::of(site, zones.as_ref())))
+    });
+    let file = file.map(MaskFile::written).transpose()?.flatten();
+    let ManyMaps { sites: coverages, overlay } = mapped?;
     let (method, why) = mapper.method();
     drop(mapper);
     scene.timing.los = before_los.elapsed().as_secs_f64();
@@ -223,7 +241,6 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let before_write = Instant::now();
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
     interrupt::begin_writing();
-    let mut batch = Batch::new(args.out.overwrite);
     let job = Writer {
         args,
         scene: &scene,
@@ -233,8 +250,13 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         report: &report,
         timing,
     };
-    for (path, format) in &outputs {
-        job.add(&mut batch, path, *format)?;
+    match file {
+        Some(strips) => {
+            interrupt::check()?;
+            let provenance = report.document(None).to_string();
+            strips.finish(&mut batch, (scene.field.grid(), uavs[0].id.as_str(), provenance.as_str()))?;
+        }
+        None => outputs.iter().try_for_each(|(path, format)| job.add(&mut batch, path, *format))?,
     }
     for (path, format) in curve_plan.outputs() {
         for (file, bytes) in

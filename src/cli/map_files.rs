@@ -1,6 +1,7 @@
 //! The files of `skyshed map`.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use super::args::{MapArgs, PolygonsArg, TifLayoutArg};
 use super::interrupt;
@@ -8,14 +9,16 @@ use super::map::undrawable;
 use super::map_drawing::MapDrawing;
 use super::plan::{Ready, meters_per_unit};
 use super::words::{picture_provenance, pretty};
-use crate::coverage::{CoveragePolygon, Overlay, PolygonOptions, SiteCoverage, Tally, class, coverage_polygons};
+use crate::coverage::{
+    Control, CoveragePolygon, Overlay, PolygonOptions, SiteCoverage, Tally, class, coverage_polygons,
+};
 use crate::error::{Error, Result};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name, encode_kmz,
-    encode_table,
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
+    encode_kmz, encode_table,
 };
 use crate::quantity::tidy;
-use crate::raster::{Crs, LonLatGrid, TiffLayout, world_file};
+use crate::raster::{Crs, GeoRef, LonLatGrid, TiffLayout, world_file};
 use crate::render;
 use crate::report::{KmlOverlay, MapReport, Timing, digest, kml};
 
@@ -47,7 +50,7 @@ impl Writer<'_> {
                         TifLayoutArg::Cog => TiffLayout::Cog,
                         TifLayoutArg::Plain => TiffLayout::Plain,
                     },
-                    mask_values: if self.args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes },
+                    mask_values: mask_values(self.args),
                 };
                 add_map(batch, &result, path, format)
             }
@@ -189,6 +192,58 @@ impl Writer<'_> {
         let receivers = format!("Receivers at a height of {} m", tidy(self.args.rx_height));
         pictures.push((LEGEND.into(), render::draw_overlay_legend(&receivers, &[]).map_err(undrawable)?));
         encode_kmz(&kml(self.report, &degrees, &overlays, LEGEND)?, &pictures)
+    }
+}
+
+/// The values of masks that were asked for.
+pub(super) fn mask_values(args: &MapArgs) -> MaskValues {
+    if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes }
+}
+
+/// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
+pub(super) fn written_at_once<'a>(
+    outputs: &'a [(PathBuf, Format)],
+    layers: &[Layer],
+    args: &MapArgs,
+) -> Option<&'a Path> {
+    match (outputs, layers, args.tif_layout) {
+        ([(path, Format::GeoTiff)], [Layer::Los], TifLayoutArg::Plain) => Some(path),
+        _ => None,
+    }
+}
+
+/// A file that a mask is written to part by part. It is begun with the first part, so that until then an interrupt ends
+/// the program at once.
+pub(super) struct MaskFile<'a> {
+    path: &'a Path,
+    values: MaskValues,
+    strips: Option<Result<MaskStrips>>,
+}
+
+impl<'a> MaskFile<'a> {
+    pub(super) fn new(path: &'a Path, values: MaskValues) -> Self {
+        MaskFile { path, values, strips: None }
+    }
+
+    /// Writes some rows; stops the map after a failure or an interrupt.
+    pub(super) fn push(&mut self, batch: &mut Batch, grid: &GeoRef, cells: &[u8], control: &Control) {
+        let strips = self.strips.get_or_insert_with(|| {
+            interrupt::begin_writing();
+            MaskStrips::begin(batch, self.path, grid, self.values)
+        });
+        if let Ok(open) = strips
+            && let Err(error) = interrupt::check().and_then(|()| open.push(cells))
+        {
+            *strips = Err(error);
+        }
+        if strips.is_err() {
+            control.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// The file with all parts.
+    pub(super) fn written(self) -> Result<Option<MaskStrips>> {
+        self.strips.transpose()
     }
 }
 

@@ -6,6 +6,19 @@ use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
 use crate::error::Result;
 use crate::raster::LargeVec;
 
+/// How long the masks and layers of maps are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeepMasks {
+    /// With the maps.
+    Always,
+    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at most [`maps_at_once`]
+    /// are held.
+    UntilTold,
+    /// The mask of the only UAV is handed over part by part and never held, and layers of heights are not made; of several
+    /// UAVs as `UntilTold`.
+    Never,
+}
+
 /// The maps of some UAVs, in their order.
 #[derive(Debug, Clone)]
 pub struct ManyMaps {
@@ -19,15 +32,14 @@ impl Mapper<'_> {
     /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after another, in the order of the UAVs
     /// and from the north, and `each` with every map once its mask is complete.
     ///
-    /// Unless `keep`, the masks and layers of a map are dropped after that, so that memory does not grow with the number
-    /// of UAVs: at most [`maps_at_once`] are held. The outcome does not depend on the number of threads.
+    /// The outcome does not depend on the number of threads.
     ///
     /// # Errors
     /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
     pub fn map_many(
         &self,
         uavs: &[Uav],
-        keep: bool,
+        keep: KeepMasks,
         control: &Control,
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
@@ -36,7 +48,10 @@ impl Mapper<'_> {
         let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.n_cells()));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
-                [one] => vec![self.map_in_parts(one, control, Some(&mut each_part))?],
+                [one] => {
+                    let is_held = uavs.len() > 1 || keep != KeepMasks::Never;
+                    vec![self.map_in_parts(one, control, Some(&mut each_part), is_held)?]
+                }
                 _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
             };
             for mut site in maps {
@@ -47,7 +62,7 @@ impl Mapper<'_> {
                 if let Some(overlay) = &mut overlay {
                     overlay.add(&site.mask);
                 }
-                if !keep {
+                if keep != KeepMasks::Always {
                     site.mask = LargeVec::default();
                     (site.margin, site.ceiling, site.least_height, site.stability) = (None, None, None, None);
                 }

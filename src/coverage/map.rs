@@ -7,7 +7,7 @@ use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, ceiling_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
-use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, split};
+use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Decided, ShiftedRoofs};
 use super::{Stability, Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
@@ -290,15 +290,17 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
-        self.map_in_parts(uav, control, None)
+        self.map_in_parts(uav, control, None, true)
     }
 
-    /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made.
+    /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made. Unless
+    /// `keep`, that is all there is of the mask, and there are no layers of heights.
     pub(super) fn map_in_parts(
         &self,
         uav: &Uav,
         control: &Control,
         each_part: Option<EachPart<'_>>,
+        keep: bool,
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -314,22 +316,17 @@ impl<'a> Mapper<'a> {
             })
             .collect();
 
-        let layers = self.options.layers;
+        let layers = if keep { self.options.layers } else { HeightLayers::default() };
         let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
-        let mut mask = LargeVec::<u8>::zeroed(grid.n_cells());
+        let mut mask = if keep { LargeVec::<u8>::zeroed(grid.n_cells()) } else { LargeVec::default() };
         let mut margin = layer(layers.margin);
         let mut ceiling = layer(layers.ceiling);
         let mut least_height = layer(layers.least_height);
         let heights = CellHeights::new(self.field, uav, layers);
-        let rows = split(&mut mask, n_rows, n_cols)
-            .zip(split(&mut margin, n_rows, n_cols))
-            .zip(split(&mut ceiling, n_rows, n_cols))
-            .zip(split(&mut least_height, n_rows, n_cols))
-            .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
-            .enumerate();
-        let fill = |(row, out): (usize, &mut Row<'_>)| {
+        let is_stopped = || control.stop.load(Ordering::Relaxed);
+        let fill = |row: usize, out: &mut Row<'_>| {
             let mut tally = Tally::default();
-            if control.stop.load(Ordering::Relaxed) {
+            if is_stopped() {
                 return tally;
             }
             let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
@@ -346,24 +343,41 @@ impl<'a> Mapper<'a> {
             control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
             tally
         };
-        let is_stopped = || control.stop.load(Ordering::Relaxed);
-        let tally = match each_part {
-            Some(each_part) => {
-                // Rows enough for every thread, also of wide grids.
-                let n_at_once = BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads());
-                in_bands(rows, n_at_once, fill, &mut |cells| {
-                    if !is_stopped() {
-                        each_part(cells)
-                    }
-                })
-            }
-            None => in_bands(rows, n_rows, fill, &mut |_| {}),
+        // Rows enough for every thread, also of wide grids.
+        let n_at_once = BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads());
+        let mut nobody = |_: &[u8]| {};
+        let each_part = match each_part {
+            Some(each_part) => each_part,
+            None => &mut nobody,
+        };
+        let tally = if keep {
+            let rows = split(&mut mask, n_rows, n_cols)
+                .zip(split(&mut margin, n_rows, n_cols))
+                .zip(split(&mut ceiling, n_rows, n_cols))
+                .zip(split(&mut least_height, n_rows, n_cols))
+                .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
+                .enumerate();
+            in_bands(rows, n_at_once, fill, &mut |cells| {
+                if !is_stopped() {
+                    each_part(cells)
+                }
+            })
+        } else {
+            let fill = |row: usize, mask: &mut [u8]| {
+                fill(row, &mut Row { mask, margin: &mut [], ceiling: &mut [], least_height: &mut [] })
+            };
+            in_buffers((n_rows, n_cols), n_at_once, fill, &mut |cells| {
+                if !is_stopped() {
+                    each_part(cells)
+                }
+            })
         };
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
         let stability =
-            self.roofs.as_ref().map(|roofs| self.stability((uav, &range), &decided, roofs, control)).transpose()?;
+            self.roofs.as_ref().filter(|_| keep).map(|roofs| self.stability((uav, &range), &decided, roofs, control));
+        let stability = stability.transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
             uav: uav.clone(),

@@ -28,7 +28,7 @@ pub use cell_heights::surface_under;
 pub use height_curve::HeightCurve;
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, which_layer};
-pub use many::{ManyMaps, maps_at_once};
+pub use many::{KeepMasks, ManyMaps, maps_at_once};
 pub(crate) use map::interrupted;
 pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCoverage, WorstReceiver, map_site};
 pub use margins::{GRAZING_M, MarginSample, MarginStats};

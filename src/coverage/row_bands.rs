@@ -22,7 +22,7 @@ pub(super) const BAND_CELLS: usize = 1 << 20;
 pub(super) fn in_bands<'a>(
     mut rows: impl Iterator<Item = (usize, Row<'a>)>,
     n_at_once: usize,
-    fill: impl Fn((usize, &mut Row<'a>)) -> Tally + Sync,
+    fill: impl Fn(usize, &mut Row<'a>) -> Tally + Sync,
     each_part: EachPart<'_>,
 ) -> Tally {
     let mut tally = Tally::default();
@@ -31,7 +31,7 @@ pub(super) fn in_bands<'a>(
         let mut band: Vec<(usize, Row<'a>)> = rows.by_ref().take(n_at_once).collect();
         let (of_band, ()) = rayon::join(
             || {
-                let rows = band.par_iter_mut().map(|(row, out)| fill((*row, out)));
+                let rows = band.par_iter_mut().map(|(row, out)| fill(*row, out));
                 rows.reduce(Tally::default, |a, b| a.plus(&b))
             },
             || filled.iter().for_each(|(_, row)| each_part(row.mask)),
@@ -42,6 +42,34 @@ pub(super) fn in_bands<'a>(
             return tally;
         }
     }
+}
+
+/// Fills masks band by band as [`in_bands`] does, each band over one that was handed over before.
+pub(super) fn in_buffers(
+    (n_rows, n_cols): (usize, usize),
+    n_at_once: usize,
+    fill: impl Fn(usize, &mut [u8]) -> Tally + Sync,
+    each_part: EachPart<'_>,
+) -> Tally {
+    let mut tally = Tally::default();
+    let of_band = || vec![0; n_at_once.min(n_rows) * n_cols];
+    let (mut next, mut filled) = (of_band(), of_band());
+    let mut n_filled = 0;
+    for first in (0..n_rows).step_by(n_at_once) {
+        let n_here = n_at_once.min(n_rows - first) * n_cols;
+        let (of_band, ()) = rayon::join(
+            || {
+                let rows = next[..n_here].par_chunks_mut(n_cols).enumerate();
+                rows.map(|(k, mask)| fill(first + k, mask)).reduce(Tally::default, |a, b| a.plus(&b))
+            },
+            || each_part(&filled[..n_filled]),
+        );
+        tally = tally.plus(&of_band);
+        std::mem::swap(&mut next, &mut filled);
+        n_filled = n_here;
+    }
+    each_part(&filled[..n_filled]);
+    tally
 }
 
 /// The rows of a layer, or as many empty rows.
@@ -70,14 +98,22 @@ mod tests {
                     ceiling: &mut [],
                     least_height: &mut [],
                 });
-                let fill = |(row, out): (usize, &mut Row<'_>)| {
+                let fill = |row: usize, out: &mut Row<'_>| {
                     out.mask.fill(u8::try_from(row).expect("few rows") + 1);
                     Tally::of_mask(&[0])
                 };
                 let mut found = Vec::new();
                 let tally = in_bands(rows.enumerate(), n_at_once, fill, &mut |part| found.extend_from_slice(part));
                 let expected: Vec<u8> = (1..).flat_map(|row| [row; 3]).take(3 * n_rows).collect();
-                assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} at once");
+                assert_eq!((&found, tally.receivers), (&expected, n_rows as u64), "{n_rows} rows, {n_at_once} at once");
+
+                found.clear();
+                let fill = |row: usize, mask: &mut [u8]| {
+                    mask.fill(u8::try_from(row).expect("few rows") + 1);
+                    Tally::of_mask(&[0])
+                };
+                let tally = in_buffers((n_rows, 3), n_at_once, fill, &mut |part| found.extend_from_slice(part));
+                assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} buffered");
             }
         }
     }

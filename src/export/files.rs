@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 use std::ffi::OsString;
+use std::fs::File;
 use std::hash::{BuildHasher, Hasher};
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::digest::Sha256;
@@ -189,6 +190,10 @@ fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     Ok(())
 }
 
+fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
+    Error::internal(401, format!("cannot write {}: {cause}", path.display()))
+}
+
 fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
@@ -226,9 +231,7 @@ impl Batch {
         let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| Sha256::digest(bytes));
         match self.digests.get(path) {
             Some(Some(before)) if Some(*before) == digest => Ok(()),
-            _ => self.add_written(path, digest, |file| {
-                file.write_all(bytes).map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))
-            }),
+            _ => self.add_written(path, digest, |file| file.write_all(bytes).map_err(|e| cannot_write(path, &e))),
         }
     }
 
@@ -236,11 +239,7 @@ impl Batch {
     ///
     /// # Errors
     /// As [`Batch::add`]; and those of `write`.
-    pub fn add_streamed(
-        &mut self,
-        path: &Path,
-        write: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> Result<()>,
-    ) -> Result<()> {
+    pub fn add_streamed(&mut self, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
         self.add_written(path, None, write)
     }
 
@@ -248,8 +247,22 @@ impl Batch {
         &mut self,
         path: &Path,
         digest: Option<[u8; 32]>,
-        write: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> Result<()>,
+        write: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
     ) -> Result<()> {
+        let mut file = self.begin_with(path, digest)?;
+        write(&mut file)?;
+        self.complete(path, file)
+    }
+
+    /// Begins a file under a temporary name; [`Batch::complete`] has to follow once it is written.
+    ///
+    /// # Errors
+    /// As [`Batch::add`].
+    pub fn begin(&mut self, path: &Path) -> Result<BufWriter<File>> {
+        self.begin_with(path, None)
+    }
+
+    fn begin_with(&mut self, path: &Path, digest: Option<[u8; 32]>) -> Result<BufWriter<File>> {
         refuse_to_replace(path, self.overwrite)?;
         if self.digests.insert(path.to_path_buf(), digest).is_some() {
             let text = format!("cannot write {}: two outputs of this run need it", path.display());
@@ -262,12 +275,17 @@ impl Batch {
         name.push(format!(".{random:016x}.part"));
         let temporary = folder_of(path).join(name);
         self.files.push((temporary.clone(), path.to_path_buf()));
-        let failed = |e: std::io::Error| Error::internal(401, format!("cannot write {}: {e}", path.display()));
-        let file = std::fs::File::create_new(&temporary).map_err(failed)?;
-        let mut file = std::io::BufWriter::with_capacity(1 << 16, file);
-        write(&mut file)?;
-        let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
-        file.sync_all().map_err(failed)
+        let file = File::create_new(&temporary).map_err(|e| cannot_write(path, &e))?;
+        Ok(BufWriter::with_capacity(1 << 16, file))
+    }
+
+    /// Puts a file that was begun on the disk.
+    ///
+    /// # Errors
+    /// Internal error (E401) if writing fails.
+    pub fn complete(&mut self, path: &Path, file: BufWriter<File>) -> Result<()> {
+        let file = file.into_inner().map_err(|e| cannot_write(path, e.error()))?;
+        file.sync_all().map_err(|e| cannot_write(path, &e))
     }
 
     /// Gives every file its final name.
@@ -284,8 +302,7 @@ impl Batch {
         // A sidecar is added after its file: new ones are renamed from the end, replaced ones from the beginning.
         self.files = replaced.into_iter().rev().chain(new).collect();
         while let Some((temporary, path)) = self.files.last() {
-            std::fs::rename(temporary, path)
-                .map_err(|e| Error::internal(401, format!("cannot write {}: {e}", path.display())))?;
+            std::fs::rename(temporary, path).map_err(|e| cannot_write(path, &e))?;
             self.files.pop();
         }
         Ok(())

@@ -160,7 +160,7 @@ impl<'a> MapResult<'a> {
 }
 
 /// The name of the band of a layer of one UAV.
-fn band_name(site: &str, layer: Layer) -> String {
+pub(super) fn band_name(site: &str, layer: Layer) -> String {
     format!("{site}.{}", layer.name())
 }
 
@@ -309,7 +309,7 @@ pub fn add_mask_geotiff(
 }
 
 /// Adds the sidecar with the names of the classes.
-fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
+pub(super) fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
     // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
     let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
     batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())
@@ -328,7 +328,7 @@ fn exact_f32(n: u32) -> f32 {
 }
 
 /// The classes with their names and colors.
-fn palette() -> Vec<ClassColor> {
+pub(super) fn palette() -> Vec<ClassColor> {
     let color = |(value, name): &(u8, &str)| ClassColor {
         value: *value,
         name: (*name).to_string(),

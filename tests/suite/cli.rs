@@ -496,27 +496,61 @@ fn an_existing_file_is_replaced_only_with_leave() {
     assert_eq!(folder.text("table.csv.json"), "mine");
 }
 
+/// Interrupts a run after a pause: its exit code, what it said, and how long it took to end.
+fn interrupted(folder: &Folder, words: &[&str], pause: Duration) -> (Option<i32>, String, Duration) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
+    command.args(words).current_dir(folder.path()).env("RAYON_NUM_THREADS", "1");
+    let mut child = command.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
+    std::thread::sleep(pause);
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("`kill` runs");
+    assert!(kill.success());
+    let start = Instant::now();
+    let mut err = String::new();
+    child.stderr.take().expect("piped").read_to_string(&mut err).expect("text");
+    (child.wait().expect("it ends").code(), err, start.elapsed())
+}
+
 #[test]
 fn an_interrupt_ends_with_130_and_leaves_nothing() {
     let folder = Folder::new();
     // Long enough that it cannot be done before the signal.
     let words = ["map", "itu:suburban", "--size", "9000", "--uav", "4500,4500,10", "-o", "out.tif", "-o", "out.png"];
     for pause in [Duration::from_millis(30), Duration::from_millis(1200)] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
-        command.args(words).current_dir(folder.path()).env("RAYON_NUM_THREADS", "1");
-        let mut child = command.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
-        std::thread::sleep(pause);
-        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("`kill` runs");
-        assert!(kill.success());
-        let start = Instant::now();
-        let mut err = String::new();
-        child.stderr.take().expect("piped").read_to_string(&mut err).expect("text");
-        let status = child.wait().expect("it ends");
-        assert_eq!(status.code(), Some(130), "after {pause:?}: {err}");
-        assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+        let (code, err, until_end) = interrupted(&folder, &words, pause);
+        assert_eq!(code, Some(130), "after {pause:?}: {err}");
+        assert!(until_end < Duration::from_secs(2), "{until_end:?}");
         assert!(err.ends_with("error[E130]: interrupted; nothing was written\n"), "{err}");
         assert_eq!(folder.files(), [""; 0]);
     }
+}
+
+#[test]
+fn an_interrupt_of_a_mask_that_is_written_while_it_is_made_leaves_all_or_nothing() {
+    let folder = Folder::new();
+    let words =
+        ["map", "itu:urban", "--size", "4000", "--uav", "2010,2010,60", "-q", "--tif-layout", "plain", "-o", "out.tif"];
+    let start = Instant::now();
+    run_in(folder.path(), &words).done();
+    let whole = start.elapsed();
+    let expected = (folder.files(), folder.read("out.tif"));
+    let mut n_stopped = 0;
+    for k in 1..24 {
+        expected.0.iter().for_each(|file| std::fs::remove_file(folder.join(file)).expect("it is there"));
+        let (code, err, _) = interrupted(&folder, &words, whole * k / 20);
+        match code {
+            Some(130) => {
+                assert_eq!(folder.files(), [""; 0], "after {k} twentieths: {err}");
+                n_stopped += 1;
+            }
+            _ => {
+                assert_eq!(code, Some(0), "after {k} twentieths: {err}");
+                assert!((folder.files(), folder.read("out.tif")) == expected, "after {k} twentieths");
+                continue;
+            }
+        }
+        expected.0.iter().for_each(|file| folder.write(file, ""));
+    }
+    assert!(n_stopped > 3, "only {n_stopped} runs were stopped");
 }
 
 #[test]

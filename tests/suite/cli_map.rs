@@ -292,6 +292,16 @@ fn a_plain_geotiff_of_a_map_differs_in_its_layout_alone() {
     };
     assert_eq!((layout("cog.tif"), layout("typed.tif"), layout("plain.tif")), ((true, 8), (true, 8), (false, 1)));
     assert_eq!(folder.text("cog.tif.aux.xml"), folder.text("plain.tif.aux.xml"));
+    // Alone it is written while it is made, beside others afterwards: but for the words that were typed it says the same.
+    let told = |folder: &Folder| {
+        let file = tif(folder, "plain.tif");
+        let items = file.tiff().ifd(0).unwrap().tag(42112).unwrap().value.as_str().unwrap().to_string();
+        let (head, rest) = items.split_once("command").unwrap();
+        (mask_of(folder, "plain.tif"), format!("{head}{}", rest.split_once("method").unwrap().1))
+    };
+    let alone = told(&folder);
+    folder.type_in(&format!("{MAP} -o plain.tif -o beside.npz --tif-layout plain --overwrite")).done();
+    assert_eq!(alone, told(&folder));
     // Layers of heights and of sets are plain too.
     folder.type_in(&format!("{MAP} --layers margin,count -o heights.tif --tif-layout plain")).done();
     assert_eq!((layout("heights.tif"), tif(&folder, "heights.tif").band_count()), ((false, 1), 2));

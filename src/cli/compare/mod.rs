@@ -22,7 +22,7 @@ use super::plan::{
 use super::receivers::{Asked, check_receivers};
 use super::words::pretty;
 use super::{interrupt, messages};
-use crate::coverage::{CellGroups, Control, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
+use crate::coverage::{CellGroups, Control, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, encode_table};
 use crate::los::Method;
@@ -196,7 +196,7 @@ fn mapped(
     let control = Control::default();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {
-        mapper.map_many(uavs, true, &control, |_| {}, |_| {})
+        mapper.map_many(uavs, KeepMasks::Always, &control, |_| {}, |_| {})
     })?;
     let placed = |site: SiteCoverage| Placed {
         id: site.uav.id.clone(),

@@ -9,7 +9,7 @@ use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::Writer;
 use crate::cli::args::ReceiversArg;
-use crate::coverage::{Control, ManyMaps, Overlay, Tally};
+use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::quantity::tidy;
@@ -30,7 +30,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         .enumerate()
         .map(|(k, uav)| crate::coverage::Uav { id: (k + 1).to_string(), ..uav.clone() })
         .collect();
-    let maps = job.mapper.map_many(&named, true, &Control::default(), |_| {}, |_| {})?;
+    let maps = job.mapper.map_many(&named, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?;
     if format != Format::GeoTiff {
         return batch.add(path, &picture(job, &maps, format)?);
     }
