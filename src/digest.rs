@@ -6,8 +6,8 @@ use ring::digest::{Context, SHA256};
 
 /// A digest in the making.
 ///
-/// PERF: of the libraries at hand the one that is fast also on processors without instructions for it, of which many are in
-/// use: there a mask takes as long to digest as to decide.
+/// PERF: by a library that is fast also on processors without instructions for it, where a mask takes about as long to
+/// digest as to decide.
 #[derive(Clone)]
 pub(crate) struct Sha256(Context);
 

@@ -1,5 +1,5 @@
-//! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files, so that
-//! no temporary file is left. Work in pieces stops between two of them, and what is done by then is written.
+//! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files or two parts
+//! of a mask, so that no temporary file is left. Work in pieces stops between two of them, and what is done by then is written.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -15,7 +15,7 @@ enum Phase {
     Working,
     /// It is noted, and the work stops after the piece at hand; a second one ends the program.
     InPieces,
-    /// It is noted, and ends the program between two files.
+    /// It is noted, and ends the program between two files or parts of one.
     Writing,
 }
 
@@ -76,6 +76,14 @@ pub(super) fn wants_to_stop() -> bool {
 /// If the user interrupted the writing.
 pub(super) fn end_writing() -> Result<()> {
     WRITTEN.fetch_add(1, Ordering::AcqRel);
+    give_up_writing()
+}
+
+/// The files of a UAV will not be written: from here on an interrupt ends the program again.
+///
+/// # Errors
+/// If the user interrupted the writing.
+pub(super) fn give_up_writing() -> Result<()> {
     enter(Phase::Working);
     check()
 }

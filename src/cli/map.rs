@@ -158,17 +158,18 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         ..asked.options(scene.field.grid(), zones.as_ref())
     };
 
-    // Masks are kept for what is written cell by cell; for counts they are laid over each other and dropped.
+    // Masks are kept for what is written cell by cell, unless that is done while they are made; for counts they are laid over
+    // each other and dropped.
     let keeps_masks =
         uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| holds_masks(*f, args));
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let is_shifted = layers.contains(&Layer::Stability);
     let direct = written_at_once(&outputs, &layers, args)
         .filter(|_| uavs.len() == 1 && zones.is_none() && !curve_plan.is_wanted());
-    let n_held = match (direct, keeps_masks) {
-        (Some(_), _) => 0,
-        (None, true) => uavs.len(),
-        (None, false) => uavs.len().min(maps_at_once()),
+    let (keep, n_held) = match (direct, keeps_masks) {
+        (Some(_), _) => (KeepMasks::Never, 0),
+        (None, true) => (KeepMasks::Always, uavs.len()),
+        (None, false) => (KeepMasks::UntilTold, uavs.len().min(maps_at_once())),
     };
     let bytes_per_cell = n_held
         .saturating_mul(1 + 4 * n_measures)
@@ -197,11 +198,6 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
     let mut batch = Batch::new(args.out.overwrite);
     let mut file = direct.map(|path| MaskFile::new(path, mask_values(args)));
-    let keep = match (&file, keeps_masks) {
-        (Some(_), _) => KeepMasks::Never,
-        (None, true) => KeepMasks::Always,
-        (None, false) => KeepMasks::UntilTold,
-    };
     let mapped = messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
         let each_part = |cells: &[u8]| match &mut file {
             None => digest.add(cells),

@@ -105,13 +105,20 @@ impl<'a> SiteRuns<'a> {
                     interrupt::end_writing()?;
                 }
                 Ok(false) => n_skipped += 1,
-                Err(error) if error.class() == ErrorClass::Interrupted => return Err(error),
+                Err(error) if error.class() == ErrorClass::Interrupted => {
+                    failed.iter().for_each(messages::error);
+                    return Err(error);
+                }
                 Err(error) => {
                     // The first one is told at the end.
                     if failed.is_some() {
                         messages::error(&error);
                     }
-                    failed.get_or_insert(error);
+                    let first = failed.get_or_insert(error);
+                    if let Err(interrupted) = interrupt::give_up_writing() {
+                        messages::error(first);
+                        return Err(interrupted);
+                    }
                 }
             }
         }

@@ -299,7 +299,7 @@ impl<'a> Mapper<'a> {
         &self,
         uav: &Uav,
         control: &Control,
-        each_part: Option<EachPart<'_>>,
+        mut each_part: Option<EachPart<'_>>,
         keep: bool,
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
@@ -343,12 +343,14 @@ impl<'a> Mapper<'a> {
             control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
             tally
         };
-        // Rows enough for every thread, also of wide grids.
-        let n_at_once = BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads());
-        let mut nobody = |_: &[u8]| {};
-        let each_part = match each_part {
-            Some(each_part) => each_part,
-            None => &mut nobody,
+        // Rows enough for every thread, also of wide grids; all of them where nobody takes parts.
+        let n_at_once = match &each_part {
+            Some(_) => BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads()),
+            None => n_rows,
+        };
+        let mut hand_over = |cells: &[u8]| match &mut each_part {
+            Some(each_part) if !is_stopped() => each_part(cells),
+            _ => {}
         };
         let tally = if keep {
             let rows = split(&mut mask, n_rows, n_cols)
@@ -357,20 +359,12 @@ impl<'a> Mapper<'a> {
                 .zip(split(&mut least_height, n_rows, n_cols))
                 .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
                 .enumerate();
-            in_bands(rows, n_at_once, fill, &mut |cells| {
-                if !is_stopped() {
-                    each_part(cells)
-                }
-            })
+            in_bands(rows, n_at_once, fill, &mut hand_over)
         } else {
             let fill = |row: usize, mask: &mut [u8]| {
                 fill(row, &mut Row { mask, margin: &mut [], ceiling: &mut [], least_height: &mut [] })
             };
-            in_buffers((n_rows, n_cols), n_at_once, fill, &mut |cells| {
-                if !is_stopped() {
-                    each_part(cells)
-                }
-            })
+            in_buffers((n_rows, n_cols), n_at_once, fill, &mut hand_over)
         };
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());

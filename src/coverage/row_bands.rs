@@ -52,8 +52,8 @@ pub(super) fn in_buffers(
     each_part: EachPart<'_>,
 ) -> Tally {
     let mut tally = Tally::default();
-    let of_band = || vec![0; n_at_once.min(n_rows) * n_cols];
-    let (mut next, mut filled) = (of_band(), of_band());
+    let buffer = || vec![0; n_at_once.min(n_rows) * n_cols];
+    let (mut next, mut filled) = (buffer(), buffer());
     let mut n_filled = 0;
     for first in (0..n_rows).step_by(n_at_once) {
         let n_here = n_at_once.min(n_rows - first) * n_cols;
@@ -62,13 +62,19 @@ pub(super) fn in_buffers(
                 let rows = next[..n_here].par_chunks_mut(n_cols).enumerate();
                 rows.map(|(k, mask)| fill(first + k, mask)).reduce(Tally::default, |a, b| a.plus(&b))
             },
-            || each_part(&filled[..n_filled]),
+            || {
+                if n_filled > 0 {
+                    each_part(&filled[..n_filled]);
+                }
+            },
         );
         tally = tally.plus(&of_band);
         std::mem::swap(&mut next, &mut filled);
         n_filled = n_here;
     }
-    each_part(&filled[..n_filled]);
+    if n_filled > 0 {
+        each_part(&filled[..n_filled]);
+    }
     tally
 }
 

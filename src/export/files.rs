@@ -190,6 +190,12 @@ fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     Ok(())
 }
 
+/// Puts a file that was begun on the disk.
+pub(super) fn complete(path: &Path, file: BufWriter<File>) -> Result<()> {
+    let file = file.into_inner().map_err(|e| cannot_write(path, e.error()))?;
+    file.sync_all().map_err(|e| cannot_write(path, &e))
+}
+
 fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
     Error::internal(401, format!("cannot write {}: {cause}", path.display()))
 }
@@ -251,14 +257,11 @@ impl Batch {
     ) -> Result<()> {
         let mut file = self.begin_with(path, digest)?;
         write(&mut file)?;
-        self.complete(path, file)
+        complete(path, file)
     }
 
-    /// Begins a file under a temporary name; [`Batch::complete`] has to follow once it is written.
-    ///
-    /// # Errors
-    /// As [`Batch::add`].
-    pub fn begin(&mut self, path: &Path) -> Result<BufWriter<File>> {
+    /// Begins a file under a temporary name; [`complete`] has to follow once it is written, before [`Batch::commit`].
+    pub(super) fn begin(&mut self, path: &Path) -> Result<BufWriter<File>> {
         self.begin_with(path, None)
     }
 
@@ -277,15 +280,6 @@ impl Batch {
         self.files.push((temporary.clone(), path.to_path_buf()));
         let file = File::create_new(&temporary).map_err(|e| cannot_write(path, &e))?;
         Ok(BufWriter::with_capacity(1 << 16, file))
-    }
-
-    /// Puts a file that was begun on the disk.
-    ///
-    /// # Errors
-    /// Internal error (E401) if writing fails.
-    pub fn complete(&mut self, path: &Path, file: BufWriter<File>) -> Result<()> {
-        let file = file.into_inner().map_err(|e| cannot_write(path, e.error()))?;
-        file.sync_all().map_err(|e| cannot_write(path, &e))
     }
 
     /// Gives every file its final name.

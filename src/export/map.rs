@@ -160,7 +160,7 @@ impl<'a> MapResult<'a> {
 }
 
 /// The name of the band of a layer of one UAV.
-pub(super) fn band_name(site: &str, layer: Layer) -> String {
+fn band_name(site: &str, layer: Layer) -> String {
     format!("{site}.{}", layer.name())
 }
 
@@ -295,6 +295,19 @@ pub fn add_mask_geotiff(
     (georef, site, provenance): (&GeoRef, &str, &str),
     mask_values: MaskValues,
 ) -> Result<()> {
+    add_described(batch, path, (georef, site, provenance), mask_values, |batch, image, metadata| {
+        batch.add_streamed(path, |file| pyramid.write(file, image, metadata))
+    })
+}
+
+/// Adds the mask of one UAV, which `add` writes with what is to be said of it, and the names of its classes.
+pub(super) fn add_described(
+    batch: &mut Batch,
+    path: &Path,
+    (georef, site, provenance): (&GeoRef, &str, &str),
+    mask_values: MaskValues,
+    add: impl FnOnce(&mut Batch, &ClassImage<'_>, &[(String, String)]) -> Result<()>,
+) -> Result<()> {
     let palette = palette();
     let is_named = mask_values == MaskValues::Classes;
     let image = ClassImage {
@@ -304,12 +317,12 @@ pub fn add_mask_geotiff(
         name: &band_name(site, Layer::Los),
     };
     let metadata = [("SKYSHED".to_string(), provenance.to_string())];
-    batch.add_streamed(path, |file| pyramid.write(file, &image, &metadata))?;
+    add(batch, &image, &metadata)?;
     if is_named { add_class_names(batch, path, &palette) } else { Ok(()) }
 }
 
 /// Adds the sidecar with the names of the classes.
-pub(super) fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
+fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
     // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
     let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
     batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())

@@ -5,10 +5,10 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use super::Batch;
-use super::Layer;
-use super::map::{MaskValues, add_class_names, band_name, palette};
+use super::files::complete;
+use super::map::{MaskValues, add_described};
 use crate::error::Result;
-use crate::raster::{ClassImage, ClassStrips, GeoRef};
+use crate::raster::{ClassStrips, GeoRef};
 
 /// A file of a batch to which the rows of a mask are written one after another: what [`super::add_map`] writes of the same
 /// mask in memory.
@@ -23,7 +23,7 @@ impl MaskStrips {
     /// Begins the file under its temporary name.
     ///
     /// # Errors
-    /// Those of [`Batch::begin`]; E401 if writing fails.
+    /// As [`Batch::add`].
     pub fn begin(batch: &mut Batch, path: &Path, georef: &GeoRef, values: MaskValues) -> Result<Self> {
         let strips = ClassStrips::new(batch.begin(path)?, (georef.n_rows(), georef.n_cols()))?;
         Ok(MaskStrips { path: path.to_path_buf(), values, strips })
@@ -40,18 +40,11 @@ impl MaskStrips {
     /// Completes the file, once all rows are written, and adds the one with the names of its classes.
     ///
     /// # Errors
-    /// Those of [`Batch::add`]; internal errors from the encoder.
-    pub fn finish(self, batch: &mut Batch, (georef, site, provenance): (&GeoRef, &str, &str)) -> Result<()> {
-        let palette = palette();
-        let is_named = self.values == MaskValues::Classes;
-        let image = ClassImage {
-            georef,
-            nodata: self.values.nodata().map(f64::from),
-            palette: is_named.then_some(palette.as_slice()),
-            name: &band_name(site, Layer::Los),
-        };
-        let metadata = [("SKYSHED".to_string(), provenance.to_string())];
-        batch.complete(&self.path, self.strips.finish(&image, &metadata)?)?;
-        if is_named { add_class_names(batch, &self.path, &palette) } else { Ok(()) }
+    /// As [`Batch::add`]; internal errors from the encoder.
+    pub fn finish(self, batch: &mut Batch, described: (&GeoRef, &str, &str)) -> Result<()> {
+        let MaskStrips { path, values, strips } = self;
+        add_described(batch, &path, described, values, |_, image, metadata| {
+            complete(&path, strips.finish(image, metadata)?)
+        })
     }
 }

@@ -1,12 +1,13 @@
 //! Speed against accuracy: `skyshed/chart/1` of a scene, and its table.
 
+use serde_json::{Map, Value, json};
+
 use super::documents::{RunFacts, digest_words};
 use crate::accuracy::chart::{Family, Truth};
 use crate::accuracy::comparison::Comparison;
 use crate::accuracy::front::pareto_front;
 use crate::coverage::Uav;
 use crate::digest::Sha256;
-use serde_json::{Map, Value, json};
 
 /// The schema of charts.
 pub const CHART_SCHEMA: &str = "skyshed/chart/1";

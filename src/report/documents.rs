@@ -2,6 +2,8 @@
 //!
 //! Keys are stable within a version. A number that does not exist is null with a reason, never 0 or NaN.
 
+use serde_json::{Map, Value, json};
+
 use super::ToleranceFacts;
 use super::features::feature_collection;
 use super::stability::StabilityFacts;
@@ -12,7 +14,6 @@ use crate::los::Method;
 use crate::raster::GeoRef;
 use crate::scene::Source;
 use crate::zones::{N_CODES, Zone, ZoneMap};
-use serde_json::{Map, Value, json};
 
 /// What every document says of a run.
 #[derive(Debug, Clone)]
@@ -44,9 +45,9 @@ pub struct Timing {
     pub read: f64,
     /// Building the height field.
     pub build: f64,
-    /// Deciding line of sight.
+    /// Deciding line of sight, and writing the cells of a mask that is written while it is made.
     pub los: f64,
-    /// Encoding and writing outputs.
+    /// Encoding and writing outputs, but for such cells.
     pub write: f64,
     /// All of it.
     pub total: f64,

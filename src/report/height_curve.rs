@@ -1,11 +1,12 @@
 //! P_LoS against the UAV's height as reported: the document `skyshed/height-curve/1` and its table.
 
+use serde_json::{Map, Value, json};
+
 use super::documents::{MapReport, RunFacts, SiteFacts, digest_words, tally_json};
 use crate::coverage::HeightCurve;
 use crate::digest::Sha256;
 use crate::los::Method;
 use crate::quantity::meters;
-use serde_json::{Map, Value, json};
 
 /// Shares of receivers for which the document tells the least height \[%\].
 pub const QUANTILES: [u8; 9] = [5, 10, 25, 50, 75, 90, 95, 99, 100];

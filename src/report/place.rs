@@ -1,10 +1,11 @@
 //! Where to hover as reported: the document `skyshed/place/1`, its table and its points.
 
+use serde_json::{Map, Value, json};
+
 use super::documents::{RunFacts, Timing, digest_words};
 use super::features::feature_collection;
 use crate::digest::Sha256;
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
-use serde_json::{Map, Value, json};
 
 /// What a place is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]

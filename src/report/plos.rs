@@ -1,5 +1,7 @@
 //! P_LoS studies as reported: the document `skyshed/plos/1`, its table and its arrays.
 
+use serde_json::{Map, Value, json};
+
 use super::documents::digest_words;
 use super::tolerance::form_json;
 use crate::accuracy::{CONFIDENCE, Simpler};
@@ -11,7 +13,6 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::SHIFTS;
 use crate::quantity::tidy;
 use crate::scene::{BuiltUp, Source};
-use serde_json::{Map, Value, json};
 
 /// What a method says of P_LoS.
 #[derive(Debug, Clone, PartialEq)]

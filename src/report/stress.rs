@@ -1,11 +1,12 @@
 //! Where methods fail, as reported: the documents `skyshed/stress/1` of families and `skyshed/stress-scene/1` of a scene,
 //! and their tables.
 
+use serde_json::{Map, Value, json};
+
 use super::documents::{MapReport, Timing, digest_words};
 use crate::accuracy::stress::{Contender, Effort, FamilyScore, Outcome};
 use crate::coverage::MarginSample;
 use crate::digest::Sha256;
-use serde_json::{Map, Value, json};
 
 /// Methods tried on families of scenes.
 #[derive(Debug, Clone)]

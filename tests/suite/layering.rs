@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The stages in order, each with the earlier stages that it may use. `error` and `quantity` are usable everywhere and
-/// use nothing.
+/// The stages in order, each with the earlier stages that it may use. `digest`, `error` and `quantity` are usable
+/// everywhere and use nothing.
 const ALLOWED: [(&str, &[&str]); 16] = [
     ("digest", &[]),
     ("error", &[]),

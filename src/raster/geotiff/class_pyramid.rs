@@ -25,6 +25,20 @@ pub struct ClassImage<'a> {
     pub name: &'a str,
 }
 
+impl<'a> ClassImage<'a> {
+    /// The same as an image, but for its cells.
+    pub(super) fn head(&self, metadata: &'a [(String, String)], layout: TiffLayout) -> GeoTiffImage<'a> {
+        GeoTiffImage {
+            georef: self.georef,
+            bands: Bands::Byte(vec![(self.name.to_string(), &[])]),
+            nodata: self.nodata,
+            palette: self.palette,
+            metadata,
+            layout,
+        }
+    }
+}
+
 /// The compressed tiles of all rows so far, at every resolution. Memory is theirs and that of a few hundred rows.
 #[derive(Debug, Default)]
 pub struct ClassPyramid {
@@ -111,14 +125,7 @@ impl ClassPyramid {
     /// If rows are missing.
     pub fn write(&self, out: &mut impl Write, image: &ClassImage<'_>, metadata: &[(String, String)]) -> Result<()> {
         assert_eq!(self.n_pushed, self.n_rows, "all rows were pushed");
-        let head = GeoTiffImage {
-            georef: image.georef,
-            bands: Bands::Byte(vec![(image.name.to_string(), &[])]),
-            nodata: image.nodata,
-            palette: image.palette,
-            metadata,
-            layout: TiffLayout::Cog,
-        };
+        let head = image.head(metadata, TiffLayout::Cog);
         let levels = self.levels.iter().map(|level| {
             let shape = (self.n_rows.div_ceil(level.reduction), level.n_cols);
             Ok(Level {

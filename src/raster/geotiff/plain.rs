@@ -6,12 +6,12 @@ use std::io::{Cursor, Seek, SeekFrom, Write};
 use tiff_core::{ByteOrder, Predictor, Tag};
 use tiff_writer::encoder;
 
+use super::TiffLayout;
 use super::class_pyramid::ClassImage;
-use super::write::{Level, level_tags, refused, rows_per_strip, tags_with_places};
-use super::{Bands, GeoTiffImage, TiffLayout};
-use crate::error::{Error, Result};
+use super::write::{Level, failed, level_tags, refused, rows_per_strip, tags_with_places};
+use crate::error::Result;
 
-/// The most cells of a classic TIFF \[bytes\]: what is left of the 4 GiB that it can be holds any directory.
+/// The most cells of a classic TIFF \[bytes\], of 4 GiB: the directory behind them fits into the last of these.
 const LARGEST_CLASSIC: u64 = 3 << 30;
 
 /// Writes a plain file front to back.
@@ -70,14 +70,7 @@ impl<W: Write> ClassStrips<W> {
     /// If rows are missing.
     pub fn finish(mut self, image: &ClassImage<'_>, metadata: &[(String, String)]) -> Result<W> {
         assert_eq!(self.n_pushed, self.n_rows, "all rows were pushed");
-        let head = GeoTiffImage {
-            georef: image.georef,
-            bands: Bands::Byte(vec![(image.name.to_string(), &[])]),
-            nodata: image.nodata,
-            palette: image.palette,
-            metadata,
-            layout: TiffLayout::Plain,
-        };
+        let head = image.head(metadata, TiffLayout::Plain);
         let tags = level_tags::<u8>(&head, ((self.n_rows, self.n_cols), 1), &[image.name], Predictor::None)?;
         let in_strip = rows_per_strip::<u8>(self.n_cols);
         let rows_of = |first: usize| in_strip.min(self.n_rows - first);
@@ -153,14 +146,10 @@ impl Seek for Beyond {
     }
 }
 
-fn failed(cause: std::io::Error) -> Error {
-    Error::internal(401, format!("cannot write a GeoTIFF: {cause}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{ClassColor, GeoRef, write_geotiff};
+    use crate::raster::{Bands, ClassColor, GeoRef, GeoTiffImage, write_geotiff};
 
     #[test]
     fn a_plain_file_of_rows_is_the_file_of_the_raster() {

@@ -1,9 +1,10 @@
 //! GeoTIFF out: tiled, deflated, with overviews, laid out as a cloud optimized GeoTIFF; or plain strips for readers that
 //! know no more, and for comparing how long programs take without their codecs.
 //!
-//! All blocks (tiles or strips) are compressed in parallel and held in memory, so that every offset is known before the
-//! first byte is written: header, directories (full resolution first), blocks of the smallest overview, …, blocks of the
-//! full resolution; plain files have their directory behind their strips (`plain.rs`). The bytes depend on the input alone, not on the number of threads or the time of day.
+//! All blocks of tiled files are compressed in parallel and held in memory, so that every offset is known before the first
+//! byte is written: header, directories (full resolution first), blocks of the smallest overview, …, blocks of the full
+//! resolution. Plain files have their directory behind their strips (`plain.rs`). The bytes depend on the input alone, not
+//! on the number of threads or the time of day.
 //!
 //! The codecs and the byte layout of tags are those of `tiff-writer`. What says where the picture lies and what it is about
 //! is in `geo_tags.rs`; GDAL's tag for nodata (42113) is written here.
@@ -125,7 +126,6 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
 /// Header, directories and blocks, the smallest overview first.
 pub(super) fn write_levels(out: &mut impl Write, levels: &[Level<'_>], force_big: bool) -> Result<()> {
     let head = head(levels, force_big)?;
-    let failed = |cause: std::io::Error| Error::internal(401, format!("cannot write a GeoTIFF: {cause}"));
     out.write_all(&head).map_err(failed)?;
     for level in levels.iter().rev() {
         for block in &level.blocks {
@@ -425,6 +425,10 @@ pub(super) fn tags_with_places(
     tags.push(Tag::new(counts_code, value(lens.to_vec())));
     tags.sort_by_key(|tag| tag.code);
     tags
+}
+
+pub(super) fn failed(cause: std::io::Error) -> Error {
+    Error::internal(401, format!("cannot write a GeoTIFF: {cause}"))
 }
 
 pub(super) fn refused(cause: tiff_writer::Error) -> Error {
