@@ -137,33 +137,40 @@ impl ClassPyramid {
     }
 }
 
+/// Calls `check` with rows of classes, what they are, metadata, and the file that is made of them at once, for shapes of all
+/// kinds.
+#[cfg(test)]
+pub(super) fn for_files_of_classes(
+    layout: TiffLayout,
+    shapes: &[(usize, usize)],
+    check: impl Fn((usize, usize, &[u8]), &ClassImage<'_>, &[(String, String)], &[u8]),
+) {
+    for &(n_rows, n_cols) in shapes {
+        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+        let cells: Vec<u8> = (0..n_rows * n_cols).map(|k| [0, 1, 2, 255][k * k / 7 % 4]).collect();
+        let palette = [ClassColor { value: 1, name: "a".into(), rgba: [1, 2, 3, 255] }];
+        let class = ClassImage { georef: &georef, nodata: Some(255.0), palette: Some(&palette), name: "los" };
+        let metadata = [("SKYSHED".to_string(), "{}".to_string())];
+        let bands = Bands::Byte(vec![("los".to_string(), &cells)]);
+        let mut file = Vec::new();
+        super::write_geotiff(&mut file, &GeoTiffImage { bands, ..class.head(&metadata, layout) }).unwrap();
+        check((n_rows, n_cols, &cells), &class, &metadata, &file);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::write_geotiff;
 
     #[test]
     fn a_file_of_rows_is_the_file_of_the_raster() {
-        for (n_rows, n_cols) in [(1, 1), (200, 300), (256, 256), (700, 1300), (1025, 40)] {
-            let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
-            let cells: Vec<u8> = (0..n_rows * n_cols).map(|k| [0, 1, 2, 255][k * k / 7 % 4]).collect();
-            let palette = [ClassColor { value: 1, name: "a".into(), rgba: [1, 2, 3, 255] }];
-            let metadata = [("SKYSHED".to_string(), "{}".to_string())];
-            let image = GeoTiffImage {
-                georef: &georef,
-                bands: Bands::Byte(vec![("los".to_string(), &cells)]),
-                nodata: Some(255.0),
-                palette: Some(&palette),
-                metadata: &metadata,
-                layout: TiffLayout::Cog,
-            };
-            let (mut expected, mut found) = (Vec::new(), Vec::new());
-            write_geotiff(&mut expected, &image).unwrap();
+        let shapes = [(1, 1), (200, 300), (256, 256), (700, 1300), (1025, 40)];
+        for_files_of_classes(TiffLayout::Cog, &shapes, |(n_rows, n_cols, cells), class, metadata, expected| {
             let mut pyramid = ClassPyramid::new((n_rows, n_cols));
             cells.chunks(n_cols * 100).for_each(|rows| pyramid.push(rows).unwrap());
-            let class = ClassImage { georef: &georef, nodata: Some(255.0), palette: Some(&palette), name: "los" };
-            pyramid.write(&mut found, &class, &metadata).unwrap();
+            let mut found = Vec::new();
+            pyramid.write(&mut found, class, metadata).unwrap();
             assert!(found == expected, "{n_rows}×{n_cols}");
-        }
+        });
     }
 }

@@ -148,31 +148,17 @@ impl Seek for Beyond {
 
 #[cfg(test)]
 mod tests {
+    use super::super::class_pyramid::for_files_of_classes;
     use super::*;
-    use crate::raster::{Bands, ClassColor, GeoRef, GeoTiffImage, write_geotiff};
 
     #[test]
     fn a_plain_file_of_rows_is_the_file_of_the_raster() {
-        for (n_rows, n_cols) in [(1, 1), (3, 5), (200, 300), (9, 1025), (2, 9001)] {
-            let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
-            let cells: Vec<u8> = (0..n_rows * n_cols).map(|k| [0, 1, 2, 255][k * k / 7 % 4]).collect();
-            let palette = [ClassColor { value: 1, name: "a".into(), rgba: [1, 2, 3, 255] }];
-            let metadata = [("SKYSHED".to_string(), "{}".to_string())];
-            let image = GeoTiffImage {
-                georef: &georef,
-                bands: Bands::Byte(vec![("los".to_string(), &cells)]),
-                nodata: Some(255.0),
-                palette: Some(&palette),
-                metadata: &metadata,
-                layout: TiffLayout::Plain,
-            };
-            let mut expected = Vec::new();
-            write_geotiff(&mut expected, &image).unwrap();
-            assert_eq!(expected[8..8 + cells.len()], cells);
+        let shapes = [(1, 1), (3, 5), (200, 300), (9, 1025), (2, 9001)];
+        for_files_of_classes(TiffLayout::Plain, &shapes, |(n_rows, n_cols, cells), class, metadata, expected| {
+            assert_eq!(&expected[8..8 + cells.len()], cells);
             let mut strips = ClassStrips::new(Vec::new(), (n_rows, n_cols)).unwrap();
             cells.chunks(n_cols * 100).for_each(|rows| strips.push(rows).unwrap());
-            let class = ClassImage { georef: &georef, nodata: Some(255.0), palette: Some(&palette), name: "los" };
-            assert!(strips.finish(&class, &metadata).unwrap() == expected, "{n_rows}×{n_cols}");
-        }
+            assert!(strips.finish(class, metadata).unwrap() == expected, "{n_rows}×{n_cols}");
+        });
     }
 }
