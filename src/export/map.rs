@@ -341,7 +341,7 @@ fn exact_f32(n: u32) -> f32 {
 }
 
 /// The classes with their names and colors.
-pub(super) fn palette() -> Vec<ClassColor> {
+fn palette() -> Vec<ClassColor> {
     let color = |(value, name): &(u8, &str)| ClassColor {
         value: *value,
         name: (*name).to_string(),
