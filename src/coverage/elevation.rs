@@ -154,9 +154,8 @@ impl RowElevations<'_> {
         let squared_dy = S::f64s::splat(simd, uav_dy * uav_dy);
         let unit = S::f64s::splat(simd, self.meters_per_unit * self.meters_per_unit);
         let mut counts = [(0_u64, 0_u64); N_BANDS];
-        let Some((bases, above)) = self.receivers.bases() else { return };
+        let ((lowest, highest), above) = self.receivers.range();
         let uav_above = i32::try_from(self.uav.2 - i64::from(above)).unwrap_or(i32::MAX);
-        let ((lowest, highest), _) = self.receivers.range();
         let rise_over = |base: i32| in_meters(i64::from(uav_above) - i64::from(base));
         let steepest = (rise_over(highest) >= 0.0).then(|| rise_over(lowest) * rise_over(lowest));
         for (k, (receivers, los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
@@ -170,7 +169,9 @@ impl RowElevations<'_> {
                 count.1 += u64::from(los.count_ones());
                 continue;
             }
-            let bases = &bases[first..first + n_here];
+            let mut bases = [0; 64];
+            let bases = &mut bases[..n_here];
+            self.receivers.copy_bases(first, bases);
             let mut rises = [0.0; 64];
             for (rise, base) in rises.iter_mut().zip(bases) {
                 // Cells without a receiver may hold anything.

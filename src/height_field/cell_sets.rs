@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use super::{CellKind, HeightField};
+use super::{CellKind, Columns, HeightField};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
@@ -124,8 +124,8 @@ pub enum StandsOn<'a> {
     Flat(i32),
     /// A height for each cell, row by row from the north-west; only those of the cells in question mean anything.
     Cells(Cow<'a, [i32]>),
-    /// The same, and bounds on the heights of the cells in question, both included.
-    BoundedCells(&'a [i32], (i32, i32)),
+    /// The tops of columns of which none is void.
+    Tops(&'a Columns),
 }
 
 impl HeightField {
@@ -138,7 +138,7 @@ impl HeightField {
             // All cells but the void ones, which are no receivers.
             return match columns.min_top() {
                 VOID => StandsOn::Cells(Cow::Borrowed(columns.tops())),
-                lowest => StandsOn::BoundedCells(columns.tops(), (lowest, columns.max_top())),
+                _ => StandsOn::Tops(columns),
             };
         }
         if let Some(cells) = self.ground_on_grid() {

@@ -1,5 +1,8 @@
 //! Columns: the solid of a raster, each cell a flat-topped column.
 
+use std::sync::OnceLock;
+
+use super::plateaus::Plateaus;
 use super::tile_maxima::TileMaxima;
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 use crate::raster::LargeVec;
@@ -16,7 +19,10 @@ pub struct Columns {
     n_cols: usize,
     n_rows: usize,
     tops: LargeVec<i32>,
-    tiles: TileMaxima,
+    plateaus: Option<Plateaus>,
+    /// The lowest and the highest top.
+    extremes: (i32, i32),
+    tiles: OnceLock<TileMaxima>,
 }
 
 impl Columns {
@@ -27,8 +33,13 @@ impl Columns {
     pub fn new(n_rows: usize, n_cols: usize, tops: impl Into<LargeVec<i32>>) -> Self {
         let tops = tops.into();
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
-        let tiles = TileMaxima::of(&tops, n_cols);
-        Columns { n_cols, n_rows, tops, tiles }
+        let plateaus = Plateaus::if_few(&tops, n_cols);
+        let tiles = OnceLock::new();
+        let extremes = match &plateaus {
+            Some(plateaus) => plateaus.extremes(),
+            None => tiles.get_or_init(|| TileMaxima::of(&tops, n_cols)).extremes(),
+        };
+        Columns { n_cols, n_rows, tops, plateaus, extremes, tiles }
     }
 
     /// Number of columns of cells.
@@ -41,30 +52,52 @@ impl Columns {
         self.n_rows
     }
 
+    /// Top of the cell at an index into [`Columns::tops`], which need not be in memory as a whole for it.
+    #[inline]
+    pub fn top_at(&self, index: usize) -> i32 {
+        self.tops.value(index)
+    }
+
+    /// Copies tops from an index into [`Columns::tops`] on, all in one row, which need not be in memory as a whole for it.
+    #[inline]
+    pub fn copy_tops(&self, first: usize, out: &mut [i32]) {
+        self.tops.copy(first, out);
+    }
+
+    /// All tops, if they are in memory one by one.
+    pub fn tops_in_memory(&self) -> Option<&[i32]> {
+        self.tops.in_memory()
+    }
+
     /// All tops, row by row from the north-west cell.
     pub fn tops(&self) -> &[i32] {
         &self.tops
     }
 
-    /// The highest tops of tiles of cells.
+    /// The highest tops of tiles of cells; of a raster of plateaus found when it is first asked for.
     pub fn tiles(&self) -> &TileMaxima {
-        &self.tiles
+        self.tiles.get_or_init(|| TileMaxima::of(&self.tops, self.n_cols))
+    }
+
+    /// The same as few rectangles of one height, where they are that.
+    pub fn plateaus(&self) -> Option<&Plateaus> {
+        self.plateaus.as_ref()
     }
 
     /// The highest top, [`VOID`] if all cells are void.
     pub fn max_top(&self) -> i32 {
-        self.tiles.extremes().1
+        self.extremes.1
     }
 
     /// The lowest top, [`VOID`] if any cell is void.
     pub fn min_top(&self) -> i32 {
-        self.tiles.extremes().0
+        self.extremes.0
     }
 
     /// Top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
     #[inline]
     pub fn top(&self, east: i64, north: i64) -> i32 {
-        self.index(east, north).map_or(VOID, |i| self.tops[i])
+        self.index(east, north).map_or(VOID, |i| self.top_at(i))
     }
 
     /// Index into [`Columns::tops`], `None` outside.

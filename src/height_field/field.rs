@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
-use super::{CellSets, Columns, ConvexPieces, Prisms, Ring, convex_pieces};
+use super::{CellSets, Columns, ConvexPieces, Plateaus, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
 use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, GeoRef, LargeVec};
@@ -97,6 +97,16 @@ pub struct GridPositions {
 }
 
 impl GridPositions {
+    /// Positions of the columns of cells on the columns' lattice, west to east.
+    pub fn columns_xs(&self) -> impl Iterator<Item = i64> {
+        self.xs.iter().map(|x| x.2)
+    }
+
+    /// Positions of the rows of cells on the columns' lattice, north to south.
+    pub fn columns_ys(&self) -> impl Iterator<Item = i64> {
+        self.ys.iter().map(|y| y.2)
+    }
+
     /// The center of a cell.
     #[inline]
     pub fn center(&self, row: usize, col: usize) -> Place {
@@ -148,6 +158,8 @@ impl HeightField {
                     Ground::Terrain(terrain) => {
                         let georef = terrain.georef().clone();
                         let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
+                        // PERF: the ground is asked for cell by cell.
+                        columns.tops();
                         (Some((columns, cell_frame(&georef))), Floor::Columns)
                     }
                     Ground::Flat(z) => (None, Floor::Flat { z, building_threshold: 0 }),
@@ -224,6 +236,13 @@ impl HeightField {
             let shape = (columns.n_rows(), columns.n_cols());
             shape == (self.grid.n_rows(), self.grid.n_cols()) && *frame == cell_frame(&self.grid)
         })
+    }
+
+    /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
+    /// known.
+    pub fn plateaus(&self) -> Option<&Plateaus> {
+        let is_raster = self.prisms.is_none() && matches!(self.floor, Floor::Surface | Floor::Flat { .. });
+        self.columns().filter(|_| is_raster && self.columns_are_on_grid())?.plateaus()
     }
 
     /// The receivers' grid.
@@ -305,6 +324,12 @@ impl HeightField {
     /// What a cell is; `place` is its center.
     #[inline]
     pub fn cell_kind(&self, index: usize, place: &Place) -> CellKind {
+        self.kind_below(self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]), index, place)
+    }
+
+    /// What a cell is, given the top of its column.
+    #[inline]
+    fn kind_below(&self, top: i32, index: usize, place: &Place) -> CellKind {
         if let Some(roofs) = &self.roofs {
             let ground = self.ground_at(place);
             return match (ground, roofs[index]) {
@@ -313,7 +338,6 @@ impl HeightField {
                 (_, roof) => CellKind::Building(roof),
             };
         }
-        let top = self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]);
         if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
@@ -357,7 +381,7 @@ impl HeightField {
     pub fn ground_at(&self, place: &Place) -> i32 {
         let cell = || self.columns.as_ref().and_then(|(c, _)| c.cell_at(place.on_columns.0, place.on_columns.1));
         let surface = || match (cell(), &self.columns) {
-            (Some(cell), Some((columns, _))) if columns.tops()[cell] != BLOCKS_ALL => columns.tops()[cell],
+            (Some(cell), Some((columns, _))) if columns.top_at(cell) != BLOCKS_ALL => columns.top_at(cell),
             _ => VOID,
         };
         match &self.floor {
@@ -376,7 +400,7 @@ impl HeightField {
         }
         let (columns, _) = self.columns.as_ref()?;
         let cell = columns.cell_at(place.on_columns.0, place.on_columns.1)?;
-        match self.cell_kind(cell, place) {
+        match self.kind_below(columns.top_at(cell), cell, place) {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
         }

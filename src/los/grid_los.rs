@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::{
-    ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, r2_los, shadow_los,
-    shadow_los_relief, step_los, sweep_los, xdraw_los,
+    OnPlateaus, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, plateaus_los,
+    r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station, TileMaxima};
 use crate::raster::{BitGrid, CellWindow, set_bits};
@@ -39,7 +39,7 @@ pub enum Method {
     Ray,
     /// The bracketed sweep.
     Sweep,
-    /// Projected shadows.
+    /// Projected shadows: of prisms, or of the plateaus of a raster.
     Shadow,
     /// Projected shadows for the prisms, the sweep for the terrain below them.
     ShadowSweep,
@@ -107,18 +107,22 @@ impl Method {
             (true, true) => {
                 (Method::ShadowRay, "terrain on a grid of its own: shadows for the roofs, rays for the terrain")
             }
+            (false, _) if field.plateaus().is_some() => {
+                (Method::Shadow, "a raster of few flat blocks: shadows of their roofs")
+            }
             (false, _) => (Method::Sweep, "a raster: one sweep over its cells"),
         };
+        let is_raster = field.prisms().is_none();
         match (choice, auto.0) {
             (MethodChoice::Auto, _) => Ok(auto),
             (MethodChoice::Ray, _) => Ok((Method::Ray, "asked for")),
-            (MethodChoice::Sweep, Method::Sweep)
-            | (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
+            (MethodChoice::Sweep, _) if is_raster => Ok((Method::Sweep, "asked for")),
+            (MethodChoice::Step(length), _) if is_raster => Ok((Method::Step(length), "asked for")),
+            (MethodChoice::Xdraw, _) if is_raster => Ok((Method::Xdraw, "asked for")),
+            (MethodChoice::R2, _) if is_raster => Ok((Method::R2, "asked for")),
+            (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
                 Ok((auto.0, "asked for"))
             }
-            (MethodChoice::Step(length), Method::Sweep) => Ok((Method::Step(length), "asked for")),
-            (MethodChoice::Xdraw, Method::Sweep) => Ok((Method::Xdraw, "asked for")),
-            (MethodChoice::R2, Method::Sweep) => Ok((Method::R2, "asked for")),
             (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
                 Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
             }
@@ -176,7 +180,7 @@ impl<'a> GridReceivers<'a> {
     pub fn new(cells: BitGrid, stands_on: StandsOn<'a>, above: i32) -> Self {
         let range = match &stands_on {
             StandsOn::Flat(z) => (*z, *z),
-            StandsOn::BoundedCells(_, range) => *range,
+            StandsOn::Tops(columns) => (columns.min_top(), columns.max_top()),
             StandsOn::Cells(heights) => {
                 let n_cols = cells.n_cols();
                 let of_row = |row: usize| {
@@ -208,7 +212,26 @@ impl<'a> GridReceivers<'a> {
         match &self.stands_on {
             StandsOn::Flat(z) => *z,
             StandsOn::Cells(heights) => heights[cell],
-            StandsOn::BoundedCells(heights, _) => heights[cell],
+            StandsOn::Tops(columns) => columns.top_at(cell),
+        }
+    }
+
+    /// Copies what receivers stand on in cells of one row, from cell `first` on.
+    pub fn copy_bases(&self, first: usize, out: &mut [i32]) {
+        match &self.stands_on {
+            StandsOn::Flat(z) => out.fill(*z),
+            StandsOn::Cells(heights) => out.copy_from_slice(&heights[first..first + out.len()]),
+            StandsOn::Tops(columns) => columns.copy_tops(first, out),
+        }
+    }
+
+    /// Whether receivers stand on the tops of these very columns.
+    fn is_on_tops_of(&self, columns: &Columns) -> bool {
+        match &self.stands_on {
+            StandsOn::Flat(_) => false,
+            // What is not held in memory is not compared.
+            StandsOn::Cells(heights) => columns.tops_in_memory().is_some_and(|tops| std::ptr::eq(tops, &**heights)),
+            StandsOn::Tops(on) => std::ptr::eq(*on, columns),
         }
     }
 
@@ -217,7 +240,7 @@ impl<'a> GridReceivers<'a> {
         match &self.stands_on {
             StandsOn::Flat(_) => None,
             StandsOn::Cells(heights) => Some((heights, self.above)),
-            StandsOn::BoundedCells(heights, _) => Some((heights, self.above)),
+            StandsOn::Tops(columns) => Some((columns.tops(), self.above)),
         }
     }
 
@@ -273,8 +296,9 @@ impl<'a> GridLos<'a> {
     /// Makes ready; the method must be one that [`Method::choose`] gives for the field.
     pub fn new(field: &'a HeightField, method: Method) -> Self {
         let positions = field.positions();
-        let shadows =
-            field.prisms().map(|_| ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect()));
+        let on_prisms = || ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
+        let on_columns = || ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
+        let shadows = field.prisms().map(|_| on_prisms()).or_else(|| field.plateaus().map(|_| on_columns()));
         GridLos { field, method, positions, shadows, casters: None, level: SimdLevel::new(), is_one_band: false }
     }
 
@@ -336,6 +360,7 @@ impl<'a> GridLos<'a> {
                 r2_los(columns, uav.on_columns(), height, wanted, window)
             }),
             Method::Sweep => self.by_sweep(uav, receivers, wanted, window),
+            Method::Shadow if self.field.prisms().is_none() => self.by_plateaus(uav, receivers, wanted, window),
             Method::Shadow => self.by_shadows(uav, receivers, wanted),
             // What the prisms hide need not be asked of the terrain.
             Method::ShadowSweep => {
@@ -398,6 +423,34 @@ impl<'a> GridLos<'a> {
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los
+    }
+
+    fn by_plateaus(
+        &self,
+        uav: &Station,
+        receivers: &GridReceivers<'_>,
+        wanted: &BitGrid,
+        window: CellWindow,
+    ) -> BitGrid {
+        let (uav_z, lowest) = (uav.z, i64::from(receivers.range.0) + i64::from(receivers.above));
+        let (Some(columns), Some(plateaus), Some(grid)) = (self.field.columns(), self.field.plateaus(), &self.shadows)
+        else {
+            return self.by_sweep(uav, receivers, wanted, window);
+        };
+        let on_plateaus = match receivers.level() {
+            Some(z) => Some(OnPlateaus::Level(z)),
+            None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above)),
+        };
+        // Beside the raster a UAV may be below all of it.
+        match on_plateaus {
+            Some(on_plateaus) if uav_z.min(lowest) >= i64::from(plateaus.lowest()) => {
+                let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
+                let prisms = plateaus.prisms();
+                let scene = ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands };
+                plateaus_los(&scene, columns, plateaus, uav.on_columns(), on_plateaus)
+            }
+            _ => self.by_sweep(uav, receivers, wanted, window),
+        }
     }
 
     fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {

@@ -499,15 +499,12 @@ impl BandJob<'_> {
             let cols = (doubt.cols.0 as usize, doubt.cols.1 as usize);
             for_each_bit(band.row_mut(row - self.rows.0), cols.0, cols.1, |col| cells.push((row, col)));
         }
-        let ends_here = |v: &[i64], at: i64| (0..v.len()).filter(|k| v[*k] == at).collect::<Vec<_>>();
-        for row in ends_here(&grid.ys, uav.y) {
-            let is_in_band = row >= self.rows.0 && row < self.rows.1;
-            let cols = ends_here(&grid.xs, uav.x);
-            cells.extend(
-                cols.into_iter()
-                    .filter(|col| is_in_band && self.scene.wanted.contains(row, *col))
-                    .map(|col| (row, col)),
-            );
+        let cols = grid.xs.partition_point(|x| *x < uav.x)..grid.xs.partition_point(|x| *x <= uav.x);
+        let rows = grid.ys.partition_point(|y| *y > uav.y)..grid.ys.partition_point(|y| *y >= uav.y);
+        let (first, end) = self.plane.cols;
+        for row in rows.start.max(self.rows.0)..rows.end.min(self.rows.1) {
+            let cols = (cols.start.max(first)..cols.end.min(end)).filter(|col| self.scene.wanted.contains(row, *col));
+            cells.extend(cols.map(|col| (row, col)));
         }
         cells.sort_unstable();
         cells.dedup();
@@ -526,6 +523,13 @@ impl<'a> Band<'a> {
     pub(super) fn new(words: &'a mut [u64], words_per_row: usize) -> Self {
         let n_tiles = (words.len() / words_per_row.max(1)).div_ceil(TILE) * words_per_row;
         Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new(), tiles_to_do: Vec::new() }
+    }
+
+    /// Whether no wanted cell is left in the tiles that hold columns `cols.0..cols.1`.
+    #[inline(always)]
+    pub(super) fn is_dark(&mut self, cols: (usize, usize)) -> bool {
+        let n_rows = self.words.len() / self.words_per_row.max(1);
+        (0..n_rows.div_ceil(TILE)).all(|tile_row| self.is_closed(tile_row, cols))
     }
 
     #[inline(always)]

@@ -56,7 +56,7 @@ impl Reach {
 }
 
 /// The plane as seen from one UAV, and the part of it that holds wanted cells.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Plane {
     pub(super) uav: LatticePoint,
     /// North of the UAV, by row of the grid and eight more \[lattice steps\]; descending, exact.

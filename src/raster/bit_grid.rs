@@ -72,6 +72,13 @@ impl BitGrid {
         self.words[row * self.words_per_row + col / 64] |= 1 << (col % 64);
     }
 
+    /// Puts a cell into the set or takes it out.
+    #[inline]
+    pub fn set(&mut self, row: usize, col: usize, is_in: bool) {
+        let word = &mut self.words[row * self.words_per_row + col / 64];
+        *word = *word & !(1 << (col % 64)) | u64::from(is_in) << (col % 64);
+    }
+
     /// The cells that are in both sets, which are of one shape.
     #[must_use]
     pub fn and(mut self, other: &BitGrid) -> Self {

@@ -1,11 +1,14 @@
-//! Values of the cells of large grids, in few and large pages of memory where the system has them.
+//! Values of the cells of large grids, in few and large pages of memory where the system has them, or as runs of equal ones.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
+use std::sync::OnceLock;
 
 use bytemuck::Pod;
 #[cfg(target_os = "linux")]
 use bytemuck::{cast_slice, cast_slice_mut};
+
+use super::RowRuns;
 
 /// How many bytes are asked for in large pages, which have 2 MiB. Less is held by the allocator as well. Of more, little is
 /// gained beside the work that is done on it, and much may be lost: on a virtual machine whose host takes back what is
@@ -18,18 +21,89 @@ const LARGE_BYTES: std::ops::RangeInclusive<usize> = 4 << 20..=128 << 20;
 /// PERF: the first touch of each page of new memory costs the kernel as much as line of sight costs us for hundreds of cells.
 /// Linux has pages of 2 MiB for those who ask (`transparent_hugepage`, which is `madvise` on most machines), one touch
 /// instead of 512, and does without where it has none left. The allocator does not ask, so what is large comes from the system itself.
+///
+/// Values that are known as runs ([`LargeVec::from_runs`]) get memory of their own when all of them are asked for, as a slice.
 pub struct LargeVec<T>(Store<T>);
 
 enum Store<T> {
     Heap(Vec<T>),
     #[cfg(target_os = "linux")]
     Pages(memmap2::MmapMut),
+    Runs(Box<Runs<T>>),
+}
+
+/// Values as runs, and one by one since somebody has asked for all of them.
+struct Runs<T> {
+    runs: RowRuns<T>,
+    values: OnceLock<LargeVec<T>>,
 }
 
 impl<T: Pod> LargeVec<T> {
     /// `n` zeros.
     pub fn zeroed(n: usize) -> Self {
         LargeVec(Store::zeroed(n))
+    }
+
+    /// The values of rows of cells.
+    pub fn from_runs(runs: RowRuns<T>) -> Self {
+        LargeVec(Store::Runs(Box::new(Runs { runs, values: OnceLock::new() })))
+    }
+
+    /// The values as runs, if they are known as such.
+    pub fn runs(&self) -> Option<&RowRuns<T>> {
+        match &self.0 {
+            Store::Runs(runs) => Some(&runs.runs),
+            _ => None,
+        }
+    }
+
+    /// All values, if they are in memory one by one.
+    pub fn in_memory(&self) -> Option<&[T]> {
+        match &self.0 {
+            Store::Runs(runs) => runs.values.get().map(LargeVec::as_slice),
+            _ => Some(self),
+        }
+    }
+
+    /// How many values there are.
+    pub fn len(&self) -> usize {
+        self.runs().map_or_else(|| self.as_slice().len(), |runs| runs.n_rows() * runs.n_cols())
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Copies values from index `first` on, which are in one row of cells if they are known as runs.
+    ///
+    /// # Panics
+    /// If there are no such values.
+    #[inline]
+    pub fn copy(&self, first: usize, out: &mut [T]) {
+        match &self.0 {
+            Store::Runs(runs) if runs.values.get().is_none() => {
+                let n_cols = runs.runs.n_cols();
+                runs.runs.copy_row(first / n_cols, first % n_cols, out);
+            }
+            _ => out.copy_from_slice(&self[first..first + out.len()]),
+        }
+    }
+
+    /// One value.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[inline]
+    pub fn value(&self, i: usize) -> T {
+        match &self.0 {
+            Store::Runs(runs) if runs.values.get().is_none() => {
+                let mut value = [T::zeroed()];
+                self.copy(i, &mut value);
+                value[0]
+            }
+            _ => self[i],
+        }
     }
 
     /// All values.
@@ -43,7 +117,20 @@ impl<T: Pod> LargeVec<T> {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
             Store::Pages(map) => cast_slice(&map[..]).to_vec(),
+            Store::Runs(runs) => runs.into_values().into_vec(),
         }
+    }
+}
+
+impl<T: Pod> Runs<T> {
+    fn written(&self) -> LargeVec<T> {
+        let mut values = LargeVec::zeroed(self.runs.n_rows() * self.runs.n_cols());
+        self.runs.write(&mut values);
+        values
+    }
+
+    fn into_values(mut self) -> LargeVec<T> {
+        self.values.take().unwrap_or_else(|| self.written())
     }
 }
 
@@ -78,6 +165,7 @@ impl<T: Pod> Deref for LargeVec<T> {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
             Store::Pages(map) => cast_slice(map),
+            Store::Runs(runs) => runs.values.get_or_init(|| runs.written()),
         }
     }
 }
@@ -85,10 +173,17 @@ impl<T: Pod> Deref for LargeVec<T> {
 impl<T: Pod> DerefMut for LargeVec<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
+        if matches!(self.0, Store::Runs(_))
+            && let Store::Runs(runs) = std::mem::replace(&mut self.0, Store::Heap(Vec::new()))
+        {
+            // The runs will not be those of the values any more.
+            *self = runs.into_values();
+        }
         match &mut self.0 {
             Store::Heap(values) => values,
             #[cfg(target_os = "linux")]
             Store::Pages(map) => cast_slice_mut(map),
+            Store::Runs(_) => &mut [],
         }
     }
 }
@@ -116,7 +211,7 @@ impl<'a, T: Pod> IntoIterator for &'a LargeVec<T> {
 
 impl<T: Pod> Clone for LargeVec<T> {
     fn clone(&self) -> Self {
-        LargeVec::from(self.to_vec())
+        self.runs().map_or_else(|| LargeVec::from(self.to_vec()), |runs| LargeVec::from_runs(runs.clone()))
     }
 }
 
@@ -155,5 +250,23 @@ mod tests {
             assert!(copy == values, "{n}");
             assert!(values.into_vec().into_iter().eq(0..i32::try_from(n).expect("small")), "{n}");
         }
+    }
+
+    #[test]
+    fn runs_are_the_values_they_stand_for() {
+        let cells: Vec<i32> = (0..40 * 300).map(|i| i / 300 / 7 * 3 + i % 300 / 50).collect();
+        let runs = || LargeVec::from_runs(RowRuns::of(&cells, 300, 0).expect("any number of runs"));
+        let values = runs();
+        assert_eq!((values.len(), values.value(11_999), values.value(350)), (12_000, cells[11_999], 1));
+        let mut part = [0; 77];
+        values.copy(900 + 33, &mut part);
+        assert_eq!(part, cells[933..1010]);
+        assert!(values.runs().is_some() && values.clone().runs().is_some());
+        assert_eq!(*values, cells[..]);
+        assert_eq!(values.into_vec(), cells);
+        let mut changed = runs();
+        changed[5] = 99;
+        assert!(changed.runs().is_none());
+        assert_eq!((changed[5], &changed[6..]), (99, &cells[6..]));
     }
 }

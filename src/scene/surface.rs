@@ -156,7 +156,9 @@ pub(super) fn scene_of(
     };
     let georef = surface.georef().clone();
     let mut cells = surface.into_cells();
-    raise(&mut cells, &ground, (options.nodata_as, empty));
+    if !matches!((&ground, options.nodata_as), (Ground::Surface, NodataAs::Clear)) {
+        raise(&mut cells, &ground, (options.nodata_as, empty));
+    }
     surface = Raster::new(georef.clone(), cells);
     let building_threshold = building_threshold(options)?;
     Ok(Scene {

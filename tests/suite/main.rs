@@ -14,6 +14,7 @@ mod engines; // whole maps by the engine for the scene are those of a ray per re
 mod invariants; // properties: swap, mirror, quarter turn, split, raise
 mod approximate; // step, xdraw and r2 against restatements of their rules; the sign and size of their errors
 mod shadow; // the engine `shadow` against `ray`, cell for cell
+mod plateaus; // shadows of a raster's plateaus against `ray`, and when they are taken
 mod shadow_positions; // the same from the ground: receivers and the UAVs that they see
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks

@@ -1,0 +1,314 @@
+//! `shadow` over a raster that is a block model: its plateaus are prisms, and receivers stand on the ground or on them.
+//!
+//! **Why.** Many rasters of cities are block models that were put on a grid along their walls, generated ones above all:
+//! 17 million cells, 8500 blocks. The union of the columns above the lowest height is that of as many prisms, whose shadows cost
+//! an eighth of a sweep over the cells.
+//!
+//! **Receivers.** Those over the lowest height are one level, as on flat ground: [`super::shadow`] decides them. Each plateau
+//! above it is a level of its own, of few cells. Seen from there the sky is wide, and only what stands between the plateau and
+//! the UAV can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above the
+//! highest top. Their shadows are cast on the plateau's cells alone.
+//!
+//! **Exactness.** Shadows are those of [`super::shadow`], with their margins and doubts. Bounds on what lies in between are
+//! computed in doubles and widened by a lattice step, far more than they can err. The doubts are asked of [`prisms_los`]: a
+//! link between two points that are not below the lowest height is blocked by the prisms if and only if it is by the columns,
+//! but for the receiver's own cell, which is exempt among columns and not among prisms. It matters where the ray is below the
+//! top of the own cell inside of it: to receivers that stand below that top, or that look down on a UAV below it so steeply
+//! that the ray dips below their roof before it has left the cell, and leaves it at the end of the plateau. These few are asked
+//! of [`columns_los`].
+
+use std::ops::ControlFlow;
+
+use fearless_simd::{Simd, dispatch};
+use rayon::prelude::*;
+
+use super::columns_ray::columns_los;
+use super::shadow::{Band, BandJob, Receivers, ShadowScene, plane_of, shadow_los};
+use super::shadow_outline::{Outline, Plane, Reach};
+use super::shadow_spans::{as_f64, clear, for_each_bit};
+use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
+use crate::raster::{BitGrid, bits_between};
+
+/// Bands of rows to a thread, so that none waits long for another.
+const BANDS_PER_THREAD: usize = 4;
+
+/// Half the edge of a cell \[lattice steps\].
+const HALF_CELL: i64 = STEPS_PER_UNIT as i64 / 2;
+
+/// Where receivers stand on a raster of plateaus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OnPlateaus {
+    /// All at one height \[1/1024 m above the datum\].
+    Level(i64),
+    /// This far above the top of their cell \[1/1024 m\].
+    Above(i32),
+}
+
+/// The wanted cells whose receivers are in line of sight of `uav`: cell for cell what [`columns_los`] says.
+///
+/// `scene` holds the prisms of the plateaus of `columns`, and the positions of its cells. Nobody may be below the lowest plateau
+/// (not checked).
+///
+/// Cost: the rows of the shadows, and for each plateau that holds receivers what lies between it and the UAV.
+pub fn plateaus_los(
+    scene: &ShadowScene<'_>,
+    columns: &Columns,
+    plateaus: &Plateaus,
+    uav: LatticePoint,
+    receivers: OnPlateaus,
+) -> BitGrid {
+    let height = |top: i32| match receivers {
+        OnPlateaus::Level(z) => z,
+        OnPlateaus::Above(above) => i64::from(top) + i64::from(above),
+    };
+    let on_lowest = height(plateaus.lowest());
+    let mut level = scene.wanted.clone();
+    if let OnPlateaus::Above(_) = receivers {
+        plateaus.raised().iter().for_each(|plateau| clear_plateau(&mut level, plateau));
+    }
+    let mut los = shadow_los(&ShadowScene { wanted: &level, ..*scene }, uav, on_lowest).los;
+    if let OnPlateaus::Above(above) = receivers {
+        on_raised(scene, plateaus, uav, above, &mut los);
+    }
+    ask_columns(scene, columns, plateaus.raised(), uav, &height, &mut los);
+    los
+}
+
+/// Asks the columns about the receivers whose own cell is in the way among prisms, but exempt among columns.
+fn ask_columns(
+    scene: &ShadowScene<'_>,
+    columns: &Columns,
+    raised: &[Plateau],
+    uav: LatticePoint,
+    height: &impl Fn(i32) -> i64,
+    los: &mut BitGrid,
+) {
+    for plateau in raised {
+        let (z, top) = (height(plateau.top), i64::from(plateau.top));
+        let is_inside = top > z;
+        if !is_inside && (z <= uav.z || top <= uav.z) {
+            continue;
+        }
+        for row in plateau.rows.0 as usize..plateau.rows.1 as usize {
+            let words = scene.wanted.row(row);
+            for_each_bit(words, plateau.cols.0 as usize, plateau.cols.1 as usize, |col| {
+                let receiver = LatticePoint { x: scene.grid.xs[col], y: scene.grid.ys[row], z };
+                let length = (uav.x - receiver.x).abs().max((uav.y - receiver.y).abs());
+                // EXACT: heights differ by at most 2^28, positions by at most 2^27.
+                if is_inside || (z - uav.z) * HALF_CELL > (z - top) * length {
+                    los.set(row, col, columns_los(columns, uav, receiver));
+                }
+            });
+        }
+    }
+}
+
+/// Leaves of the receivers on raised plateaus those that are in line of sight.
+fn on_raised(scene: &ShadowScene<'_>, plateaus: &Plateaus, uav: LatticePoint, above: i32, los: &mut BitGrid) {
+    let Some(plane) = plane_of(scene, uav) else { return };
+    let (n_rows, words_per_row) = (los.n_rows(), los.words_per_row());
+    let rows_per_band = n_rows.div_ceil(scene.n_bands.max(1) * BANDS_PER_THREAD);
+    let bands = los.words_mut().par_chunks_mut((rows_per_band * words_per_row).max(1)).enumerate();
+    bands.for_each(|(k, words)| {
+        let rows = (k * rows_per_band, k * rows_per_band + words.len() / words_per_row);
+        let job = RaisedBand { scene, plateaus, uav, above, rows };
+        dispatch!(scene.level, simd => job.cast(simd, plane.clone(), words));
+    });
+}
+
+/// The receivers on raised plateaus in some rows.
+struct RaisedBand<'a> {
+    scene: &'a ShadowScene<'a>,
+    plateaus: &'a Plateaus,
+    uav: LatticePoint,
+    above: i32,
+    rows: (usize, usize),
+}
+
+impl RaisedBand<'_> {
+    /// Adds those in line of sight to the words of the rows.
+    #[inline(always)]
+    fn cast<S: Simd>(&self, simd: S, mut plane: Plane, words: &mut [u64]) {
+        let words_per_row = self.scene.wanted.words_per_row();
+        let mut cells: Vec<u64> = Vec::new();
+        let mut outline = Outline::default();
+        for plateau in self.plateaus.raised() {
+            let narrow = |(first, end): (u32, u32)| (first as usize, end as usize);
+            let ((first, end), cols) = (narrow(plateau.rows), narrow(plateau.cols));
+            let rows = (first.max(self.rows.0), end.min(self.rows.1));
+            if rows.0 >= rows.1 {
+                continue;
+            }
+            // The plateau's cells alone, in rows as wide as those of the map, so that columns keep their numbers.
+            let used = cols.0 / 64..cols.1.div_ceil(64);
+            let n_words = (rows.1 - rows.0) * words_per_row;
+            if cells.len() < n_words {
+                cells.resize(n_words, 0);
+            }
+            let mut any = 0;
+            for (row, cells) in (rows.0..rows.1).zip(cells.chunks_exact_mut(words_per_row)) {
+                let wanted = self.scene.wanted.row(row);
+                for word in used.clone() {
+                    cells[word] = wanted[word] & bits_between(cols.0, cols.1, word);
+                    any |= cells[word];
+                }
+            }
+            if any == 0 {
+                continue;
+            }
+            plane.narrow_to(self.scene.grid, rows, cols);
+            let z = i64::from(plateau.top) + i64::from(self.above);
+            self.hide(simd, &plane, (z, rows), &mut cells[..n_words], &mut outline);
+            for (row, cells) in (rows.0..rows.1).zip(cells.chunks_exact(words_per_row)) {
+                let of_row = &mut words[(row - self.rows.0) * words_per_row..][..words_per_row];
+                for word in used.clone() {
+                    of_row[word] |= cells[word];
+                }
+            }
+        }
+    }
+
+    /// Leaves of the cells of a plateau, receivers at height `z`, those that are in line of sight.
+    #[inline(always)]
+    fn hide<S: Simd>(
+        &self,
+        simd: S,
+        plane: &Plane,
+        (z, rows): (i64, (usize, usize)),
+        cells: &mut [u64],
+        outline: &mut Outline,
+    ) {
+        let receivers = Receivers::Level(z);
+        let job = BandJob { scene: self.scene, plane, receivers: &receivers, rows };
+        let mut band = Band::new(cells, self.scene.wanted.words_per_row());
+        let grid = self.scene.grid;
+        let bounds = [grid.xs[plane.cols.0], grid.ys[rows.1 - 1], grid.xs[plane.cols.1 - 1], grid.ys[rows.0]];
+        let between = Between::new(self.uav, bounds, z);
+        let prisms = self.scene.prisms;
+        // Whether anything is left is told where the walk has come to the end.
+        let _ = between.visit(prisms, |piece| {
+            let ring = prisms.ring(piece);
+            let ([west, south], [east, north]) = (ring[0], ring[2]);
+            if let Some(reach) = Reach::new(self.uav.z, piece.top, z)
+                && outline.cast(plane, ring, [west, south, east, north], reach)
+            {
+                job.hide(simd, outline, &mut band);
+                if band.is_dark(plane.cols) {
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        job.settle(&mut band);
+    }
+}
+
+/// What lies between a UAV and receivers of one height in a box: the hull of both, and how high its rays are.
+struct Between {
+    uav: LatticePoint,
+    /// Along which axis the box is farther away, 0 for x, and whether on its negative side.
+    axis: usize,
+    is_mirrored: bool,
+    /// Distance of its nearer and its farther side along that axis \[lattice steps\].
+    distance: (f64, f64),
+    /// Its extent across, relative to the UAV \[lattice steps\].
+    across: (f64, f64),
+    /// Height of the receivers above the UAV \[1/1024 m\].
+    rise: f64,
+}
+
+impl Between {
+    /// `bounds` are west, south, east and north of the receivers.
+    fn new(uav: LatticePoint, [west, south, east, north]: [i64; 4], z: i64) -> Self {
+        let sides = [(west - uav.x, east - uav.x), (south - uav.y, north - uav.y)];
+        let gap = |(low, high): (i64, i64)| low.max(-high).max(0);
+        let axis = usize::from(gap(sides[1]) >= gap(sides[0]));
+        let (low, high) = sides[axis];
+        let across = sides[1 - axis];
+        Between {
+            uav,
+            axis,
+            is_mirrored: high < 0,
+            distance: (as_f64(gap((low, high))), as_f64(low.abs().max(high.abs()))),
+            across: (as_f64(across.0), as_f64(across.1)),
+            rise: as_f64(z - uav.z),
+        }
+    }
+
+    /// Calls `visit` with the pieces that may hide the UAV from a receiver, in rows of buckets from the receivers on; with some
+    /// of them more than once.
+    #[inline(always)]
+    fn visit(&self, prisms: &Prisms, mut visit: impl FnMut(&Piece) -> ControlFlow<()>) -> ControlFlow<()> {
+        if prisms.pieces().is_empty() {
+            return ControlFlow::Continue(());
+        }
+        let buckets = prisms.buckets();
+        let (near, far) = self.distance;
+        let uav = [self.uav.x, self.uav.y];
+        let (origin, shape) = ([buckets.origin.0, buckets.origin.1], [buckets.shape.0, buckets.shape.1]);
+        let (from_origin, across_origin) =
+            (uav[self.axis] - origin[self.axis], uav[1 - self.axis] - origin[1 - self.axis]);
+        let size = as_f64(buckets.size);
+        // Positions in buckets, from the first one on.
+        let bucket = |at: f64, n: i64| {
+            #[expect(clippy::cast_possible_truncation, reason = "saturates, and is clamped")]
+            let k = (at / size).floor() as i64;
+            k.clamp(0, n - 1)
+        };
+        // The receivers may be on both sides of the UAV.
+        let on_both_sides = near <= 0.0;
+        let (low, high) = match (on_both_sides, self.is_mirrored) {
+            (true, _) => (-far, far),
+            (false, true) => (-far, 0.0),
+            (false, false) => (0.0, far),
+        };
+        let n = shape[self.axis];
+        let (first, last) = (bucket(as_f64(from_origin) + low, n), bucket(as_f64(from_origin) + high, n));
+        for k in first..=last {
+            let row = if self.is_mirrored { k } else { last - (k - first) };
+            // Distances from the UAV between which the row lies, and how far along the rays that is.
+            let (south, north) =
+                (as_f64(row * buckets.size - from_origin), as_f64((row + 1) * buckets.size - from_origin));
+            let (from, to) = if self.is_mirrored { (-north, -south) } else { (south, north) };
+            let (start, end) =
+                if on_both_sides { (0.0, 1.0) } else { ((from / far).max(0.0), (to / near).clamp(0.0, 1.0)) };
+            // A step is more than all of this can err.
+            let lowest = self.rise * if self.rise > 0.0 { start } else { end } + as_f64(self.uav.z) - 1.0;
+            if f64::from(prisms.max_top()) <= lowest {
+                // Rays that rise towards the UAV are higher in all rows to come.
+                if self.rise > 0.0 {
+                    continue;
+                }
+                return ControlFlow::Continue(());
+            }
+            let west = self.across.0 * if self.across.0 < 0.0 { end } else { start } - 2.0;
+            let east = self.across.1 * if self.across.1 < 0.0 { start } else { end } + 2.0;
+            let n = shape[1 - self.axis];
+            let (west, east) = (bucket(as_f64(across_origin) + west, n), bucket(as_f64(across_origin) + east, n));
+            for col in west..=east {
+                let at = if self.axis == 1 { (col, row) } else { (row, col) };
+                let Some((max_top, pieces)) = buckets.at(at.0, at.1) else { continue };
+                if f64::from(max_top) <= lowest {
+                    continue;
+                }
+                for piece in pieces {
+                    let piece = &prisms.pieces()[*piece as usize];
+                    if f64::from(piece.top) > lowest {
+                        visit(piece)?;
+                    }
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Takes the cells of a plateau out of a set.
+fn clear_plateau(cells: &mut BitGrid, plateau: &Plateau) {
+    let words_per_row = cells.words_per_row();
+    for row in plateau.rows.0 as usize..plateau.rows.1 as usize {
+        let words = &mut cells.words_mut()[row * words_per_row..][..words_per_row];
+        clear(words, u64::from(plateau.cols.0), u64::from(plateau.cols.1));
+    }
+}

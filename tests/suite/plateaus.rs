@@ -1,0 +1,168 @@
+//! Shadows of the plateaus of a raster equal `ray` on its columns, cell for cell; and `auto` takes them where they serve.
+
+use rayon::prelude::*;
+use skyshed::coverage::{Control, MapOptions, Receivers, map_site};
+use skyshed::height_field::{Columns, HeightField, Plateaus};
+use skyshed::los::{Method, MethodChoice, OnPlateaus, ShadowGrid, ShadowScene, columns_los, plateaus_los, simd_levels};
+use skyshed::quantity::{LatticePoint, VOID};
+use skyshed::raster::BitGrid;
+use skyshed::scene::{BuiltUp, BuiltUpCity, Ground};
+
+use crate::engines::as_raster;
+use crate::invariants::uav_at;
+use crate::support::{Random, slow};
+
+/// Rectangles on flat ground, one over another, some of them void, with tops around the UAV's height.
+fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> Vec<i32> {
+    let ground = random.choose(&[0, -20 * 1024, 3]);
+    let spread = random.choose(&[1, 3, 3000, 100 * 1024]);
+    let mut tops = vec![ground; n_rows * n_cols];
+    for _ in 0..random.index(0, 14) {
+        let side = |random: &mut Random, n: usize| {
+            let first = random.index(0, n - 1);
+            (first, (first + random.index(1, 12)).min(n))
+        };
+        let (rows, cols) = (side(random, n_rows), side(random, n_cols));
+        let top = match random.within(0, 9) {
+            0 => VOID,
+            1..=4 => i32::try_from((uav_z + random.within(-spread, spread)).max(ground.into())).unwrap(),
+            _ => ground + i32::try_from(random.within(0, 20 * 1024)).unwrap(),
+        };
+        for row in rows.0..rows.1 {
+            tops[row * n_cols + cols.0..row * n_cols + cols.1].fill(top);
+        }
+    }
+    tops
+}
+
+/// Compares all receivers of one scene with rays; returns how many they are, and how many of them are in line of sight.
+fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, random: &mut Random) -> (u64, u64) {
+    let n_rows = tops.len() / n_cols;
+    let columns = Columns::new(n_rows, n_cols, tops.to_vec());
+    let Some(plateaus) = Plateaus::of(tops, n_cols) else { return (0, 0) };
+    let height = |cell: usize| match on {
+        OnPlateaus::Level(z) => z,
+        OnPlateaus::Above(above) => i64::from(tops[cell]) + i64::from(above),
+    };
+    let lowest = i64::from(plateaus.lowest());
+    if uav.z < lowest || matches!(on, OnPlateaus::Level(z) if z < lowest) {
+        return (0, 0);
+    }
+    let wanted_of_100 = random.choose(&[100, 100, 60]);
+    let mut wanted = BitGrid::new(n_rows, n_cols);
+    for cell in (0..tops.len()).filter(|cell| tops[*cell] != VOID) {
+        wanted.set(cell / n_cols, cell % n_cols, random.chance(wanted_of_100));
+    }
+    let xs = (0..n_cols).map(|col| columns.center(0, col).0).collect();
+    let ys = (0..n_rows).map(|row| columns.center(row, 0).1).collect();
+    let grid = ShadowGrid::new(xs, ys);
+    let prisms = plateaus.prisms();
+    let (level, n_bands) = (random.choose(&simd_levels()), random.index(1, 3));
+    let scene = ShadowScene { prisms, casters: prisms.casters(), grid: &grid, wanted: &wanted, level, n_bands };
+    let los = plateaus_los(&scene, &columns, &plateaus, uav, on);
+    for row in 0..n_rows {
+        for col in 0..n_cols {
+            let ((x, y), z) = (columns.center(row, col), height(row * n_cols + col));
+            let expected = wanted.contains(row, col) && columns_los(&columns, uav, LatticePoint { x, y, z });
+            let what = format!("row {row}, column {col} of {n_rows}×{n_cols}, UAV {uav:?}, {on:?}, {level:?}");
+            assert_eq!(los.contains(row, col), expected, "{what}, {n_bands} bands, tops {tops:?}");
+        }
+    }
+    (wanted.count(), los.count())
+}
+
+#[test]
+fn small_block_models_with_heights_around_the_uav_agree_with_ray() {
+    let n = if slow() { 400_000 } else { 12_000 };
+    let counts = (0..n).into_par_iter().map(|seed| {
+        let mut random = Random(seed ^ 0x91A7);
+        let (n_rows, n_cols) = (random.index(1, 40), random.index(1, 80));
+        let uav_z = random.choose(&[512, 1024, 9 * 1024, 40 * 1024, 130 * 1024]);
+        let tops = blocks(&mut random, (n_rows, n_cols), uav_z);
+        // Over cell centers, corners, edges and anywhere, inside and outside.
+        let place = |random: &mut Random, n: usize| {
+            let cell = random.within(-20, i64::try_from(n).unwrap() + 20);
+            cell * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
+        };
+        let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z: uav_z };
+        let on = match random.within(0, 2) {
+            0 => OnPlateaus::Level(random.choose(&[0, 1536, uav_z, uav_z + 3000, 9000])),
+            _ => OnPlateaus::Above(random.choose(&[0, 1, 1536, 1536, 30 * 1024])),
+        };
+        compare(&tops, n_cols, uav, on, &mut random)
+    });
+    let (receivers, los) = counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    assert!(receivers > n * 300 && los > n * 50 && los < receivers * 3 / 4, "{los} of {receivers}");
+}
+
+#[test]
+fn towns_of_blocks_agree_with_ray() {
+    let n = if slow() { 2000 } else { 60 };
+    let counts = (0..n).into_par_iter().map(|seed| {
+        let mut random = Random(seed ^ 0xB10C);
+        let (n_rows, n_cols) = (random.index(60, 300), random.index(60, 300));
+        let (block, street) = (random.index(5, 25), random.index(1, 12));
+        let (tall, spread) = (random.within(1, 40), random.choose(&[0, 1024, 40 * 1024]));
+        let mut tops = vec![0; n_rows * n_cols];
+        for row in (0..n_rows).step_by(block + street) {
+            for col in (0..n_cols).step_by(block + street) {
+                let top = i32::try_from(tall * 1024 + random.within(0, spread)).unwrap();
+                for row in row..(row + block).min(n_rows) {
+                    tops[row * n_cols + col..][..block.min(n_cols - col)].fill(top);
+                }
+            }
+        }
+        let place = |random: &mut Random, n: usize| {
+            let span = i64::try_from(n).unwrap();
+            random.within(-span / 2, 3 * span / 2) * 1024 + random.choose(&[0, 512, 512, 300])
+        };
+        let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
+        let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z };
+        let on = random.choose(&[OnPlateaus::Level(1536), OnPlateaus::Above(1536), OnPlateaus::Above(0)]);
+        compare(&tops, n_cols, uav, on, &mut random)
+    });
+    let (receivers, los) = counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    assert!(receivers > n * 10_000 && los > n * 1000 && los < receivers, "{los} of {receivers}");
+}
+
+fn city(name: &str, seed: u64) -> HeightField {
+    let built_up = BuiltUp::named(name).unwrap();
+    let scene = BuiltUpCity { built_up, size_m: 520.0, cell_m: 1.0, seed, ground_m: 0.0 }.scene().unwrap();
+    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+}
+
+#[test]
+fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_rays_and_of_the_sweep() {
+    let seeds = if slow() { 10 } else { 1 };
+    for (name, seed) in
+        ["suburban", "urban", "dense-urban", "high-rise"].into_iter().flat_map(|n| (0..seeds).map(move |s| (n, s)))
+    {
+        let mut random = Random(seed);
+        let footprints = city(name, seed);
+        for ground in [Ground::Surface, Ground::Flat(0)] {
+            let field = as_raster(&footprints, ground, 0, &mut random);
+            let (x, y) = (random.within(0, 1040) as f64 / 2.0, random.within(0, 1040) as f64 / 2.0);
+            let roof = field.roof_at(&field.place(x, y)).unwrap_or(0).max(field.ground_at(&field.place(x, y)));
+            for above in [2, 60, 200] {
+                let uav = uav_at(&field, x, y, i64::from(roof) + above * 1024);
+                for (receivers, radius) in
+                    [(Receivers::Ground, None), (Receivers::All, None), (Receivers::All, Some(201.3))]
+                {
+                    let by = |method| {
+                        let options = MapOptions { method, receivers, radius, ..MapOptions::default() };
+                        map_site(&field, &uav, &options, &Control::default()).unwrap()
+                    };
+                    let (auto, ray, sweep) = (by(MethodChoice::Auto), by(MethodChoice::Ray), by(MethodChoice::Sweep));
+                    let what = format!("{name}, seed {seed}, UAV {above} m over {x}, {y}, {receivers:?}, {radius:?}");
+                    assert!(auto.mask == ray.mask && sweep.mask == ray.mask, "{what}");
+                    assert_eq!((auto.tally, sweep.tally), (ray.tally, ray.tally), "{what}");
+                }
+            }
+            assert_eq!(Method::choose(&field, MethodChoice::Auto).unwrap().0, Method::Shadow);
+            // Roofs that are not flat are no plateaus.
+            let noisy = as_raster(&footprints, Ground::Surface, 700, &mut random);
+            assert_eq!(Method::choose(&noisy, MethodChoice::Auto).unwrap().0, Method::Sweep);
+            assert!(Method::choose(&noisy, MethodChoice::Shadow).is_err());
+        }
+    }
+}
