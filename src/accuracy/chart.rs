@@ -110,6 +110,11 @@ impl Contestant {
         let approximate = STEPS.into_iter().filter_map(StepLength::new).map(Method::Step);
         let approximate = approximate.chain([Method::Xdraw, Method::R2]);
         let mut all: Vec<Contestant> = [Method::Ray, own].map(on(Ground::Scene)).to_vec();
+        // A raster of plateaus is no such raster any more on larger cells.
+        let of_forms = if is_vector { own } else { Method::Sweep };
+        if !is_vector && own != Method::Sweep {
+            all.push(on(Ground::Scene)(Method::Sweep));
+        }
         if is_vector {
             all.push(on(Ground::Raster)(Method::Sweep));
             all.extend(approximate.map(on(Ground::Raster)));
@@ -118,7 +123,7 @@ impl Contestant {
         }
         let mut forms = Simpler::forms(field, &FACTORS);
         forms.sort_by_key(|form| form.pooling.map(Pooling::name));
-        all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(own)));
+        all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(of_forms)));
         let more = match (more, is_vector) {
             // Approximations of a vector scene are those of its raster.
             (MethodChoice::Step(length), true) => on(Ground::Raster)(Method::Step(length)),
@@ -203,7 +208,8 @@ impl Contestant {
     fn choice(&self) -> MethodChoice {
         match self.method {
             Method::Ray => MethodChoice::Ray,
-            Method::Sweep | Method::Shadow | Method::ShadowSweep | Method::ShadowRay => MethodChoice::Auto,
+            Method::Sweep => MethodChoice::Sweep,
+            Method::Shadow | Method::ShadowSweep | Method::ShadowRay => MethodChoice::Auto,
             Method::Step(length) => MethodChoice::Step(length),
             Method::Xdraw => MethodChoice::Xdraw,
             Method::R2 => MethodChoice::R2,

@@ -74,6 +74,18 @@ fn write_words<S: Simd>(simd: S, sets: &RowSets<'_>, mask: &mut [u8]) {
     let (nodata, far, none) = (splat(class::NODATA), splat(class::OUT_OF_RANGE), splat(class::NOT_A_RECEIVER));
     let (nlos, los) = (splat(class::NLOS), splat(class::LOS));
     for (word, out) in sets.words().zip(mask.chunks_mut(64)) {
+        // PERF: most words are all of one class.
+        match (word.receivers, word.los) {
+            (u64::MAX, 0) => {
+                out.fill(class::NLOS);
+                continue;
+            }
+            (u64::MAX, u64::MAX) => {
+                out.fill(class::LOS);
+                continue;
+            }
+            _ => {}
+        }
         let mut classes = [0_u8; 64];
         for (k, lanes) in classes.chunks_exact_mut(n).enumerate() {
             let bits = |word: u64| S::mask8s::from_bitmask(simd, word >> (k * n));

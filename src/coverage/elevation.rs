@@ -158,12 +158,20 @@ impl RowElevations<'_> {
         let uav_above = i32::try_from(self.uav.2 - i64::from(above)).unwrap_or(i32::MAX);
         let rise_over = |base: i32| in_meters(i64::from(uav_above) - i64::from(base));
         let steepest = (rise_over(highest) >= 0.0).then(|| rise_over(lowest) * rise_over(lowest));
+        // PERF: far from the UAV all receivers, whatever their heights, see it in the flattest band. Each operation here
+        // rounds as below, and none of them turns an order around.
+        let is_flat = |first: usize, end: usize| {
+            let nearest = self.uav.0.clamp(self.xs[first], self.xs[end - 1]);
+            steepest.is_some_and(|steepest| steepest < SQUARED_TANGENTS[0] * self.squared_distance(nearest))
+        };
+        if is_flat(0, self.n_cols) {
+            let sum = |words: &[u64]| words.iter().map(|word| u64::from(word.count_ones())).sum();
+            add(band(false, 0), sum(receivers), sum(los));
+            return;
+        }
         for (k, (receivers, los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
             let (first, n_here) = (self.first_cell + 64 * k, (self.n_cols - 64 * k).min(64));
-            // PERF: far from the UAV all receivers, whatever their heights, see it in the flattest band. Each operation
-            // here rounds as below, and none of them turns an order around.
-            let nearest = self.uav.0.clamp(self.xs[64 * k], self.xs[64 * k + n_here - 1]);
-            if steepest.is_some_and(|steepest| steepest < SQUARED_TANGENTS[0] * self.squared_distance(nearest)) {
+            if is_flat(64 * k, 64 * k + n_here) {
                 let count = &mut counts[band(false, 0)];
                 count.0 += u64::from(receivers.count_ones());
                 count.1 += u64::from(los.count_ones());

@@ -206,15 +206,16 @@ pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usi
     let is_used = |row: &usize| cells.row(*row)[first_word..end_word].iter().any(|w| *w != 0);
     let first = (rows.0..rows.1).find(is_used)?;
     let last = (first..rows.1).rev().find(is_used)?;
-    let (mut west, mut east) = (usize::MAX, 0);
-    for word in first_word..end_word {
-        let any = (first..=last).fold(0, |any, row| any | cells.row(row)[word]);
-        if any != 0 {
-            west = west.min(word * 64 + any.trailing_zeros() as usize);
-            east = word * 64 + 64 - any.leading_zeros() as usize;
-        }
+    // PERF: row by row, as they lie in memory.
+    let mut used = cells.row(first)[first_word..end_word].to_vec();
+    for row in first + 1..=last {
+        used.iter_mut().zip(&cells.row(row)[first_word..end_word]).for_each(|(used, word)| *used |= word);
     }
-    Some(((first, last + 1), (west, east)))
+    let west = used.iter().position(|w| *w != 0)?;
+    let east = used.iter().rposition(|w| *w != 0)?;
+    let first_col = (first_word + west) * 64 + used[west].trailing_zeros() as usize;
+    let end_col = (first_word + east) * 64 + 64 - used[east].leading_zeros() as usize;
+    Some(((first, last + 1), (first_col, end_col)))
 }
 
 /// The first of some rows or columns, and the one after the last.
@@ -523,13 +524,6 @@ impl<'a> Band<'a> {
     pub(super) fn new(words: &'a mut [u64], words_per_row: usize) -> Self {
         let n_tiles = (words.len() / words_per_row.max(1)).div_ceil(TILE) * words_per_row;
         Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new(), tiles_to_do: Vec::new() }
-    }
-
-    /// Whether no wanted cell is left in the tiles that hold columns `cols.0..cols.1`.
-    #[inline(always)]
-    pub(super) fn is_dark(&mut self, cols: (usize, usize)) -> bool {
-        let n_rows = self.words.len() / self.words_per_row.max(1);
-        (0..n_rows.div_ceil(TILE)).all(|tile_row| self.is_closed(tile_row, cols))
     }
 
     #[inline(always)]

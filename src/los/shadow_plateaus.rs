@@ -23,9 +23,10 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 use super::columns_ray::columns_los;
-use super::shadow::{Band, BandJob, Receivers, ShadowScene, plane_of, shadow_los};
-use super::shadow_outline::{Outline, Plane, Reach};
-use super::shadow_spans::{as_f64, clear, for_each_bit};
+use super::prisms_ray::prisms_los;
+use super::shadow::{ShadowScene, plane_of, shadow_los};
+use super::shadow_outline::{Outline, Plane, Reach, Rows};
+use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
 use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, bits_between};
@@ -131,40 +132,22 @@ impl RaisedBand<'_> {
     #[inline(always)]
     fn cast<S: Simd>(&self, simd: S, mut plane: Plane, words: &mut [u64]) {
         let words_per_row = self.scene.wanted.words_per_row();
-        let mut cells: Vec<u64> = Vec::new();
+        let mut cells = PlateauCells::default();
         let mut outline = Outline::default();
+        let mut visits = Visits { of: vec![0; self.scene.prisms.pieces().len()], now: 0 };
         for plateau in self.plateaus.raised() {
             let narrow = |(first, end): (u32, u32)| (first as usize, end as usize);
             let ((first, end), cols) = (narrow(plateau.rows), narrow(plateau.cols));
             let rows = (first.max(self.rows.0), end.min(self.rows.1));
-            if rows.0 >= rows.1 {
-                continue;
-            }
-            // The plateau's cells alone, in rows as wide as those of the map, so that columns keep their numbers.
-            let used = cols.0 / 64..cols.1.div_ceil(64);
-            let n_words = (rows.1 - rows.0) * words_per_row;
-            if cells.len() < n_words {
-                cells.resize(n_words, 0);
-            }
-            let mut any = 0;
-            for (row, cells) in (rows.0..rows.1).zip(cells.chunks_exact_mut(words_per_row)) {
-                let wanted = self.scene.wanted.row(row);
-                for word in used.clone() {
-                    cells[word] = wanted[word] & bits_between(cols.0, cols.1, word);
-                    any |= cells[word];
-                }
-            }
-            if any == 0 {
+            if rows.0 >= rows.1 || !cells.fill(self.scene.wanted, rows, cols) {
                 continue;
             }
             plane.narrow_to(self.scene.grid, rows, cols);
             let z = i64::from(plateau.top) + i64::from(self.above);
-            self.hide(simd, &plane, (z, rows), &mut cells[..n_words], &mut outline);
-            for (row, cells) in (rows.0..rows.1).zip(cells.chunks_exact(words_per_row)) {
-                let of_row = &mut words[(row - self.rows.0) * words_per_row..][..words_per_row];
-                for word in used.clone() {
-                    of_row[word] |= cells[word];
-                }
+            self.hide(simd, &plane, z, &mut cells, (&mut outline, &mut visits));
+            for (row, cells) in (rows.0..rows.1).zip(cells.words.chunks_exact(cells.words_per_row)) {
+                let from = (row - self.rows.0) * words_per_row + cols.0 / 64;
+                words[from..][..cells.len()].iter_mut().zip(cells).for_each(|(word, cells)| *word |= cells);
             }
         }
     }
@@ -175,32 +158,130 @@ impl RaisedBand<'_> {
         &self,
         simd: S,
         plane: &Plane,
-        (z, rows): (i64, (usize, usize)),
-        cells: &mut [u64],
-        outline: &mut Outline,
+        z: i64,
+        cells: &mut PlateauCells,
+        (outline, visits): (&mut Outline, &mut Visits),
     ) {
-        let receivers = Receivers::Level(z);
-        let job = BandJob { scene: self.scene, plane, receivers: &receivers, rows };
-        let mut band = Band::new(cells, self.scene.wanted.words_per_row());
-        let grid = self.scene.grid;
-        let bounds = [grid.xs[plane.cols.0], grid.ys[rows.1 - 1], grid.xs[plane.cols.1 - 1], grid.ys[rows.0]];
-        let between = Between::new(self.uav, bounds, z);
-        let prisms = self.scene.prisms;
-        // Whether anything is left is told where the walk has come to the end.
-        let _ = between.visit(prisms, |piece| {
+        let (grid, prisms, uav) = (self.scene.grid, self.scene.prisms, self.uav);
+        let (rows, cols) = (plane.rows, plane.cols);
+        let bounds = [grid.xs[cols.0], grid.ys[rows.1 - 1], grid.xs[cols.1 - 1], grid.ys[rows.0]];
+        visits.now += 1;
+        let walk = Between::new(uav, bounds, z).visit(prisms, visits, |piece| {
             let ring = prisms.ring(piece);
             let ([west, south], [east, north]) = (ring[0], ring[2]);
-            if let Some(reach) = Reach::new(self.uav.z, piece.top, z)
-                && outline.cast(plane, ring, [west, south, east, north], reach)
-            {
-                job.hide(simd, outline, &mut band);
-                if band.is_dark(plane.cols) {
-                    return ControlFlow::Break(());
+            match Reach::new(uav.z, piece.top, z) {
+                Some(reach) if outline.cast(plane, ring, [west, south, east, north], reach) => {
+                    cells.hide(simd, plane, outline)
                 }
+                _ => ControlFlow::Continue(()),
             }
-            ControlFlow::Continue(())
         });
-        job.settle(&mut band);
+        if walk.is_continue() {
+            cells.settle(self.scene, uav, z);
+        }
+    }
+}
+
+/// The cells of a plateau that are not yet hidden.
+#[derive(Debug, Default)]
+struct PlateauCells {
+    /// Row by row, from the word of its first column to that of its last.
+    words: Vec<u64>,
+    words_per_row: usize,
+    first_word: usize,
+    rows: (usize, usize),
+    /// Rows, and columns of them, on the boundary of some shadow, or so near that rounding matters.
+    doubts: Vec<(usize, (u64, u64))>,
+}
+
+impl PlateauCells {
+    /// Makes these the wanted cells of some rows and columns; `false` if there is none.
+    #[inline(always)]
+    fn fill(&mut self, wanted: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> bool {
+        let (first, end) = (cols.0 / 64, cols.1.div_ceil(64));
+        (self.first_word, self.words_per_row, self.rows) = (first, end - first, rows);
+        self.words.clear();
+        self.doubts.clear();
+        for row in rows.0..rows.1 {
+            let words = wanted.row(row)[first..end].iter().zip(first..end);
+            self.words.extend(words.map(|(cells, word)| cells & bits_between(cols.0, cols.1, word)));
+        }
+        self.words.iter().any(|word| *word != 0)
+    }
+
+    /// Clears the cells inside an outline; breaks if none is left then.
+    #[inline(always)]
+    fn hide<S: Simd>(&mut self, simd: S, plane: &Plane, outline: &Outline) -> ControlFlow<()> {
+        let Rows { maybe, sure } = outline.rows(plane);
+        if maybe.0 >= maybe.1 || outline.columns_between(plane, maybe.0, maybe.1 - 1).is_none() {
+            return ControlFlow::Continue(());
+        }
+        for row in (maybe.0..maybe.1).step_by(LANES) {
+            let n = (maybe.1 - row).min(LANES);
+            let spans = spans(simd, plane, outline, row);
+            let words = &mut self.words[(row - self.rows.0) * self.words_per_row..][..n * self.words_per_row];
+            if spans.is_all_sure && row >= sure.0 && row + n <= sure.1 {
+                for (k, words) in words.chunks_exact_mut(self.words_per_row).enumerate() {
+                    for (word, cells) in words.iter_mut().enumerate() {
+                        let base = (self.first_word + word) as u64 * 64;
+                        *cells &= bits_outside(spans.sure.0[k], spans.sure.1[k], base);
+                    }
+                }
+                continue;
+            }
+            let maybe = maybe_spans(simd, plane, outline, row);
+            let origin = self.first_word as u64 * 64;
+            for (k, words) in words.chunks_exact_mut(self.words_per_row).enumerate() {
+                let is_sure_row = row + k >= sure.0 && row + k < sure.1;
+                let (from, to) = (maybe.0[k], maybe.1[k]);
+                let (first, end) = match (spans.sure.0[k], spans.sure.1[k]) {
+                    (first, end) if is_sure_row && first < end => (first, end),
+                    _ => (to, to),
+                };
+                if first < end {
+                    clear(words, first - origin, end - origin);
+                }
+                self.doubts.extend([(row + k, (from, first)), (row + k, (end, to))].iter().filter(|d| d.1.0 < d.1.1));
+            }
+        }
+        match self.words.iter().all(|word| *word == 0) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Asks `ray` about all doubts that are still open.
+    fn settle(&mut self, scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) {
+        let grid = scene.grid;
+        let mut ask = |row: usize, col: usize| {
+            let word = &mut self.words[(row - self.rows.0) * self.words_per_row + col / 64 - self.first_word];
+            let bit = 1 << (col % 64);
+            let receiver = LatticePoint { x: grid.xs[col], y: grid.ys[row], z };
+            if *word & bit != 0 && !prisms_los(scene.prisms, uav, receiver) {
+                *word &= !bit;
+            }
+        };
+        for (row, (first, end)) in &self.doubts {
+            for col in *first..*end {
+                ask(*row, usize::try_from(col).unwrap_or(usize::MAX));
+            }
+        }
+    }
+}
+
+/// Which pieces a walk has come by: a piece is in several buckets.
+struct Visits {
+    /// For each piece the last walk that has.
+    of: Vec<u32>,
+    /// The walk that is going on.
+    now: u32,
+}
+
+impl Visits {
+    /// Whether this is the first time in this walk.
+    #[inline(always)]
+    fn is_first(&mut self, piece: u32) -> bool {
+        std::mem::replace(&mut self.of[piece as usize], self.now) != self.now
     }
 }
 
@@ -236,10 +317,14 @@ impl Between {
         }
     }
 
-    /// Calls `visit` with the pieces that may hide the UAV from a receiver, in rows of buckets from the receivers on; with some
-    /// of them more than once.
+    /// Calls `visit` with the pieces that may hide the UAV from a receiver, in rows of buckets from the receivers on.
     #[inline(always)]
-    fn visit(&self, prisms: &Prisms, mut visit: impl FnMut(&Piece) -> ControlFlow<()>) -> ControlFlow<()> {
+    fn visit(
+        &self,
+        prisms: &Prisms,
+        visits: &mut Visits,
+        mut visit: impl FnMut(&Piece) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         if prisms.pieces().is_empty() {
             return ControlFlow::Continue(());
         }
@@ -249,11 +334,13 @@ impl Between {
         let (origin, shape) = ([buckets.origin.0, buckets.origin.1], [buckets.shape.0, buckets.shape.1]);
         let (from_origin, across_origin) =
             (uav[self.axis] - origin[self.axis], uav[1 - self.axis] - origin[1 - self.axis]);
-        let size = as_f64(buckets.size);
+        // PERF: products instead of quotients; sizes are powers of two, so those with them are exact.
+        let per_bucket = 1.0 / as_f64(buckets.size);
+        let (per_near, per_far) = (1.0 / near, 1.0 / far);
         // Positions in buckets, from the first one on.
         let bucket = |at: f64, n: i64| {
             #[expect(clippy::cast_possible_truncation, reason = "saturates, and is clamped")]
-            let k = (at / size).floor() as i64;
+            let k = (at * per_bucket).floor() as i64;
             k.clamp(0, n - 1)
         };
         // The receivers may be on both sides of the UAV.
@@ -264,15 +351,18 @@ impl Between {
             (false, false) => (0.0, far),
         };
         let n = shape[self.axis];
-        let (first, last) = (bucket(as_f64(from_origin) + low, n), bucket(as_f64(from_origin) + high, n));
+        let (first, last) = (bucket(as_f64(from_origin) + low - 2.0, n), bucket(as_f64(from_origin) + high + 2.0, n));
         for k in first..=last {
             let row = if self.is_mirrored { k } else { last - (k - first) };
             // Distances from the UAV between which the row lies, and how far along the rays that is.
             let (south, north) =
                 (as_f64(row * buckets.size - from_origin), as_f64((row + 1) * buckets.size - from_origin));
             let (from, to) = if self.is_mirrored { (-north, -south) } else { (south, north) };
-            let (start, end) =
-                if on_both_sides { (0.0, 1.0) } else { ((from / far).max(0.0), (to / near).clamp(0.0, 1.0)) };
+            let (start, end) = if on_both_sides {
+                (0.0, 1.0)
+            } else {
+                ((from * per_far).clamp(0.0, 1.0), (to * per_near).clamp(0.0, 1.0))
+            };
             // A step is more than all of this can err.
             let lowest = self.rise * if self.rise > 0.0 { start } else { end } + as_f64(self.uav.z) - 1.0;
             if f64::from(prisms.max_top()) <= lowest {
@@ -292,9 +382,10 @@ impl Between {
                 if f64::from(max_top) <= lowest {
                     continue;
                 }
-                for piece in pieces {
-                    let piece = &prisms.pieces()[*piece as usize];
-                    if f64::from(piece.top) > lowest {
+                for &k in pieces {
+                    let piece = &prisms.pieces()[k as usize];
+                    // One that is too low here may not be in a bucket farther on.
+                    if f64::from(piece.top) > lowest && visits.is_first(k) {
                         visit(piece)?;
                     }
                 }
