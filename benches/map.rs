@@ -25,7 +25,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use skyshed::coverage::{Control, MapOptions, Mapper, Tally, Uav, class};
 use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{GridLos, GridReceivers, Method, SimdLevel, link_los, simd_levels};
+use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, SimdLevel, link_los, simd_levels};
 use skyshed::quantity::VOID;
 use skyshed::raster::{CellWindow, GeoRef, Raster};
 use skyshed::scene::{Ground, NodataAs, Solids, SurfaceOptions, read_surface};
@@ -83,20 +83,22 @@ fn measure_city(environment: &str, n: usize) {
     let vector = footprints(environment, n);
     let uav = uav_in_the_middle(&vector, UAV_HEIGHT_M);
     let surface = surface_of(&vector);
-    rows.measure("shadow, footprints", &vector, &uav, surface.cells());
+    rows.measure("shadow, footprints", MethodChoice::Auto, &vector, (&uav, surface.cells()));
     rows.rays("ray, footprints", &vector, &uav);
     let grid = vector.grid().clone();
     drop(vector);
 
     let ground = raster(&grid, surface.clone(), Ground::Flat(0));
     let uav = uav_in_the_middle(&ground, UAV_HEIGHT_M);
-    rows.measure("sweep, ground", &ground, &uav, surface.cells());
+    rows.measure("sweep, ground", MethodChoice::Sweep, &ground, (&uav, surface.cells()));
+    rows.plateaus("shadow, ground", &ground, (&uav, surface.cells()));
     rows.rays("ray, ground", &ground, &uav);
     drop(ground);
 
     let heights = surface.cells().to_vec();
     let whole = raster(&grid, surface, Ground::Surface);
-    rows.measure("sweep, surface", &whole, &uav, &heights);
+    rows.measure("sweep, surface", MethodChoice::Sweep, &whole, (&uav, &heights));
+    rows.plateaus("shadow, surface", &whole, (&uav, &heights));
     rows.rays("ray, surface", &whole, &uav);
 }
 
@@ -133,11 +135,11 @@ fn measure_lidar(folder: &Path, lidar: &Lidar, n: usize) {
     let mut rows = Rows { city: lidar.name.into(), n, floor: Vec::new() };
     let ground = raster(&tiled, surface.clone(), Ground::Terrain(terrain));
     let uav = uav_in_the_middle(&ground, UAV_HEIGHT_M);
-    rows.measure("sweep, ground", &ground, &uav, &heights);
+    rows.measure("sweep, ground", MethodChoice::Sweep, &ground, (&uav, &heights));
     rows.rays("ray, ground", &ground, &uav);
     drop(ground);
     let whole = raster(&tiled, surface, Ground::Surface);
-    rows.measure("sweep, surface", &whole, &uav, &heights);
+    rows.measure("sweep, surface", MethodChoice::Sweep, &whole, (&uav, &heights));
     rows.rays("ray, surface", &whole, &uav);
 }
 
@@ -203,10 +205,17 @@ struct Floor {
 }
 
 impl Rows {
-    /// Compares the engine that `auto` takes with `ray`, then times it in turns with the floor.
-    fn measure(&mut self, engine: &str, field: &HeightField, uav: &Uav, heights: &[i32]) {
-        let options = MapOptions::default();
-        let mapper = Mapper::new(field, &options).expect("`auto` decides any scene");
+    /// The shadows of a raster's plateaus, where `auto` takes them: not in small rasters.
+    fn plateaus(&mut self, engine: &str, field: &HeightField, on: (&Uav, &[i32])) {
+        if field.plateaus().is_some() {
+            self.measure(engine, MethodChoice::Shadow, field, on);
+        }
+    }
+
+    /// Compares an engine with `ray`, then times it in turns with the floor.
+    fn measure(&mut self, engine: &str, method: MethodChoice, field: &HeightField, (uav, heights): (&Uav, &[i32])) {
+        let options = MapOptions { method, ..MapOptions::default() };
+        let mapper = Mapper::new(field, &options).expect("an engine for the scene");
         let compared = self.compare(&mapper, field, uav);
         let los = GridLos::new(field, mapper.method().0);
         let receivers = receivers(field);

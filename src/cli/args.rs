@@ -238,7 +238,7 @@ pub(super) struct EngineArgs {
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     pub(super) radius: Option<f64>,
     /// Engine: auto takes the fastest exact one for the scene and says so; ray (one ray per receiver), sweep (rasters) and
-    /// shadow (footprints) are exact; step:K (a sample every K cells), xdraw and r2 (rasters) are approximate
+    /// shadow (footprints, rasters of flat blocks) are exact; step:K (a sample every K cells), xdraw and r2 (rasters) are approximate
     #[arg(long, value_name = "METHOD", default_value = "auto")]
     pub(super) method: MethodChoice,
     /// Most memory that the run may take, such as 800M or 4G; default: what the machine has left. `map` sweeps a raster that

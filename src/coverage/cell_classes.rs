@@ -50,7 +50,8 @@ impl<'a> RowSets<'a> {
         let (from, to) = self.in_range;
         (0..self.receivers.len()).map(move |k| {
             let known = self.open[k] | self.building[k];
-            let in_range = bits_between(from, to, k);
+            // Most words are in range as a whole.
+            let in_range = if from <= 64 * k && 64 * (k + 1) <= to { u64::MAX } else { bits_between(from, to, k) };
             let receivers = self.receivers[k];
             WordSets {
                 receivers,

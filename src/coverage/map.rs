@@ -16,6 +16,9 @@ use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_los};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
+/// Strips in which a map is decided that is handed over while it is made.
+const STRIPS: usize = 8;
+
 /// Which cells hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Receivers {
@@ -275,6 +278,17 @@ impl<'a> Mapper<'a> {
     /// The receivers in range, where not all are, and those in line of sight.
     fn decide(&self, engine: &GridLos<'_>, uav: &Uav, (receivers, range): (&GridReceivers<'_>, &Range)) -> Decided {
         let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
+        self.decide_wanted(engine, uav, (receivers, range), wanted)
+    }
+
+    /// The same of some receivers in range; of all there are, if `None`.
+    fn decide_wanted(
+        &self,
+        engine: &GridLos<'_>,
+        uav: &Uav,
+        (receivers, range): (&GridReceivers<'_>, &Range),
+        wanted: Option<BitGrid>,
+    ) -> Decided {
         let los = {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
             engine.los(&uav.station, receivers, wanted, range.window())
@@ -305,16 +319,25 @@ impl<'a> Mapper<'a> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let range = Range::of(grid, &uav.station.place, self.options.radius);
-        let decided: Vec<Decided> = self
-            .receivers
-            .iter()
-            .map(|receivers| {
+        // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
+        // The sweep goes around the UAV, not from north to south.
+        let n_strips = if !keep && self.engine.method() == Method::Shadow { STRIPS } else { 1 };
+        let strip = n_rows.div_ceil(if rayon::current_num_threads() > 1 { n_strips } else { 1 });
+        let decide = |first: usize| -> Vec<Decided> {
+            let rows = first..(first + strip).min(n_rows);
+            let of_kind = |receivers: &GridReceivers<'_>| {
                 if control.stop.load(Ordering::Relaxed) {
                     return (None, BitGrid::new(n_rows, n_cols));
                 }
-                self.decide(&self.engine, uav, (receivers, &range))
-            })
-            .collect();
+                if rows.len() == n_rows {
+                    return self.decide(&self.engine, uav, (receivers, &range));
+                }
+                let wanted = range.cut_rows(&receivers.cells, rows.clone());
+                self.decide_wanted(&self.engine, uav, (receivers, &range), Some(wanted))
+            };
+            self.receivers.iter().map(of_kind).collect()
+        };
+        let mut decided = decide(0);
 
         let layers = if keep { self.options.layers } else { HeightLayers::default() };
         let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
@@ -324,13 +347,13 @@ impl<'a> Mapper<'a> {
         let mut least_height = layer(layers.least_height);
         let heights = CellHeights::new(self.field, uav, layers);
         let is_stopped = || control.stop.load(Ordering::Relaxed);
-        let fill = |row: usize, out: &mut Row<'_>| {
+        let fill = |decided: &[Decided], row: usize, out: &mut Row<'_>| {
             let mut tally = Tally::default();
             if is_stopped() {
                 return tally;
             }
             let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
-            for (receivers, (wanted, los)) in self.receivers.iter().zip(&decided) {
+            for (receivers, (wanted, los)) in self.receivers.iter().zip(decided) {
                 let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
                 sets.add(wanted, los.row(row));
                 tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
@@ -359,12 +382,22 @@ impl<'a> Mapper<'a> {
                 .zip(split(&mut least_height, n_rows, n_cols))
                 .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
                 .enumerate();
-            in_bands(rows, n_at_once, fill, &mut hand_over)
+            in_bands(rows, n_at_once, |row, out| fill(&decided, row, out), &mut hand_over)
         } else {
-            let fill = |row: usize, mask: &mut [u8]| {
-                fill(row, &mut Row { mask, margin: &mut [], ceiling: &mut [], least_height: &mut [] })
-            };
-            in_buffers((n_rows, n_cols), n_at_once, fill, &mut hand_over)
+            let mut tally = Tally::default();
+            for first in (0..n_rows).step_by(strip) {
+                let rows = first..(first + strip).min(n_rows);
+                let fill = |row: usize, mask: &mut [u8]| {
+                    fill(&decided, row, &mut Row { mask, margin: &mut [], ceiling: &mut [], least_height: &mut [] })
+                };
+                let (next, of_strip) = rayon::join(
+                    || if rows.end < n_rows { decide(rows.end) } else { Vec::new() },
+                    || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut hand_over),
+                );
+                tally = tally.plus(&of_strip);
+                decided = next;
+            }
+            tally
         };
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());

@@ -90,13 +90,20 @@ impl Range {
 
     /// The cells of a set that are in range.
     pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
+        match &self.disc {
+            None => cells.clone(),
+            Some(disc) => self.cut_rows(cells, disc.first_row..disc.first_row + disc.cols.len()),
+        }
+    }
+
+    /// The cells of a set in some rows that are in range.
+    pub(super) fn cut_rows(&self, cells: &BitGrid, rows: std::ops::Range<usize>) -> BitGrid {
         let mut kept = BitGrid::new(self.shape.0, self.shape.1);
         let per_row = kept.words_per_row();
-        let Some(disc) = &self.disc else { return cells.clone() };
-        for (k, (from, to)) in disc.cols.iter().enumerate() {
-            let row = disc.first_row + k;
+        for row in rows {
+            let (from, to) = self.cols(row);
             for word in from / 64..to.div_ceil(64) {
-                kept.words_mut()[row * per_row + word] = cells.row(row)[word] & bits_between(*from, *to, word);
+                kept.words_mut()[row * per_row + word] = cells.row(row)[word] & bits_between(from, to, word);
             }
         }
         kept

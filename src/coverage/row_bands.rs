@@ -1,5 +1,7 @@
 //! The rows of a map's outputs, filled in bands of which each is handed over while the next is filled.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::Tally;
@@ -44,19 +46,20 @@ pub(super) fn in_bands<'a>(
     }
 }
 
-/// Fills masks band by band as [`in_bands`] does, each band over one that was handed over before.
+/// Fills masks of some rows band by band as [`in_bands`] does, each band over one that was handed over before.
 pub(super) fn in_buffers(
-    (n_rows, n_cols): (usize, usize),
+    rows: Range<usize>,
+    n_cols: usize,
     n_at_once: usize,
     fill: impl Fn(usize, &mut [u8]) -> Tally + Sync,
     each_part: EachPart<'_>,
 ) -> Tally {
     let mut tally = Tally::default();
-    let buffer = || vec![0; n_at_once.min(n_rows) * n_cols];
+    let buffer = || vec![0; n_at_once.min(rows.len()) * n_cols];
     let (mut next, mut filled) = (buffer(), buffer());
     let mut n_filled = 0;
-    for first in (0..n_rows).step_by(n_at_once) {
-        let n_here = n_at_once.min(n_rows - first) * n_cols;
+    for first in rows.clone().step_by(n_at_once) {
+        let n_here = n_at_once.min(rows.end - first) * n_cols;
         let (of_band, ()) = rayon::join(
             || {
                 let rows = next[..n_here].par_chunks_mut(n_cols).enumerate();
@@ -118,7 +121,7 @@ mod tests {
                     mask.fill(u8::try_from(row).expect("few rows") + 1);
                     Tally::of_mask(&[0])
                 };
-                let tally = in_buffers((n_rows, 3), n_at_once, fill, &mut |part| found.extend_from_slice(part));
+                let tally = in_buffers(0..n_rows, 3, n_at_once, fill, &mut |part| found.extend_from_slice(part));
                 assert_eq!((found, tally.receivers), (expected, n_rows as u64), "{n_rows} rows, {n_at_once} buffered");
             }
         }

@@ -50,11 +50,10 @@ impl UavGrid {
 }
 
 impl Mapper<'_> {
-    /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, in a
-    /// scene without prisms, or if they are not all at one height where the grid puts them.
+    /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, or if
+    /// they are not all at one height where the grid puts them.
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
         let field = self.field();
-        field.prisms()?;
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let station = |row: usize, col: usize| {
             let (x, y) = grid.world_from_cell(row, col);

@@ -4,11 +4,12 @@
 //! are fewer shadows then, and fewer walls on whose lines a shadow ends and the next begins. Neighbors stand next to each
 //! other in the list, so that far blocks can be handled as one.
 
-use super::Ring;
+use std::cmp::Reverse;
+
 use super::merge::merged;
 
 /// Edge length of a block of casters \[lattice steps\]: 64 m.
-const BLOCK: i64 = 64 * 1024;
+const BLOCK: i32 = 64 * 1024;
 
 /// A convex prism that casts a shadow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,39 +43,34 @@ pub struct Casters {
 
 impl Casters {
     /// Casters of convex counterclockwise rings with their tops.
-    pub(super) fn new(mut rings: Vec<(i32, Ring)>) -> Self {
-        rings.retain(|(_, ring)| ring.len() >= 3);
-        // Stable, so that the outcome follows from the order of the pieces.
-        rings.sort_by_key(|(top, _)| *top);
-        let mut ready: Vec<(Caster, Ring)> = Vec::with_capacity(rings.len());
-        let mut rest = rings.into_iter().peekable();
-        while let Some((top, ring)) = rest.next() {
-            let mut same_top = vec![ring];
-            while let Some((_, ring)) = rest.next_if(|(t, _)| *t == top) {
-                same_top.push(ring);
+    pub(super) fn new<'a>(rings: impl Iterator<Item = (i32, &'a [[i32; 2]])>) -> Self {
+        let mut rings: Vec<(i32, usize, &[[i32; 2]])> =
+            rings.enumerate().filter(|(_, (_, ring))| ring.len() >= 3).map(|(k, (top, ring))| (top, k, ring)).collect();
+        // The outcome follows from the order of the pieces.
+        rings.sort_unstable_by_key(|(top, k, _)| (*top, *k));
+        let mut joined = Casters::default();
+        joined.begin_block();
+        for same_top in rings.chunk_by(|a, b| a.0 == b.0) {
+            match same_top {
+                [(top, _, ring)] => joined.push(*top, ring),
+                [] => {}
+                [(top, ..), ..] => {
+                    let rings = merged(same_top.iter().map(|(.., ring)| ring.to_vec()).collect());
+                    rings.iter().for_each(|ring| joined.push(*top, ring));
+                }
             }
-            let len = |ring: &Ring| u32::try_from(ring.len()).unwrap_or(u32::MAX);
-            ready.extend(merged(same_top).into_iter().map(|ring| {
-                let bounds = ring.iter().fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |b, v| {
-                    [b[0].min(v[0]), b[1].min(v[1]), b[2].max(v[0]), b[3].max(v[1])]
-                });
-                (Caster { first: 0, len: len(&ring), top, bounds }, ring)
-            }));
         }
-        let block_of = |c: &Caster| {
-            let [x, y] = [c.bounds[0], c.bounds[1]].map(|v| i64::from(v).div_euclid(BLOCK));
-            (y, x)
-        };
-        ready.sort_by_key(|(c, _)| (block_of(c), std::cmp::Reverse(c.top)));
+        let block_of = |c: &Caster| [c.bounds[1], c.bounds[0]].map(|v| v.div_euclid(BLOCK));
+        let mut order: Vec<_> =
+            joined.casters.iter().enumerate().map(|(k, c)| (block_of(c), Reverse(c.top), k)).collect();
+        order.sort_unstable();
         let mut all = Casters::default();
-        let mut last_block = None;
-        for (caster, ring) in ready {
-            let block = block_of(&caster);
-            if last_block != Some(block) {
-                last_block = Some(block);
-                all.begin_block();
+        for of_block in order.chunk_by(|a, b| a.0 == b.0) {
+            all.begin_block();
+            for (.., k) in of_block {
+                let caster = joined.casters[*k];
+                all.push(caster.top, joined.ring(&caster));
             }
-            all.push(caster, &ring);
         }
         all
     }
@@ -87,7 +83,7 @@ impl Casters {
             if of_block.peek().is_some() {
                 kept.begin_block();
             }
-            of_block.for_each(|caster| kept.push(*caster, self.ring(caster)));
+            of_block.for_each(|caster| kept.push(caster.top, self.ring(caster)));
         }
         kept
     }
@@ -100,8 +96,12 @@ impl Casters {
     }
 
     /// Adds a caster to the last block.
-    fn push(&mut self, mut caster: Caster, ring: &[[i32; 2]]) {
-        caster.first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+    fn push(&mut self, top: i32, ring: &[[i32; 2]]) {
+        let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let bounds = ring.iter().fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |b, v| {
+            [b[0].min(v[0]), b[1].min(v[1]), b[2].max(v[0]), b[3].max(v[1])]
+        });
+        let caster = Caster { first: narrow(self.vertices.len()), len: narrow(ring.len()), top, bounds };
         self.vertices.extend(ring);
         if let Some(b) = self.blocks.last_mut() {
             b.len += 1;

@@ -324,12 +324,6 @@ impl HeightField {
     /// What a cell is; `place` is its center.
     #[inline]
     pub fn cell_kind(&self, index: usize, place: &Place) -> CellKind {
-        self.kind_below(self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]), index, place)
-    }
-
-    /// What a cell is, given the top of its column.
-    #[inline]
-    fn kind_below(&self, top: i32, index: usize, place: &Place) -> CellKind {
         if let Some(roofs) = &self.roofs {
             let ground = self.ground_at(place);
             return match (ground, roofs[index]) {
@@ -338,6 +332,12 @@ impl HeightField {
                 (_, roof) => CellKind::Building(roof),
             };
         }
+        self.kind_of_column(self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]), index)
+    }
+
+    /// What a cell of a raster scene is, given the top of its column.
+    #[inline]
+    fn kind_of_column(&self, top: i32, index: usize) -> CellKind {
         if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
@@ -400,7 +400,7 @@ impl HeightField {
         }
         let (columns, _) = self.columns.as_ref()?;
         let cell = columns.cell_at(place.on_columns.0, place.on_columns.1)?;
-        match self.kind_below(columns.top_at(cell), cell, place) {
+        match self.kind_of_column(columns.top_at(cell), cell) {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
         }

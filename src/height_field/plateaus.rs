@@ -110,9 +110,9 @@ impl Plateaus {
             let rings = self.raised.iter().zip(0..).map(|(plateau, k)| {
                 let [west, east] = [plateau.cols.0, plateau.cols.1].map(|col| on_lattice(col as usize));
                 let [north, south] = [plateau.rows.0, plateau.rows.1].map(|r| on_lattice(self.n_rows - r as usize));
-                (vec![[west, south], [east, south], [east, north], [west, north]], plateau.top, k)
+                ([[west, south], [east, south], [east, north], [west, north]], plateau.top, k)
             });
-            Prisms::new(rings)
+            Prisms::of_rings(rings)
         })
     }
 }
@@ -151,8 +151,11 @@ fn joined(runs: &RowRuns<i32>) -> Vec<Plateau> {
 mod tests {
     use super::*;
 
-    /// A raster of 512 × 600 cells at height 7 with rectangles `(rows, cols, top)` on it, later ones over earlier.
-    fn raster(rectangles: &[((usize, usize), (usize, usize), i32)]) -> Vec<i32> {
+    /// Rows, columns and top of a rectangle.
+    type Rectangle = ((usize, usize), (usize, usize), i32);
+
+    /// A raster of 512 × 600 cells at height 7 with rectangles on it, later ones over earlier.
+    fn raster(rectangles: &[Rectangle]) -> Vec<i32> {
         let mut tops = vec![7; 512 * 600];
         for ((first, end), (west, east), top) in rectangles {
             for row in *first..*end {
@@ -201,7 +204,7 @@ mod tests {
         assert!(Plateaus::if_few(&vec![7; 1000].into(), 100).is_none());
         assert!(Plateaus::of(&[7; 1000], 100).is_some());
         assert!(Plateaus::of(&raster(&[((3, 4), (5, 6), BLOCKS_ALL)]), 600).is_none());
-        let noise: Vec<i32> = (0..512 * 600).map(|k: i32| k % 50).collect();
+        let noise: Vec<i32> = (0..512 * 600).map(|k: i32| k % 53).collect();
         assert!(Plateaus::if_few(&noise.into(), 600).is_none());
         assert!(Plateaus::of(&vec![VOID; 512 * 600], 600).is_none());
     }

@@ -37,9 +37,24 @@ pub struct Buckets {
     start: Vec<u32>,
     items: Vec<u32>,
     max_tops: Vec<i32>,
+    /// The highest tops of squares of so many buckets, row by row.
+    max_tops_of_squares: Vec<i32>,
 }
 
 impl Buckets {
+    /// Buckets along the side of a square of them, whose highest top [`Buckets::max_top_of_square`] tells.
+    pub const SQUARE: i64 = 8;
+
+    /// The highest top of the square of buckets that is the `east`-th from the west and the `north`-th from the south;
+    /// [`VOID`] outside the grid.
+    #[inline]
+    pub fn max_top_of_square(&self, east: i64, north: i64) -> i32 {
+        let per_row = (self.shape.0 + Self::SQUARE - 1) / Self::SQUARE;
+        let is_inside = east >= 0 && north >= 0 && east < per_row;
+        let i = usize::try_from(north * per_row + east).ok().filter(|_| is_inside);
+        i.and_then(|i| self.max_tops_of_squares.get(i)).copied().unwrap_or(VOID)
+    }
+
     /// The bucket at `(east, north)`: its highest top and its pieces; `None` outside the grid.
     #[inline]
     pub fn at(&self, east: i64, north: i64) -> Option<(i32, &[u32])> {
@@ -62,10 +77,16 @@ impl Prisms {
     /// # Panics
     /// If there are more than 2^32 vertices.
     pub fn new(pieces: impl IntoIterator<Item = (Ring, i32, u32)>) -> Self {
+        Prisms::of_rings(pieces)
+    }
+
+    /// The same of rings of any kind.
+    pub(super) fn of_rings<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
         let pieces: Vec<Piece> = pieces
             .into_iter()
             .map(|(ring, top, building)| {
+                let ring = ring.as_ref();
                 let count = |n: usize| u32::try_from(n).expect("fewer than 2^32 vertices fit in memory");
                 let piece = Piece { first: count(vertices.len()), len: count(ring.len()), top, building };
                 vertices.extend(ring);
@@ -73,9 +94,9 @@ impl Prisms {
             })
             .collect();
         let max_top = pieces.iter().map(|p| p.top).max().unwrap_or(VOID);
-        let buckets = build_buckets(&vertices, &pieces);
-        let ring = |p: &Piece| vertices[p.first as usize..(p.first + p.len) as usize].to_vec();
-        let casters = Casters::new(pieces.iter().map(|p| (p.top, ring(p))).collect());
+        let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
+        let (buckets, casters) =
+            rayon::join(|| build_buckets(&vertices, &pieces), || Casters::new(pieces.iter().map(|p| (p.top, ring(p)))));
         Prisms { vertices, pieces, buckets, casters, max_top }
     }
 
@@ -203,6 +224,7 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
             start: vec![0],
             items: Vec::new(),
             max_tops: Vec::new(),
+            max_tops_of_squares: Vec::new(),
         };
     }
     let [x0, y0, x1, y1] = bounds(vertices);
@@ -221,13 +243,14 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
         // each of the piece's points is enough.
         (cell(px0, origin.0)..=cell(px1, origin.0), cell(py0, origin.1)..=cell(py1, origin.1))
     };
-    let n_buckets = usize::try_from(shape.0 * shape.1).unwrap_or(0);
+    let index = |n: i64| usize::try_from(n).unwrap_or(0);
+    let n_buckets = index(shape.0 * shape.1);
     let each = |f: &mut dyn FnMut(usize, usize)| {
         for (k, piece) in pieces.iter().enumerate() {
             let (cols, rows) = spans(piece);
             for row in rows {
                 for col in cols.clone() {
-                    f(usize::try_from(row * shape.0 + col).unwrap_or(0), k);
+                    f(index(row * shape.0 + col), k);
                 }
             }
         }
@@ -247,7 +270,14 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
         items[next[bucket] as usize] = u32::try_from(k).unwrap_or(u32::MAX);
         next[bucket] += 1;
     });
-    Buckets { origin, size, shape, start, items, max_tops }
+    const SQUARE: i64 = Buckets::SQUARE;
+    let (width, squares_per_row) = (index(shape.0), index((shape.0 + SQUARE - 1) / SQUARE));
+    let mut max_tops_of_squares = vec![VOID; squares_per_row * index((shape.1 + SQUARE - 1) / SQUARE)];
+    for (i, top) in max_tops.iter().enumerate() {
+        let square = i / width / index(SQUARE) * squares_per_row + i % width / index(SQUARE);
+        max_tops_of_squares[square] = max_tops_of_squares[square].max(*top);
+    }
+    Buckets { origin, size, shape, start, items, max_tops, max_tops_of_squares }
 }
 
 #[cfg(test)]

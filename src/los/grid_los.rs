@@ -126,7 +126,9 @@ impl Method {
             (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
                 Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
             }
-            (MethodChoice::Shadow, _) => Err(WrongMethod { why: "a raster has no footprints", instead: auto.0 }),
+            (MethodChoice::Shadow, _) => {
+                Err(WrongMethod { why: "a raster without footprints, and not of few flat blocks", instead: auto.0 })
+            }
         }
     }
 

@@ -25,7 +25,7 @@
 //!
 //! Three engines decide, and all give the same cells: `ray` visits what one link crosses ([`columns_los`],
 //! [`prisms_los`]) and is the twin to which the others are compared; `shadow` casts the shadows of prisms over a grid
-//! ([`shadow_los`]); `sweep` carries bounds over the cells of a raster ([`sweep_los`]). [`GridLos`] takes the one that a
+//! ([`shadow_los`]), or those of a raster that is few rectangles of one height each ([`plateaus_los`]); `sweep` carries bounds over the cells of a raster ([`sweep_los`]). [`GridLos`] takes the one that a
 //! scene calls for. `step`, `xdraw` and `r2` ([`step_los`], [`xdraw_los`], [`r2_los`]) are approximations, built to be compared
 //! with and never taken unless asked for.
 

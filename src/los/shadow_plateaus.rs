@@ -17,7 +17,7 @@
 //! that the ray dips below their roof before it has left the cell, and leaves it at the end of the plateau. These few are asked
 //! of [`columns_los`].
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ use super::prisms_ray::prisms_los;
 use super::shadow::{ShadowScene, plane_of, shadow_los};
 use super::shadow_outline::{Outline, Plane, Reach, Rows};
 use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
+use crate::height_field::{Buckets, Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, bits_between};
 
@@ -221,10 +221,13 @@ impl PlateauCells {
             let spans = spans(simd, plane, outline, row);
             let words = &mut self.words[(row - self.rows.0) * self.words_per_row..][..n * self.words_per_row];
             if spans.is_all_sure && row >= sure.0 && row + n <= sure.1 {
-                for (k, words) in words.chunks_exact_mut(self.words_per_row).enumerate() {
-                    for (word, cells) in words.iter_mut().enumerate() {
-                        let base = (self.first_word + word) as u64 * 64;
-                        *cells &= bits_outside(spans.sure.0[k], spans.sure.1[k], base);
+                for word in 0..self.words_per_row {
+                    // PERF: eight masks at once.
+                    let base = (self.first_word + word) as u64 * 64;
+                    let kept: [u64; LANES] =
+                        std::array::from_fn(|k| bits_outside(spans.sure.0[k], spans.sure.1[k], base));
+                    for (cells, kept) in words.chunks_exact_mut(self.words_per_row).zip(&kept) {
+                        cells[word] &= kept;
                     }
                 }
                 continue;
@@ -350,14 +353,13 @@ impl Between {
             (false, true) => (-far, 0.0),
             (false, false) => (0.0, far),
         };
-        let n = shape[self.axis];
-        let (first, last) = (bucket(as_f64(from_origin) + low - 2.0, n), bucket(as_f64(from_origin) + high + 2.0, n));
-        for k in first..=last {
-            let row = if self.is_mirrored { k } else { last - (k - first) };
-            // Distances from the UAV between which the row lies, and how far along the rays that is.
+        let n_across = shape[1 - self.axis];
+        // How low the rays may be over some rows, and between which buckets across they are there.
+        let over = |rows: Range<i64>| {
             let (south, north) =
-                (as_f64(row * buckets.size - from_origin), as_f64((row + 1) * buckets.size - from_origin));
+                (as_f64(rows.start * buckets.size - from_origin), as_f64(rows.end * buckets.size - from_origin));
             let (from, to) = if self.is_mirrored { (-north, -south) } else { (south, north) };
+            // How far along the rays that is.
             let (start, end) = if on_both_sides {
                 (0.0, 1.0)
             } else {
@@ -365,30 +367,55 @@ impl Between {
             };
             // A step is more than all of this can err.
             let lowest = self.rise * if self.rise > 0.0 { start } else { end } + as_f64(self.uav.z) - 1.0;
-            if f64::from(prisms.max_top()) <= lowest {
-                // Rays that rise towards the UAV are higher in all rows to come.
-                if self.rise > 0.0 {
-                    continue;
-                }
-                return ControlFlow::Continue(());
-            }
             let west = self.across.0 * if self.across.0 < 0.0 { end } else { start } - 2.0;
             let east = self.across.1 * if self.across.1 < 0.0 { start } else { end } + 2.0;
-            let n = shape[1 - self.axis];
-            let (west, east) = (bucket(as_f64(across_origin) + west, n), bucket(as_f64(across_origin) + east, n));
-            for col in west..=east {
-                let at = if self.axis == 1 { (col, row) } else { (row, col) };
-                let Some((max_top, pieces)) = buckets.at(at.0, at.1) else { continue };
-                if f64::from(max_top) <= lowest {
-                    continue;
-                }
-                for &k in pieces {
-                    let piece = &prisms.pieces()[k as usize];
-                    // One that is too low here may not be in a bucket farther on.
-                    if f64::from(piece.top) > lowest && visits.is_first(k) {
-                        visit(piece)?;
+            (lowest, bucket(as_f64(across_origin) + west, n_across), bucket(as_f64(across_origin) + east, n_across))
+        };
+        let at = |across: i64, along: i64| if self.axis == 1 { (across, along) } else { (along, across) };
+        let highest = f64::from(prisms.max_top());
+        let n = shape[self.axis];
+        let first = bucket(as_f64(from_origin) + low - 2.0, n);
+        let end = bucket(as_f64(from_origin) + high + 2.0, n) + 1;
+        // From the receivers on: north if they are south of the UAV.
+        let (mut first, mut end) = (first, end);
+        while first < end {
+            // PERF: far from the receivers whole squares of buckets are below the rays.
+            let row = if self.is_mirrored { first } else { end - 1 };
+            let square = row.div_euclid(Buckets::SQUARE);
+            let rows = (square * Buckets::SQUARE).max(first)..((square + 1) * Buckets::SQUARE).min(end);
+            let (lowest, west, east) = over(rows.clone());
+            // Rays that rise towards the UAV are higher in all rows to come.
+            if self.rise <= 0.0 && highest <= lowest {
+                return ControlFlow::Continue(());
+            }
+            let is_below = |square_across: i64| {
+                let (east, north) = at(square_across, square);
+                f64::from(buckets.max_top_of_square(east, north)) <= lowest
+            };
+            if !(west / Buckets::SQUARE..=east / Buckets::SQUARE).all(is_below) {
+                for k in rows.clone() {
+                    let row = if self.is_mirrored { k } else { rows.end - 1 - (k - rows.start) };
+                    let (lowest, west, east) = over(row..row + 1);
+                    for col in west..=east {
+                        let (east, north) = at(col, row);
+                        let Some((max_top, pieces)) = buckets.at(east, north) else { continue };
+                        if f64::from(max_top) <= lowest {
+                            continue;
+                        }
+                        for &k in pieces {
+                            let piece = &prisms.pieces()[k as usize];
+                            // One that is too low here may not be in a bucket farther on.
+                            if f64::from(piece.top) > lowest && visits.is_first(k) {
+                                visit(piece)?;
+                            }
+                        }
                     }
                 }
+            }
+            if self.is_mirrored {
+                first = rows.end;
+            } else {
+                end = rows.start;
             }
         }
         ControlFlow::Continue(())

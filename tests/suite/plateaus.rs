@@ -10,6 +10,8 @@ use skyshed::scene::{BuiltUp, BuiltUpCity, Ground};
 
 use crate::engines::as_raster;
 use crate::invariants::uav_at;
+use crate::plain_tiff::{Cells, PlainTiff};
+use crate::program::Folder;
 use crate::support::{Random, slow};
 
 /// Rectangles on flat ground, one over another, some of them void, with tops around the UAV's height.
@@ -164,5 +166,78 @@ fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_r
             assert_eq!(Method::choose(&noisy, MethodChoice::Auto).unwrap().0, Method::Sweep);
             assert!(Method::choose(&noisy, MethodChoice::Shadow).is_err());
         }
+    }
+}
+
+/// Blocks of whole meters with a hole in the data; below `noise_from`, cells of any height.
+fn block_heights((n_rows, n_cols): (usize, usize), noise_from: usize) -> Vec<f64> {
+    let mut random = Random(5);
+    let mut heights = vec![2.0; n_rows * n_cols];
+    for row in (7..n_rows).step_by(31) {
+        for col in (3..n_cols).step_by(27) {
+            let height = if random.chance(2) { -99.0 } else { random.within(5, 60) as f64 };
+            for row in row..(row + 20).min(n_rows) {
+                heights[row * n_cols + col..][..18.min(n_cols - col)].fill(height);
+            }
+        }
+    }
+    heights[noise_from * n_cols..].iter_mut().for_each(|height| *height = random.within(0, 30) as f64);
+    heights
+}
+
+#[test]
+fn a_file_of_runs_is_the_map_of_the_same_cells_one_by_one() {
+    let shape = (570, 600);
+    for (noise_from, method) in [(570, "shadow"), (300, "sweep"), (0, "sweep")] {
+        let folder = Folder::new();
+        for (name, cells) in [("runs", Cells::Float32), ("cells", Cells::Int16)] {
+            let tiff = PlainTiff {
+                corner: (300_000.0, 5_000_000.0),
+                cell: 1.0,
+                n_cols: shape.1,
+                n_rows: shape.0,
+                cells,
+                values: block_heights(shape, noise_from),
+                nodata: Some(-99),
+                rows_per_strip: 17,
+                epsg: 25832,
+            };
+            std::fs::write(folder.join(&format!("{name}.tif")), tiff.bytes()).unwrap();
+        }
+        let document = |scene: &str, options: &str| {
+            let command = format!("map {scene}.tif --uav 300311.5,4999741,93 {options} -o m.tif -o - --overwrite -q");
+            folder.type_in(&command).done().json()
+        };
+        let ray = document("cells", "--method ray");
+        assert_eq!(document("runs", "")["method"], method);
+        let mut n = 0;
+        for scene in ["runs", "cells"] {
+            for options in
+                ["-j 1", "-j 2 --tif-layout plain", "-j 7", "--method sweep", "--layers margin", "--nodata-as block"]
+            {
+                let found = document(scene, options);
+                if options.contains("block") {
+                    assert_eq!(found["digest"], document("cells", "--method ray --nodata-as block")["digest"]);
+                    continue;
+                }
+                assert_eq!((&found["digest"], &found["sites"]), (&ray["digest"], &ray["sites"]), "{scene} {options}");
+                n += 1;
+            }
+            // A mask that is all there is to write is decided in strips.
+            for threads in ["1", "2", "5"] {
+                let at = "--uav 300311.5,4999741,93 --tif-layout plain";
+                folder.type_in(&format!("map {scene}.tif {at} -o alone.tif -j {threads} --overwrite -q")).done();
+                let bytes = folder.read("alone.tif");
+                let mask = &bytes[8..8 + shape.0 * shape.1];
+                let expected = ray["sites"][0]["los"].as_u64().unwrap();
+                assert_eq!(
+                    mask.iter().filter(|class| **class == 1).count() as u64,
+                    expected,
+                    "{scene}, {threads} threads"
+                );
+                n += 1;
+            }
+        }
+        assert_eq!(n, 16);
     }
 }
