@@ -320,8 +320,8 @@ impl<'a> Mapper<'a> {
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let range = Range::of(grid, &uav.station.place, self.options.radius);
         // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
-        // The sweep goes around the UAV, not from north to south.
-        let n_strips = if !keep && self.engine.method() == Method::Shadow { STRIPS } else { 1 };
+        let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
+        let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
         let strip = n_rows.div_ceil(if rayon::current_num_threads() > 1 { n_strips } else { 1 });
         let decide = |first: usize| -> Vec<Decided> {
             let rows = first..(first + strip).min(n_rows);

@@ -14,7 +14,7 @@ const CELL: i64 = STEPS_PER_UNIT as i64;
 ///
 /// Cell `(row, col)` is the square `[col, col+1] × [n_rows−1−row, n_rows−row]` in units of 1024 lattice steps: row 0 is
 /// the northernmost and the local origin is the south-west corner.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Columns {
     n_cols: usize,
     n_rows: usize,
@@ -24,6 +24,15 @@ pub struct Columns {
     extremes: (i32, i32),
     tiles: OnceLock<TileMaxima>,
 }
+
+impl PartialEq for Columns {
+    /// What else there is follows from the tops.
+    fn eq(&self, other: &Self) -> bool {
+        (self.n_cols, self.n_rows) == (other.n_cols, other.n_rows) && self.tops == other.tops
+    }
+}
+
+impl Eq for Columns {}
 
 impl Columns {
     /// Columns from their tops \[1/1024 m above the datum\], row by row from the north-west cell; [`VOID`] blocks nothing.
@@ -76,7 +85,14 @@ impl Columns {
 
     /// The highest tops of tiles of cells; of a raster of plateaus found when it is first asked for.
     pub fn tiles(&self) -> &TileMaxima {
-        self.tiles.get_or_init(|| TileMaxima::of(&self.tops, self.n_cols))
+        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the tiles.
+        match self.tiles.get() {
+            Some(tiles) => tiles,
+            None => {
+                let tiles = TileMaxima::of(&self.tops, self.n_cols);
+                self.tiles.get_or_init(|| tiles)
+            }
+        }
     }
 
     /// The same as few rectangles of one height, where they are that.

@@ -1,5 +1,6 @@
 //! A raster as few rectangles of equal height, where it is that: block models of cities on a grid along their walls.
 
+use std::cmp::Reverse;
 use std::sync::OnceLock;
 
 use super::Prisms;
@@ -11,6 +12,12 @@ const FEWEST_CELLS: usize = 1 << 18;
 
 /// Fewest cells to a plateau, on average: with more plateaus the sweep is faster.
 const CELLS_PER_PLATEAU: usize = 256;
+
+/// Fewest cells to a cell along the sides of plateaus apart.
+const CELLS_PER_SIDE: usize = 12;
+
+/// Most cells along a side of a raster: those of the box of a UAV and the cells in its range.
+const LARGEST_SIDE: usize = 1 << 16;
 
 /// Fewest cells to a run of equal ones in rows that differ from the row before, in any part of a raster: a bound on what is kept
 /// of rasters that are none of plateaus.
@@ -33,20 +40,14 @@ pub struct Plateaus {
     n_rows: usize,
     /// Those above the lowest, by their first row.
     raised: Vec<Plateau>,
+    /// Those of another height than most cells, by their first row.
+    apart: Vec<Plateau>,
+    ground: i32,
     lowest: i32,
     highest: i32,
     has_void: bool,
     prisms: OnceLock<Prisms>,
 }
-
-impl PartialEq for Plateaus {
-    fn eq(&self, other: &Self) -> bool {
-        let facts = |p: &Plateaus| (p.n_rows, p.lowest, p.highest, p.has_void);
-        facts(self) == facts(other) && self.raised == other.raised
-    }
-}
-
-impl Eq for Plateaus {}
 
 impl Plateaus {
     /// The plateaus of a raster by its tops \[1/1024 m above the datum\], however many they are; `None` if it has a cell that
@@ -70,17 +71,30 @@ impl Plateaus {
     }
 
     fn of_runs(runs: &RowRuns<i32>, most: usize) -> Option<Self> {
-        let plateaus = joined(runs);
+        if runs.n_rows().max(runs.n_cols()) > LARGEST_SIDE {
+            return None;
+        }
+        let mut plateaus = joined(runs);
         let has_void = plateaus.iter().any(|plateau| plateau.top == VOID);
         let known = || plateaus.iter().map(|p| p.top).filter(|top| *top != VOID);
         let (lowest, highest) = (known().min()?, known().max()?);
         if plateaus.len() > most || highest == BLOCKS_ALL {
             return None;
         }
-        let mut raised: Vec<Plateau> =
-            plateaus.into_iter().filter(|plateau| plateau.top != VOID && plateau.top > lowest).collect();
-        raised.sort_unstable_by_key(|plateau| (plateau.rows, plateau.cols));
-        Some(Plateaus { n_rows: runs.n_rows(), raised, lowest, highest, has_void, prisms: OnceLock::new() })
+        plateaus.retain(|plateau| plateau.top != VOID);
+        let ground = most_frequent(&mut plateaus)?;
+        plateaus.sort_unstable_by_key(|plateau| (plateau.rows, plateau.cols));
+        let of = |is_wanted: &dyn Fn(i32) -> bool| -> Vec<Plateau> {
+            plateaus.iter().copied().filter(|plateau| is_wanted(plateau.top)).collect()
+        };
+        let (raised, apart) = (of(&|top| top > lowest), of(&|top| top != ground));
+        // PERF: receivers on each of these are decided by all that is in sight of its sides.
+        let sides = apart.iter().map(Plateau::half_girth).sum::<usize>();
+        if most < usize::MAX && sides * CELLS_PER_SIDE > runs.n_rows() * runs.n_cols() {
+            return None;
+        }
+        let n_rows = runs.n_rows();
+        Some(Plateaus { n_rows, raised, apart, ground, lowest, highest, has_void, prisms: OnceLock::new() })
     }
 
     /// The plateaus above the lowest height, by their first row.
@@ -88,7 +102,17 @@ impl Plateaus {
         &self.raised
     }
 
-    /// Top of all other cells that are not void \[1/1024 m above the datum\].
+    /// The plateaus of another height than most cells, by their first row.
+    pub fn apart(&self) -> &[Plateau] {
+        &self.apart
+    }
+
+    /// Top of all cells that are not void but those of [`Plateaus::apart`] \[1/1024 m above the datum\].
+    pub fn ground(&self) -> i32 {
+        self.ground
+    }
+
+    /// Top of all cells that are not void but those of [`Plateaus::raised`] \[1/1024 m above the datum\].
     pub fn lowest(&self) -> i32 {
         self.lowest
     }
@@ -105,16 +129,44 @@ impl Plateaus {
     /// blocked by the one if and only if it is by the other, but for the cells that are exempt for a receiver inside of
     /// them.
     pub fn prisms(&self) -> &Prisms {
-        self.prisms.get_or_init(|| {
-            let on_lattice = |cell: usize| i32::try_from(cell).unwrap_or(i32::MAX) * STEPS_PER_UNIT;
-            let rings = self.raised.iter().zip(0..).map(|(plateau, k)| {
-                let [west, east] = [plateau.cols.0, plateau.cols.1].map(|col| on_lattice(col as usize));
-                let [north, south] = [plateau.rows.0, plateau.rows.1].map(|r| on_lattice(self.n_rows - r as usize));
-                ([[west, south], [east, south], [east, north], [west, north]], plateau.top, k)
-            });
-            Prisms::of_rings(rings)
-        })
+        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the prisms.
+        match self.prisms.get() {
+            Some(prisms) => prisms,
+            None => {
+                let prisms = Prisms::of_rings(
+                    self.raised.iter().zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)),
+                );
+                self.prisms.get_or_init(|| prisms)
+            }
+        }
     }
+
+    /// The corners of a plateau on the lattice, counterclockwise from the south-west.
+    fn ring(&self, plateau: &Plateau) -> [[i32; 2]; 4] {
+        let on_lattice = |cell: usize| i32::try_from(cell).unwrap_or(i32::MAX / STEPS_PER_UNIT) * STEPS_PER_UNIT;
+        let [west, east] = [plateau.cols.0, plateau.cols.1].map(|col| on_lattice(col as usize));
+        let [north, south] = [plateau.rows.0, plateau.rows.1].map(|row| on_lattice(self.n_rows - row as usize));
+        [[west, south], [east, south], [east, north], [west, north]]
+    }
+}
+
+impl Plateau {
+    /// Cells along two neighboring sides.
+    fn half_girth(&self) -> usize {
+        (self.rows.1 - self.rows.0) as usize + (self.cols.1 - self.cols.0) as usize
+    }
+
+    fn n_cells(&self) -> u64 {
+        u64::from(self.rows.1 - self.rows.0) * u64::from(self.cols.1 - self.cols.0)
+    }
+}
+
+/// The height of the most cells, the lowest of equal ones; puts the plateaus in the order of their heights.
+fn most_frequent(plateaus: &mut [Plateau]) -> Option<i32> {
+    plateaus.sort_unstable_by_key(|plateau| plateau.top);
+    let cells = |same: &[Plateau]| same.iter().map(Plateau::n_cells).sum::<u64>();
+    let heights = plateaus.chunk_by(|a, b| a.top == b.top).map(|same| (cells(same), Reverse(same[0].top)));
+    heights.max().map(|(_, Reverse(top))| top)
 }
 
 /// Runs of equal ends and value in rows one below the other, as rectangles.
@@ -178,7 +230,7 @@ mod tests {
         ];
         let tops = raster(&blocks);
         let found = Plateaus::if_few(&tops.clone().into(), 600).expect("few plateaus");
-        assert_eq!(found.lowest(), 7);
+        assert_eq!((found.lowest(), found.ground()), (7, 7));
         let mut cells = vec![7; tops.len()];
         for plateau in found.raised() {
             for row in plateau.rows.0..plateau.rows.1 {
@@ -196,6 +248,18 @@ mod tests {
         assert_eq!(found.prisms().pieces().len(), 10);
         assert_eq!(found.prisms().solid_below(5 * 1024, 510 * 1024), 50);
         assert_eq!(found.prisms().solid_below(5 * 1024, 491 * 1024), VOID);
+    }
+
+    #[test]
+    fn the_ground_is_what_most_cells_are_not_the_bottom_of_a_pit() {
+        let found = Plateaus::if_few(&raster(&[((3, 9), (5, 8), -4), ((20, 40), (100, 130), 90)]).into(), 600);
+        let found = found.expect("few plateaus");
+        assert_eq!((found.lowest(), found.ground(), found.apart().len()), (-4, 7, 2));
+        assert!(found.raised().len() > 4);
+        // Half of the raster higher than the rest, in strips.
+        let strips: Vec<Rectangle> =
+            (0..50).zip([30, 32].into_iter().cycle()).map(|(k, top)| ((10 * k, 10 * k + 6), (0, 600), top)).collect();
+        assert!(Plateaus::if_few(&raster(&strips).into(), 600).is_none());
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::{
     OnPlateaus, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, plateaus_los,
     r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Casters, Columns, GridPositions, HeightField, StandsOn, Station, TileMaxima};
+use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, StandsOn, Station, TileMaxima};
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Which engine is asked for.
@@ -126,9 +126,10 @@ impl Method {
             (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
                 Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
             }
-            (MethodChoice::Shadow, _) => {
-                Err(WrongMethod { why: "a raster without footprints, and not of few flat blocks", instead: auto.0 })
-            }
+            (MethodChoice::Shadow, _) => Err(WrongMethod {
+                why: "no raster of few flat blocks on flat ground (of 512 × 512 cells or more)",
+                instead: auto.0,
+            }),
         }
     }
 
@@ -248,7 +249,14 @@ impl<'a> GridReceivers<'a> {
 
     /// The highest of what all cells hold that receivers stand on, by tile; found when it is first asked for.
     fn tiles(&self) -> &TileMaxima {
-        self.tiles.get_or_init(|| TileMaxima::of(self.bases().map_or(&[], |(bases, _)| bases), self.cells.n_cols()))
+        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the tiles.
+        match self.tiles.get() {
+            Some(tiles) => tiles,
+            None => {
+                let tiles = TileMaxima::of(self.bases().map_or(&[], |(bases, _)| bases), self.cells.n_cols());
+                self.tiles.get_or_init(|| tiles)
+            }
+        }
     }
 
     /// Bounds on what the receivers stand on, and how high they are above it \[1/1024 m\].
@@ -301,6 +309,12 @@ impl<'a> GridLos<'a> {
         let on_prisms = || ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
         let on_columns = || ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
         let shadows = field.prisms().map(|_| on_prisms()).or_else(|| field.plateaus().map(|_| on_columns()));
+        // What many threads will want is made before they do.
+        match (method, field.plateaus(), field.columns()) {
+            (Method::Shadow, Some(plateaus), _) => drop(plateaus.prisms()),
+            (Method::Sweep, _, Some(columns)) => drop(columns.tiles()),
+            _ => {}
+        }
         GridLos { field, method, positions, shadows, casters: None, level: SimdLevel::new(), is_one_band: false }
     }
 
@@ -342,6 +356,14 @@ impl<'a> GridLos<'a> {
         let prisms = self.field.prisms().filter(|_| self.method == Method::Shadow)?;
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
+    }
+
+    /// Whether receivers are decided by one level of shadows, or by the shadows of plateaus: at a cost that grows with the
+    /// rows that are asked for.
+    pub fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
+        self.method == Method::Shadow
+            && (self.field.prisms().is_some() && receivers.level().is_some()
+                || self.on_plateaus(uav, receivers).is_some())
     }
 
     /// The receivers of `wanted` that are in line of sight of a UAV.
@@ -434,25 +456,30 @@ impl<'a> GridLos<'a> {
         wanted: &BitGrid,
         window: CellWindow,
     ) -> BitGrid {
-        let (uav_z, lowest) = (uav.z, i64::from(receivers.range.0) + i64::from(receivers.above));
-        let (Some(columns), Some(plateaus), Some(grid)) = (self.field.columns(), self.field.plateaus(), &self.shadows)
+        let (Some((columns, plateaus, on_plateaus)), Some(grid)) = (self.on_plateaus(uav, receivers), &self.shadows)
         else {
             return self.by_sweep(uav, receivers, wanted, window);
         };
+        let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
+        let prisms = plateaus.prisms();
+        let scene = ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands };
+        plateaus_los(&scene, columns, plateaus, uav.on_columns(), on_plateaus)
+    }
+
+    /// The plateaus of a raster, and where receivers stand on them; `None` unless their shadows decide.
+    fn on_plateaus(
+        &self,
+        uav: &Station,
+        receivers: &GridReceivers<'_>,
+    ) -> Option<(&'a Columns, &'a Plateaus, OnPlateaus)> {
+        let (columns, plateaus) = (self.field.columns()?, self.field.plateaus()?);
         let on_plateaus = match receivers.level() {
-            Some(z) => Some(OnPlateaus::Level(z)),
-            None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above)),
+            Some(z) => OnPlateaus::Level(z),
+            None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above))?,
         };
         // Beside the raster a UAV may be below all of it.
-        match on_plateaus {
-            Some(on_plateaus) if uav_z.min(lowest) >= i64::from(plateaus.lowest()) => {
-                let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
-                let prisms = plateaus.prisms();
-                let scene = ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands };
-                plateaus_los(&scene, columns, plateaus, uav.on_columns(), on_plateaus)
-            }
-            _ => self.by_sweep(uav, receivers, wanted, window),
-        }
+        let lowest = uav.z.min(i64::from(receivers.range.0) + i64::from(receivers.above));
+        (lowest >= i64::from(plateaus.lowest())).then_some((columns, plateaus, on_plateaus))
     }
 
     fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {

@@ -4,8 +4,8 @@
 //! 17 million cells, 8500 blocks. The union of the columns above the lowest height is that of as many prisms, whose shadows cost
 //! an eighth of a sweep over the cells.
 //!
-//! **Receivers.** Those over the lowest height are one level, as on flat ground: [`super::shadow`] decides them. Each plateau
-//! above it is a level of its own, of few cells. Seen from there the sky is wide, and only what stands between the plateau and
+//! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
+//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Seen from there the sky is wide, and only what stands between the plateau and
 //! the UAV can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above the
 //! highest top. Their shadows are cast on the plateau's cells alone.
 //!
@@ -14,8 +14,7 @@
 //! link between two points that are not below the lowest height is blocked by the prisms if and only if it is by the columns,
 //! but for the receiver's own cell, which is exempt among columns and not among prisms. It matters where the ray is below the
 //! top of the own cell inside of it: to receivers that stand below that top, or that look down on a UAV below it so steeply
-//! that the ray dips below their roof before it has left the cell, and leaves it at the end of the plateau. These few are asked
-//! of [`columns_los`].
+//! that the ray dips below their roof before it has left the cell. These are asked of [`columns_los`].
 
 use std::ops::{ControlFlow, Range};
 
@@ -51,7 +50,8 @@ pub enum OnPlateaus {
 /// `scene` holds the prisms of the plateaus of `columns`, and the positions of its cells. Nobody may be below the lowest plateau
 /// (not checked).
 ///
-/// Cost: the rows of the shadows, and for each plateau that holds receivers what lies between it and the UAV.
+/// Cost: the rows of the shadows, for each plateau apart that holds receivers what lies between it and the UAV, and a ray for
+/// each receiver whose own cell is in the way (see the module).
 pub fn plateaus_los(
     scene: &ShadowScene<'_>,
     columns: &Columns,
@@ -63,15 +63,16 @@ pub fn plateaus_los(
         OnPlateaus::Level(z) => z,
         OnPlateaus::Above(above) => i64::from(top) + i64::from(above),
     };
-    let on_lowest = height(plateaus.lowest());
-    let mut level = scene.wanted.clone();
-    if let OnPlateaus::Above(_) = receivers {
-        plateaus.raised().iter().for_each(|plateau| clear_plateau(&mut level, plateau));
-    }
-    let mut los = shadow_los(&ShadowScene { wanted: &level, ..*scene }, uav, on_lowest).los;
-    if let OnPlateaus::Above(above) = receivers {
-        on_raised(scene, plateaus, uav, above, &mut los);
-    }
+    let mut los = match receivers {
+        OnPlateaus::Level(z) => shadow_los(scene, uav, z).los,
+        OnPlateaus::Above(above) => {
+            let mut on_ground = scene.wanted.clone();
+            plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau));
+            let mut los = shadow_los(&ShadowScene { wanted: &on_ground, ..*scene }, uav, height(plateaus.ground())).los;
+            on_plateaus_apart(scene, plateaus, uav, above, &mut los);
+            los
+        }
+    };
     ask_columns(scene, columns, plateaus.raised(), uav, &height, &mut los);
     los
 }
@@ -82,14 +83,15 @@ fn ask_columns(
     columns: &Columns,
     raised: &[Plateau],
     uav: LatticePoint,
-    height: &impl Fn(i32) -> i64,
+    height: &(impl Fn(i32) -> i64 + Sync),
     los: &mut BitGrid,
 ) {
-    for plateau in raised {
+    let of_plateau = |plateau: &Plateau| -> Vec<(usize, usize, LatticePoint)> {
         let (z, top) = (height(plateau.top), i64::from(plateau.top));
         let is_inside = top > z;
+        let mut asked = Vec::new();
         if !is_inside && (z <= uav.z || top <= uav.z) {
-            continue;
+            return asked;
         }
         for row in plateau.rows.0 as usize..plateau.rows.1 as usize {
             let words = scene.wanted.row(row);
@@ -98,28 +100,35 @@ fn ask_columns(
                 let length = (uav.x - receiver.x).abs().max((uav.y - receiver.y).abs());
                 // EXACT: heights differ by at most 2^28, positions by at most 2^27.
                 if is_inside || (z - uav.z) * HALF_CELL > (z - top) * length {
-                    los.set(row, col, columns_los(columns, uav, receiver));
+                    asked.push((row, col, receiver));
                 }
             });
         }
-    }
+        asked
+    };
+    let asked: Vec<_> = raised.par_iter().flat_map_iter(of_plateau).collect();
+    let is_los = |(_, _, receiver): &(usize, usize, LatticePoint)| columns_los(columns, uav, *receiver);
+    let answers: Vec<bool> = asked.par_iter().map(is_los).collect();
+    asked.iter().zip(answers).for_each(|((row, col, _), is_los)| los.set(*row, *col, is_los));
 }
 
-/// Leaves of the receivers on raised plateaus those that are in line of sight.
-fn on_raised(scene: &ShadowScene<'_>, plateaus: &Plateaus, uav: LatticePoint, above: i32, los: &mut BitGrid) {
+/// Adds the receivers on plateaus apart that are in line of sight.
+fn on_plateaus_apart(scene: &ShadowScene<'_>, plateaus: &Plateaus, uav: LatticePoint, above: i32, los: &mut BitGrid) {
     let Some(plane) = plane_of(scene, uav) else { return };
-    let (n_rows, words_per_row) = (los.n_rows(), los.words_per_row());
-    let rows_per_band = n_rows.div_ceil(scene.n_bands.max(1) * BANDS_PER_THREAD);
-    let bands = los.words_mut().par_chunks_mut((rows_per_band * words_per_row).max(1)).enumerate();
+    let words_per_row = los.words_per_row();
+    let (first, end) = plane.rows;
+    let rows_per_band = (end - first).div_ceil(scene.n_bands.max(1) * BANDS_PER_THREAD);
+    let words = &mut los.words_mut()[first * words_per_row..end * words_per_row];
+    let bands = words.par_chunks_mut((rows_per_band * words_per_row).max(1)).enumerate();
     bands.for_each(|(k, words)| {
-        let rows = (k * rows_per_band, k * rows_per_band + words.len() / words_per_row);
-        let job = RaisedBand { scene, plateaus, uav, above, rows };
+        let rows = (first + k * rows_per_band, first + k * rows_per_band + words.len() / words_per_row);
+        let job = BandApart { scene, plateaus, uav, above, rows };
         dispatch!(scene.level, simd => job.cast(simd, plane.clone(), words));
     });
 }
 
-/// The receivers on raised plateaus in some rows.
-struct RaisedBand<'a> {
+/// The receivers on plateaus apart in some rows.
+struct BandApart<'a> {
     scene: &'a ShadowScene<'a>,
     plateaus: &'a Plateaus,
     uav: LatticePoint,
@@ -127,7 +136,7 @@ struct RaisedBand<'a> {
     rows: (usize, usize),
 }
 
-impl RaisedBand<'_> {
+impl BandApart<'_> {
     /// Adds those in line of sight to the words of the rows.
     #[inline(always)]
     fn cast<S: Simd>(&self, simd: S, mut plane: Plane, words: &mut [u64]) {
@@ -135,9 +144,12 @@ impl RaisedBand<'_> {
         let mut cells = PlateauCells::default();
         let mut outline = Outline::default();
         let mut visits = Visits { of: vec![0; self.scene.prisms.pieces().len()], now: 0 };
-        for plateau in self.plateaus.raised() {
+        for plateau in self.plateaus.apart() {
             let narrow = |(first, end): (u32, u32)| (first as usize, end as usize);
             let ((first, end), cols) = (narrow(plateau.rows), narrow(plateau.cols));
+            if first >= self.rows.1 {
+                break;
+            }
             let rows = (first.max(self.rows.0), end.min(self.rows.1));
             if rows.0 >= rows.1 || !cells.fill(self.scene.wanted, rows, cols) {
                 continue;
@@ -402,10 +414,10 @@ impl Between {
                         if f64::from(max_top) <= lowest {
                             continue;
                         }
-                        for &k in pieces {
-                            let piece = &prisms.pieces()[k as usize];
+                        for &number in pieces {
+                            let piece = &prisms.pieces()[number as usize];
                             // One that is too low here may not be in a bucket farther on.
-                            if f64::from(piece.top) > lowest && visits.is_first(k) {
+                            if f64::from(piece.top) > lowest && visits.is_first(number) {
                                 visit(piece)?;
                             }
                         }

@@ -41,14 +41,18 @@ impl<T> RowGroup<'_, T> {
 impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
     /// The runs of `cells`, rows of `n_cols` each; `None` if in some part of them there are fewer than `least` cells to a
     /// run that is kept. Threads of the current pool share the work.
+    ///
+    /// # Panics
+    /// If `n_cols` is 0.
     pub fn of(cells: &[T], n_cols: usize, least: usize) -> Option<Self> {
-        let rows_at_once = PART_CELLS.div_ceil(n_cols.max(1));
-        let parts = cells.par_chunks(rows_at_once * n_cols.max(1)).map(|cells| RowRuns::of_part(cells, n_cols, least));
+        let cells_at_once = PART_CELLS.div_ceil(n_cols) * n_cols;
+        let most = cells_at_once.checked_div(least).unwrap_or(usize::MAX);
+        let parts = cells.par_chunks(cells_at_once).map(|cells| RowRuns::of_part(cells, n_cols, most));
         Some(RowRuns::joined(parts.collect::<Option<Vec<_>>>()?))
     }
 
-    /// The same of few rows, by this thread.
-    pub(super) fn of_part(cells: &[T], n_cols: usize, least: usize) -> Option<Self> {
+    /// The same of few rows, by this thread; `None` if more than `most` runs are kept.
+    pub(super) fn of_part(cells: &[T], n_cols: usize, most: usize) -> Option<Self> {
         let mut found = RowRuns { ends: Vec::new(), values: Vec::new(), groups: Vec::new() };
         let mut before: &[T] = &[];
         for (row, of_row) in cells.chunks_exact(n_cols).enumerate() {
@@ -60,7 +64,7 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
                 _ => {
                     found.push_row(of_row);
                     found.groups.push((row + 1, found.ends.len()));
-                    if found.ends.len() * least > cells.len() {
+                    if found.ends.len() > most {
                         return None;
                     }
                 }
@@ -96,18 +100,19 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
 
     fn append(&mut self, other: &Self) {
         let (n_rows, n_runs) = (self.n_rows(), self.ends.len());
-        let mut repeated = 0;
-        if let (Some(last), Some(first)) = (self.groups().last(), other.groups().next())
-            && (last.ends, last.values) == (first.ends, first.values)
-        {
-            repeated = first.ends.len();
-            if let Some(group) = self.groups.last_mut() {
-                group.0 += first.rows.len();
-            }
+        let first = other.groups().next();
+        let is_same = |last: RowGroup<'_, T>| {
+            first.as_ref().is_some_and(|first| (last.ends, last.values) == (first.ends, first.values))
+        };
+        let is_repeated = self.groups().next_back().is_some_and(is_same);
+        let (n_repeated_rows, repeated) =
+            first.filter(|_| is_repeated).map_or((0, 0), |first| (first.rows.len(), first.ends.len()));
+        if let Some(group) = self.groups.last_mut() {
+            group.0 += n_repeated_rows;
         }
         self.ends.extend(&other.ends[repeated..]);
         self.values.extend(&other.values[repeated..]);
-        let rest = other.groups.iter().skip(usize::from(repeated > 0));
+        let rest = other.groups.iter().skip(usize::from(is_repeated));
         self.groups.extend(rest.map(|(row, run)| (n_rows + row, n_runs + run - repeated)));
     }
 }

@@ -1,7 +1,7 @@
 //! Shadows of the plateaus of a raster equal `ray` on its columns, cell for cell; and `auto` takes them where they serve.
 
 use rayon::prelude::*;
-use skyshed::coverage::{Control, MapOptions, Receivers, map_site};
+use skyshed::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
 use skyshed::height_field::{Columns, HeightField, Plateaus};
 use skyshed::los::{Method, MethodChoice, OnPlateaus, ShadowGrid, ShadowScene, columns_los, plateaus_los, simd_levels};
 use skyshed::quantity::{LatticePoint, VOID};
@@ -165,6 +165,26 @@ fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_r
             let noisy = as_raster(&footprints, Ground::Surface, 700, &mut random);
             assert_eq!(Method::choose(&noisy, MethodChoice::Auto).unwrap().0, Method::Sweep);
             assert!(Method::choose(&noisy, MethodChoice::Shadow).is_err());
+        }
+    }
+}
+
+#[test]
+fn many_threads_that_all_want_what_is_made_once_do_not_wait_for_each_other() {
+    let footprints = city("urban", 3);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+    for method in [MethodChoice::Auto, MethodChoice::Sweep] {
+        for _ in 0..5 {
+            let field = as_raster(&footprints, Ground::Surface, 0, &mut Random(1));
+            let uavs: Vec<_> = (0..12).map(|k| uav_at(&field, 20.5 + 40.0 * f64::from(k), 300.5, 90 * 1024)).collect();
+            let options = MapOptions { method, ..MapOptions::default() };
+            let maps = pool.install(|| {
+                let mapper = Mapper::new(&field, &options).unwrap();
+                mapper.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {}).unwrap()
+            });
+            assert_eq!(maps.sites.len(), 12);
+            let alone = map_site(&field, &uavs[7], &options, &Control::default()).unwrap();
+            assert!(maps.sites[7].mask == alone.mask);
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::raster::sample::Sample;
 use crate::raster::voids::Voids;
 use crate::raster::{LargeVec, Raster, RowGroup, RowRuns};
 
-/// Bytes that a thread reads at a time: they are converted while they are in its cache.
+/// Bytes that a thread reads at a time, mostly: they are looked at while they are in its cache.
 const READ_BYTES: usize = 256 << 10;
 
 /// Rows that are looked at together for runs, at least: each is compared with the one before.
@@ -75,11 +75,12 @@ impl GeoTiff {
                 _ => strips.push((*offset, n_rows)),
             }
         }
+        // Who asks for all heights one by one gets them.
+        drop(reserve_cells::<i32>(&self.path, self.georef())?);
         let as_runs = if self.placement.south_up { None } else { rows.as_runs(&strips)? };
         let (cells, n_nodata) = match as_runs {
             Some(found) => found,
             None => {
-                drop(reserve_cells::<i32>(&self.path, self.georef())?);
                 let mut cells = LargeVec::<i32>::zeroed(self.georef().n_cells());
                 let Some(n_nodata) = rows.one_by_one(&strips, &mut cells)? else { return Ok(None) };
                 if self.placement.south_up {
@@ -144,7 +145,7 @@ impl PlainRows<'_> {
             }
             cells.resize(n_rows * n_cols, 0);
             self.read(file, offset, cells)?;
-            let runs = RowRuns::of_part(cells, n_cols, CELLS_PER_RUN).and_then(|mut runs| {
+            let runs = RowRuns::of_part(cells, n_cols, rows_at_once * n_cols / CELLS_PER_RUN).and_then(|mut runs| {
                 put_on_lattice(runs.values_mut(), self.nodata)?;
                 Some(runs)
             });
