@@ -17,7 +17,7 @@ use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
 /// Strips in which a map is decided that is handed over while it is made.
-const STRIPS: usize = 8;
+const STRIPS: usize = 4;
 
 /// Which cells hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -529,16 +529,22 @@ fn an_interrupt_of_a_mask_that_is_written_while_it_is_made_leaves_all_or_nothing
     let folder = Folder::new();
     let words =
         ["map", "itu:urban", "--size", "4000", "--uav", "2010,2010,60", "-q", "--tif-layout", "plain", "-o", "out.tif"];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
-    let start = Instant::now();
-    let status = command.args(words).current_dir(folder.path()).env("RAYON_NUM_THREADS", "1").status();
-    assert!(status.expect("the program starts").success());
-    let whole = start.elapsed();
+    let empty = || folder.files().iter().for_each(|file| std::fs::remove_file(folder.join(file)).expect("it is there"));
+    // The first run may wait for the program to be read, or for other tests.
+    let run = |()| {
+        empty();
+        let start = Instant::now();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
+        let status = command.args(words).current_dir(folder.path()).env("RAYON_NUM_THREADS", "1").status();
+        assert!(status.expect("the program starts").success());
+        start.elapsed()
+    };
+    let whole = [(); 3].map(run).into_iter().min().expect("three runs");
     let expected = (folder.files(), folder.read("out.tif"));
     let mut n_stopped = 0;
     // The file is open in the second half of a run.
     for k in 8..24 {
-        expected.0.iter().for_each(|file| std::fs::remove_file(folder.join(file)).expect("it is there"));
+        empty();
         let (code, err, _) = interrupted(&folder, &words, whole * k / 20);
         match code {
             Some(130) => {
@@ -548,10 +554,8 @@ fn an_interrupt_of_a_mask_that_is_written_while_it_is_made_leaves_all_or_nothing
             _ => {
                 assert_eq!(code, Some(0), "after {k} twentieths: {err}");
                 assert!((folder.files(), folder.read("out.tif")) == expected, "after {k} twentieths");
-                continue;
             }
         }
-        expected.0.iter().for_each(|file| folder.write(file, ""));
     }
     assert!(n_stopped > 3, "only {n_stopped} runs were stopped");
 }
