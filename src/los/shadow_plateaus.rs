@@ -2,7 +2,7 @@
 //!
 //! **Why.** Many rasters of cities are block models that were put on a grid along their walls, generated ones above all:
 //! 17 million cells, 8500 blocks. The union of the columns above the lowest height is that of as many prisms, whose shadows cost
-//! an eighth of a sweep over the cells.
+//! about a third of a sweep over the cells.
 //!
 //! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
 //! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Seen from there the sky is wide, and only what stands between the plateau and
