@@ -1,6 +1,6 @@
 //! The same scene with one thing changed: its receivers, its buildings, or the heights of its roofs.
 
-use super::{CellSets, Columns, HeightField, Piece, Prisms};
+use super::{CellSets, Columns, HeightField, Piece, Prisms, Ring};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
 use crate::raster::{GeoRef, set_bits};
 
@@ -15,7 +15,7 @@ impl HeightField {
 
     /// The same ground without a building.
     pub(super) fn without_prisms(&self) -> HeightField {
-        let prisms = self.prisms.as_ref().map(|(_, frame)| (Prisms::new(Vec::new()), *frame));
+        let prisms = self.prisms.as_ref().map(|(_, frame)| (Prisms::new(Vec::<(Ring, i32, u32)>::new()), *frame));
         let mut field = HeightField { prisms, building_ids: Vec::new(), ..self.clone() };
         field.roofs = Some(vec![VOID; self.grid.n_cells()]);
         field.cells = CellSets::of(&field);

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::Prisms;
 use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
-use crate::raster::{LargeVec, RowRuns};
+use crate::raster::{CELLS_PER_RUN, LargeVec, RowRuns};
 
 /// Fewest cells of a raster for which plateaus are looked for: in smaller ones nothing takes long.
 const FEWEST_CELLS: usize = 1 << 18;
@@ -18,10 +18,6 @@ const CELLS_PER_SIDE: usize = 12;
 
 /// Most cells along a side of a raster: those of the box of a UAV and the cells in its range.
 const LARGEST_SIDE: usize = 1 << 16;
-
-/// Fewest cells to a run of equal ones in rows that differ from the row before, in any part of a raster: a bound on what is kept
-/// of rasters that are none of plateaus.
-const CELLS_PER_RUN: usize = 64;
 
 /// A rectangle of cells of one height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,9 +129,8 @@ impl Plateaus {
         match self.prisms.get() {
             Some(prisms) => prisms,
             None => {
-                let prisms = Prisms::of_rings(
-                    self.raised.iter().zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)),
-                );
+                let prisms =
+                    Prisms::new(self.raised.iter().zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)));
                 self.prisms.get_or_init(|| prisms)
             }
         }

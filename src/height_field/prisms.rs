@@ -1,7 +1,6 @@
 //! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
 
 use super::casters::Casters;
-use super::triangulate::Ring;
 use crate::quantity::VOID;
 
 /// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat top.
@@ -37,24 +36,9 @@ pub struct Buckets {
     start: Vec<u32>,
     items: Vec<u32>,
     max_tops: Vec<i32>,
-    /// The highest tops of squares of so many buckets, row by row.
-    max_tops_of_squares: Vec<i32>,
 }
 
 impl Buckets {
-    /// Buckets along the side of a square of them, whose highest top [`Buckets::max_top_of_square`] tells.
-    pub const SQUARE: i64 = 8;
-
-    /// The highest top of the square of buckets that is the `east`-th from the west and the `north`-th from the south;
-    /// [`VOID`] outside the grid.
-    #[inline]
-    pub fn max_top_of_square(&self, east: i64, north: i64) -> i32 {
-        let per_row = (self.shape.0 + Self::SQUARE - 1) / Self::SQUARE;
-        let is_inside = east >= 0 && north >= 0 && east < per_row;
-        let i = usize::try_from(north * per_row + east).ok().filter(|_| is_inside);
-        i.and_then(|i| self.max_tops_of_squares.get(i)).copied().unwrap_or(VOID)
-    }
-
     /// The bucket at `(east, north)`: its highest top and its pieces; `None` outside the grid.
     #[inline]
     pub fn at(&self, east: i64, north: i64) -> Option<(i32, &[u32])> {
@@ -76,12 +60,7 @@ impl Prisms {
     ///
     /// # Panics
     /// If there are more than 2^32 vertices.
-    pub fn new(pieces: impl IntoIterator<Item = (Ring, i32, u32)>) -> Self {
-        Prisms::of_rings(pieces)
-    }
-
-    /// The same of rings of any kind.
-    pub(super) fn of_rings<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
+    pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
         let pieces: Vec<Piece> = pieces
             .into_iter()
@@ -224,7 +203,6 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
             start: vec![0],
             items: Vec::new(),
             max_tops: Vec::new(),
-            max_tops_of_squares: Vec::new(),
         };
     }
     let [x0, y0, x1, y1] = bounds(vertices);
@@ -270,18 +248,12 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
         items[next[bucket] as usize] = u32::try_from(k).unwrap_or(u32::MAX);
         next[bucket] += 1;
     });
-    const SQUARE: i64 = Buckets::SQUARE;
-    let (width, squares_per_row) = (index(shape.0), index((shape.0 + SQUARE - 1) / SQUARE));
-    let mut max_tops_of_squares = vec![VOID; squares_per_row * index((shape.1 + SQUARE - 1) / SQUARE)];
-    for (i, top) in max_tops.iter().enumerate() {
-        let square = i / width / index(SQUARE) * squares_per_row + i % width / index(SQUARE);
-        max_tops_of_squares[square] = max_tops_of_squares[square].max(*top);
-    }
-    Buckets { origin, size, shape, start, items, max_tops, max_tops_of_squares }
+    Buckets { origin, size, shape, start, items, max_tops }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::triangulate::Ring;
     use super::*;
 
     fn square(x: i32, y: i32, edge: i32) -> Ring {

@@ -16,7 +16,7 @@
 //! top of the own cell inside of it: to receivers that stand below that top, or that look down on a UAV below it so steeply
 //! that the ray dips below their roof before it has left the cell. These are asked of [`columns_los`].
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ use super::prisms_ray::prisms_los;
 use super::shadow::{ShadowScene, plane_of, shadow_los};
 use super::shadow_outline::{Outline, Plane, Reach, Rows};
 use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::{Buckets, Columns, Piece, Plateau, Plateaus, Prisms};
+use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, bits_between};
 
@@ -349,13 +349,10 @@ impl Between {
         let (origin, shape) = ([buckets.origin.0, buckets.origin.1], [buckets.shape.0, buckets.shape.1]);
         let (from_origin, across_origin) =
             (uav[self.axis] - origin[self.axis], uav[1 - self.axis] - origin[1 - self.axis]);
-        // PERF: products instead of quotients; sizes are powers of two, so those with them are exact.
-        let per_bucket = 1.0 / as_f64(buckets.size);
-        let (per_near, per_far) = (1.0 / near, 1.0 / far);
         // Positions in buckets, from the first one on.
         let bucket = |at: f64, n: i64| {
             #[expect(clippy::cast_possible_truncation, reason = "saturates, and is clamped")]
-            let k = (at * per_bucket).floor() as i64;
+            let k = (at / as_f64(buckets.size)).floor() as i64;
             k.clamp(0, n - 1)
         };
         // The receivers may be on both sides of the UAV.
@@ -365,69 +362,39 @@ impl Between {
             (false, true) => (-far, 0.0),
             (false, false) => (0.0, far),
         };
-        let n_across = shape[1 - self.axis];
-        // How low the rays may be over some rows, and between which buckets across they are there.
-        let over = |rows: Range<i64>| {
+        let (n_along, n_across) = (shape[self.axis], shape[1 - self.axis]);
+        let first = bucket(as_f64(from_origin) + low - 2.0, n_along);
+        let last = bucket(as_f64(from_origin) + high + 2.0, n_along);
+        for k in first..=last {
+            let row = if self.is_mirrored { k } else { last - (k - first) };
+            // Distances from the UAV between which the row lies, and how far along the rays that is.
             let (south, north) =
-                (as_f64(rows.start * buckets.size - from_origin), as_f64(rows.end * buckets.size - from_origin));
+                (as_f64(row * buckets.size - from_origin), as_f64((row + 1) * buckets.size - from_origin));
             let (from, to) = if self.is_mirrored { (-north, -south) } else { (south, north) };
-            // How far along the rays that is.
-            let (start, end) = if on_both_sides {
-                (0.0, 1.0)
-            } else {
-                ((from * per_far).clamp(0.0, 1.0), (to * per_near).clamp(0.0, 1.0))
-            };
-            // A step is more than all of this can err.
+            let (start, end) =
+                if on_both_sides { (0.0, 1.0) } else { ((from / far).clamp(0.0, 1.0), (to / near).clamp(0.0, 1.0)) };
+            // How low the rays may be there; a step is more than all of this can err.
             let lowest = self.rise * if self.rise > 0.0 { start } else { end } + as_f64(self.uav.z) - 1.0;
-            let west = self.across.0 * if self.across.0 < 0.0 { end } else { start } - 2.0;
-            let east = self.across.1 * if self.across.1 < 0.0 { start } else { end } + 2.0;
-            (lowest, bucket(as_f64(across_origin) + west, n_across), bucket(as_f64(across_origin) + east, n_across))
-        };
-        let at = |across: i64, along: i64| if self.axis == 1 { (across, along) } else { (along, across) };
-        let highest = f64::from(prisms.max_top());
-        let n = shape[self.axis];
-        let first = bucket(as_f64(from_origin) + low - 2.0, n);
-        let end = bucket(as_f64(from_origin) + high + 2.0, n) + 1;
-        // From the receivers on: north if they are south of the UAV.
-        let (mut first, mut end) = (first, end);
-        while first < end {
-            // PERF: far from the receivers whole squares of buckets are below the rays.
-            let row = if self.is_mirrored { first } else { end - 1 };
-            let square = row.div_euclid(Buckets::SQUARE);
-            let rows = (square * Buckets::SQUARE).max(first)..((square + 1) * Buckets::SQUARE).min(end);
-            let (lowest, west, east) = over(rows.clone());
             // Rays that rise towards the UAV are higher in all rows to come.
-            if self.rise <= 0.0 && highest <= lowest {
+            if self.rise <= 0.0 && f64::from(prisms.max_top()) <= lowest {
                 return ControlFlow::Continue(());
             }
-            let is_below = |square_across: i64| {
-                let (east, north) = at(square_across, square);
-                f64::from(buckets.max_top_of_square(east, north)) <= lowest
-            };
-            if !(west / Buckets::SQUARE..=east / Buckets::SQUARE).all(is_below) {
-                for k in rows.clone() {
-                    let row = if self.is_mirrored { k } else { rows.end - 1 - (k - rows.start) };
-                    let (lowest, west, east) = over(row..row + 1);
-                    for col in west..=east {
-                        let (east, north) = at(col, row);
-                        let Some((max_top, pieces)) = buckets.at(east, north) else { continue };
-                        if f64::from(max_top) <= lowest {
-                            continue;
-                        }
-                        for &number in pieces {
-                            let piece = &prisms.pieces()[number as usize];
-                            // One that is too low here may not be in a bucket farther on.
-                            if f64::from(piece.top) > lowest && visits.is_first(number) {
-                                visit(piece)?;
-                            }
-                        }
+            let west = self.across.0 * if self.across.0 < 0.0 { end } else { start } - 2.0;
+            let east = self.across.1 * if self.across.1 < 0.0 { start } else { end } + 2.0;
+            let across = |at: f64| bucket(as_f64(across_origin) + at, n_across);
+            for col in across(west)..=across(east) {
+                let (east, north) = if self.axis == 1 { (col, row) } else { (row, col) };
+                let Some((max_top, pieces)) = buckets.at(east, north) else { continue };
+                if f64::from(max_top) <= lowest {
+                    continue;
+                }
+                for &number in pieces {
+                    let piece = &prisms.pieces()[number as usize];
+                    // One that is too low here may not be in a bucket farther on.
+                    if f64::from(piece.top) > lowest && visits.is_first(number) {
+                        visit(piece)?;
                     }
                 }
-            }
-            if self.is_mirrored {
-                first = rows.end;
-            } else {
-                end = rows.start;
             }
         }
         ControlFlow::Continue(())

@@ -55,7 +55,7 @@ pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
 pub use origin::origin_of;
-pub use row_runs::{RowGroup, RowRuns};
+pub use row_runs::{CELLS_PER_RUN, RowGroup, RowRuns};
 pub use simpler_rings::simpler_rings;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;

@@ -5,6 +5,9 @@ use std::ops::Range;
 use bytemuck::Pod;
 use rayon::prelude::*;
 
+/// Fewest cells to a run that is kept, in any part of a raster: with more runs it is as well held cell by cell.
+pub const CELLS_PER_RUN: usize = 64;
+
 /// Cells that are looked at together, by one thread.
 const PART_CELLS: usize = 1 << 18;
 

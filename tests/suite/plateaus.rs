@@ -25,9 +25,10 @@ fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> 
             (first, (first + random.index(1, 12)).min(n))
         };
         let (rows, cols) = (side(random, n_rows), side(random, n_cols));
-        let top = match random.within(0, 9) {
+        let top = match random.within(0, 10) {
             0 => VOID,
-            1..=4 => i32::try_from((uav_z + random.within(-spread, spread)).max(ground.into())).unwrap(),
+            1..=5 => i32::try_from((uav_z + random.within(-spread, spread)).max(ground.into())).unwrap(),
+            6 => ground - i32::try_from(random.within(0, 5 * 1024)).unwrap(),
             _ => ground + i32::try_from(random.within(0, 20 * 1024)).unwrap(),
         };
         for row in rows.0..rows.1 {
@@ -35,6 +36,16 @@ fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> 
         }
     }
     tops
+}
+
+/// A UAV over cell centers, corners, edges and anywhere, inside and outside.
+fn place(random: &mut Random, (n_rows, n_cols): (usize, usize), z: i64) -> LatticePoint {
+    let mut along = |n: usize| {
+        let span = i64::try_from(n).unwrap();
+        let beyond = 20.max(span / 2);
+        random.within(-beyond, span + beyond) * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
+    };
+    LatticePoint { x: along(n_cols), y: along(n_rows), z }
 }
 
 /// Compares all receivers of one scene with rays; returns how many they are, and how many of them are in line of sight.
@@ -81,12 +92,7 @@ fn small_block_models_with_heights_around_the_uav_agree_with_ray() {
         let (n_rows, n_cols) = (random.index(1, 40), random.index(1, 80));
         let uav_z = random.choose(&[512, 1024, 9 * 1024, 40 * 1024, 130 * 1024]);
         let tops = blocks(&mut random, (n_rows, n_cols), uav_z);
-        // Over cell centers, corners, edges and anywhere, inside and outside.
-        let place = |random: &mut Random, n: usize| {
-            let cell = random.within(-20, i64::try_from(n).unwrap() + 20);
-            cell * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
-        };
-        let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z: uav_z };
+        let uav = place(&mut random, (n_rows, n_cols), uav_z);
         let on = match random.within(0, 2) {
             0 => OnPlateaus::Level(random.choose(&[0, 1536, uav_z, uav_z + 3000, 9000])),
             _ => OnPlateaus::Above(random.choose(&[0, 1, 1536, 1536, 30 * 1024])),
@@ -114,12 +120,8 @@ fn towns_of_blocks_agree_with_ray() {
                 }
             }
         }
-        let place = |random: &mut Random, n: usize| {
-            let span = i64::try_from(n).unwrap();
-            random.within(-span / 2, 3 * span / 2) * 1024 + random.choose(&[0, 512, 512, 300])
-        };
         let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
-        let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z };
+        let uav = place(&mut random, (n_rows, n_cols), z);
         let on = random.choose(&[OnPlateaus::Level(1536), OnPlateaus::Above(1536), OnPlateaus::Above(0)]);
         compare(&tops, n_cols, uav, on, &mut random)
     });

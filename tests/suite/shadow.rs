@@ -449,7 +449,7 @@ fn nothing_wanted_nothing_found_and_without_prisms_all_is_seen() {
     let field = city("urban", 100.0, 1.0, 1);
     let uav = LatticePoint { x: 1024, y: 1024, z: 50 * 1024 };
     let mut receivers = receivers(&field, 1536, false, 100, 0.0);
-    let clear = receivers.cast(&Prisms::new([]), uav, Level::new(), 3);
+    let clear = receivers.cast(&Prisms::new([] as [(Vec<[i32; 2]>, i32, u32); 0]), uav, Level::new(), 3);
     assert_eq!((clear.count, &clear.los), (receivers.wanted.count(), &receivers.wanted));
     receivers.wanted = BitGrid::new(100, 100);
     assert_eq!(receivers.cast(field.prisms().unwrap(), uav, Level::new(), 3).count, 0);

@@ -17,17 +17,13 @@ use crate::raster::file::reserve_cells;
 use crate::raster::lattice_rows::put_on_lattice;
 use crate::raster::sample::Sample;
 use crate::raster::voids::Voids;
-use crate::raster::{LargeVec, Raster, RowGroup, RowRuns};
+use crate::raster::{CELLS_PER_RUN, LargeVec, Raster, RowGroup, RowRuns};
 
 /// Bytes that a thread reads at a time, mostly: they are looked at while they are in its cache.
 const READ_BYTES: usize = 256 << 10;
 
 /// Rows that are looked at together for runs, at least: each is compared with the one before.
 const ROWS_OF_RUNS: usize = 16;
-
-/// Fewest cells to a run of equal ones, rows that repeat the one before left out, in any part that is read: with more runs heights
-/// are held one by one.
-const CELLS_PER_RUN: usize = 64;
 
 impl GeoTiff {
     /// All heights of the first band on the lattice \[1/1024 m\], [`crate::quantity::VOID`] where nodata, and
