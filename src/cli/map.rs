@@ -134,6 +134,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         );
         return Err(Error::usage(107, text).with_hint("choose one UAV and `--layers los`"));
     }
+    let before_build = Instant::now();
     let radius = radius_m.map(|r| scene.crs_units(r));
     let mut uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
@@ -192,6 +193,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         expected.iter().for_each(|words| messages::note(words));
     }
     let control = Control::default();
+    scene.timing.build += before_build.elapsed().as_secs_f64();
     let before_los = Instant::now();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
     let mut digest = MaskDigest::new(scene.field.grid());

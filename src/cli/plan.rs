@@ -20,7 +20,7 @@ use crate::scene::{
     SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
     read_mesh, read_surface, vertical_of,
 };
-use crate::zones::{ZoneBasis, ZoneMap};
+use crate::zones::ZoneMap;
 
 /// A scene ready for rays, and what is known about where it came from.
 #[derive(Debug, Clone)]
@@ -313,7 +313,7 @@ impl Ready {
 
     /// The zones of the scene; none where no building is known.
     pub(super) fn zones(&self) -> Option<ZoneMap> {
-        Some(ZoneMap::of(&self.field, self.built_up.as_ref())).filter(|zones| zones.basis() != ZoneBasis::Unknown)
+        ZoneMap::if_known(&self.field, self.built_up.as_ref())
     }
 
     /// A length in meters as CRS units.

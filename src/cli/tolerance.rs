@@ -10,7 +10,7 @@ use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::report::ToleranceFacts;
-use crate::zones::{ZoneBasis, ZoneMap};
+use crate::zones::ZoneMap;
 
 /// A share of P_LoS that may be wrong.
 pub(super) fn checked_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<Option<f64>> {
@@ -38,8 +38,8 @@ pub(super) fn simplify(
 ) -> Result<ToleranceFacts> {
     let built_up = scene.built_up;
     let options = |field: &HeightField| {
-        let zones = asked.receivers.zone().map(|_| ZoneMap::of(field, built_up.as_ref()));
-        asked.options(field.grid(), zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
+        let zones = asked.receivers.zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
+        asked.options(field.grid(), zones.as_ref())
     };
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();

@@ -188,6 +188,11 @@ impl ZoneMap {
         }
     }
 
+    /// The same, without any work where no cell has a zone: `None` of a surface model alone.
+    pub fn if_known(field: &HeightField, built_up: Option<&BuiltUp>) -> Option<Self> {
+        (!field.is_surface_only()).then(|| ZoneMap::of(field, built_up))
+    }
+
     /// The zones of a scene from its open ground, whatever is known of how it was made.
     pub fn of_open_ground(field: &HeightField) -> Self {
         if field.is_surface_only() {

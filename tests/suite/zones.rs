@@ -490,6 +490,7 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
                 &mut Vec::new(),
             );
             let map = ZoneMap::of(&field, None);
+            assert_eq!(ZoneMap::if_known(&field, None), is_known.then(|| map.clone()));
             if is_known {
                 check_cells(&field, &map);
             } else {

@@ -18,7 +18,7 @@ use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::report::idle_json;
 use crate::scene::{BuiltUp, BuiltUpCity};
-use crate::zones::{ZoneBasis, ZoneMap};
+use crate::zones::ZoneMap;
 
 /// Footprints that are rectangles, of all.
 #[derive(Debug, Clone, Copy)]
@@ -75,8 +75,8 @@ impl Needs {
         let uavs: Vec<Uav> = args.uav.iter().enumerate().map(place).collect::<Result<_>>()?;
         let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
         let options = |field: &HeightField| {
-            let zones = asked.receivers.zone().map(|_| ZoneMap::of(field, built_up.as_ref()));
-            asked.options(field.grid(), zones.filter(|z| z.basis() != ZoneBasis::Unknown).as_ref())
+            let zones = asked.receivers.zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
+            asked.options(field.grid(), zones.as_ref())
         };
         let setup = Setup { field, uavs: &uavs, options: &options };
         let own = options(field);

@@ -19,7 +19,7 @@ use crate::raster::{Crs, VerticalCrs};
 use crate::render::grouped;
 use crate::report::RunFacts;
 use crate::scene::{BuiltUp, Footprint, FootprintFaults, Scene, Solids, Source, vertical_of};
-use crate::zones::{Zone, ZoneBasis, ZoneMap};
+use crate::zones::{Zone, ZoneMap};
 
 const FORMATS: [Format; 7] =
     [Format::Png, Format::Svg, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Csv, Format::Stdout];
@@ -116,8 +116,8 @@ impl Found {
             true => None,
             false => Some(Needs::of(args, &field, built_up, rectangles)?),
         };
-        let zones = args.zones.then(|| ZoneMap::of(&field, built_up.as_ref()));
-        if zones.as_ref().is_some_and(|zones| zones.basis() == ZoneBasis::Unknown) {
+        let zones = if args.zones { ZoneMap::if_known(&field, built_up.as_ref()) } else { None };
+        if args.zones && zones.is_none() {
             return Err(Error::usage(117, "`--zones` with a surface model alone: no building is known")
                 .with_hint("give `--terrain FILE` or `--ground Z`"));
         }

@@ -19,7 +19,7 @@ use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps, meters};
 use crate::raster::BitGrid;
 use crate::report::{PlosRow, PlosValue, RealCityFacts};
 use crate::scene::{BuiltUp, Solids, Source};
-use crate::zones::{Zone, ZoneBasis, ZoneMap};
+use crate::zones::{Zone, ZoneMap};
 
 /// Values that share their UAV positions and their users.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +97,7 @@ impl Real {
         };
         check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
         let field = HeightField::build(&grid, scene.solids, warnings);
-        let zones = sweeps.need_zones().then(|| ZoneMap::of(&field, None)).filter(|z| z.basis() != ZoneBasis::Unknown);
+        let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = meters_per_unit(&grid);
         let area_km2 = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min()) * unit * unit / 1e6;
@@ -178,7 +178,7 @@ impl Real {
 
     /// The zones of a form of the city, if they are asked for.
     pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
-        self.zones.as_ref().map(|_| ZoneMap::of(field, None)).filter(|z| z.basis() != ZoneBasis::Unknown)
+        self.zones.as_ref().and_then(|_| ZoneMap::if_known(field, None))
     }
 
     /// A form of the city made ready for counting some users.
