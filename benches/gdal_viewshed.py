@@ -6,9 +6,9 @@
 
 Generated cities become uncompressed float32 surface models without tiles. A UAV hovers over a street cell in their middle
 and receivers stand on the surface, since that is all that a viewshed knows; both programs then mean the same heights.
-Every program runs once unmeasured, so that its input is in the cache, then --repeat times, the programs taking turns.
-User and system time and peak memory are those of each process alone, as the kernel reports them (wait4). Masks are compared
-cell by cell with that of skyshed's exact rays, which the tests compare with rational arithmetic.
+Every program runs once unmeasured, so that its input is in the cache, then --repeat times, the programs taking turns and
+each time into a new file. User and system time and peak memory are those of each process alone, as the kernel reports them
+(wait4). Masks are compared cell by cell with that of skyshed's exact rays, which the tests compare with rational arithmetic.
 
 The report is Markdown on standard output; progress goes to standard error. Needs Python 3.10 or later without packages,
 gdal-bin (gdal_viewshed, gdal_translate, gdalinfo) and a release build of skyshed.
@@ -145,6 +145,12 @@ def measure(words):
     return {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall, "peak": peak_mb(usage)}
 
 
+def remove(mask):
+    """Removes a mask and what describes it, so that making a file is measured and not freeing the one before."""
+    for path in mask.parent.glob(mask.name + "*"):
+        path.unlink()
+
+
 def peak_mb(usage):
     # Linux counts in KiB, macOS in bytes.
     return usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024) / 1e6
@@ -171,7 +177,8 @@ class Case:
             runs = {label: [] for label, _, _ in programs}
             for turn in range(self.args.repeat + 1):
                 say(f"{name}: " + (f"run {turn} of {self.args.repeat}" if turn else "warming up"))
-                for label, words, _ in programs:
+                for label, words, mask in programs:
+                    remove(mask)
                     found = measure(words)
                     if turn:
                         runs[label].append(found)
@@ -335,8 +342,8 @@ def report(args, cases):
     lines += [
         "",
         f"UAV {args.height:g} m above a street cell in the middle, receivers {RX_HEIGHT_M} m above the surface, all cells "
-        f"are receivers. Medians over {args.repeat} run{'s' * (args.repeat > 1)}, cache warm, programs taking turns. Wrong "
-        "cells, false and missed "
+        f"are receivers. Medians over {args.repeat} run{'s' * (args.repeat > 1)}, cache warm, programs taking turns, new files. "
+        "Wrong cells, false and missed "
         + ("LoS were not counted (--no-truth)." if args.no_truth else "LoS: against `skyshed map --method ray`."),
         "",
     ]

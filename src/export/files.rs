@@ -196,7 +196,7 @@ pub(super) fn complete(path: &Path, file: BufWriter<File>) -> Result<()> {
     file.sync_all().map_err(|e| cannot_write(path, &e))
 }
 
-fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
+pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
     Error::internal(401, format!("cannot write {}: {cause}", path.display()))
 }
 

@@ -3,12 +3,17 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
 
 use super::Batch;
-use super::files::complete;
+use super::files::{cannot_write, complete};
 use super::map::{MaskValues, add_described};
 use crate::error::Result;
 use crate::raster::{ClassStrips, GeoRef};
+
+/// Bytes that are written before they are sent on their way to the disk.
+const BYTES_TO_DISK: usize = 4 << 20;
 
 /// A file of a batch to which the rows of a mask are written one after another: what [`super::add_map`] writes of the same
 /// mask in memory.
@@ -17,6 +22,46 @@ pub struct MaskStrips {
     path: PathBuf,
     values: MaskValues,
     strips: ClassStrips<BufWriter<File>>,
+    to_disk: ToDisk,
+}
+
+/// Another hold of a file, by which what was written goes to the disk while more is made.
+///
+/// PERF: at the end, all of it would have to be waited for.
+#[derive(Debug)]
+struct ToDisk {
+    file: Arc<File>,
+    n_waiting: usize,
+    running: Option<JoinHandle<std::io::Result<()>>>,
+}
+
+impl ToDisk {
+    fn new(file: File) -> Self {
+        ToDisk { file: Arc::new(file), n_waiting: 0, running: None }
+    }
+
+    /// Some bytes were written.
+    fn add(&mut self, n_bytes: usize) -> std::io::Result<()> {
+        self.n_waiting += n_bytes;
+        if self.n_waiting < BYTES_TO_DISK || self.running.as_ref().is_some_and(|thread| !thread.is_finished()) {
+            return Ok(());
+        }
+        self.finish()?;
+        self.n_waiting = 0;
+        let file = Arc::clone(&self.file);
+        // Where there can be no more threads, it goes there at the end.
+        self.running = std::thread::Builder::new().spawn(move || file.sync_data()).ok();
+        Ok(())
+    }
+
+    /// Waits for what is under way. An error of a disk is told once, to whoever waits for it.
+    fn finish(&mut self) -> std::io::Result<()> {
+        match self.running.take().map(JoinHandle::join) {
+            Some(Ok(done)) => done,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => Ok(()),
+        }
+    }
 }
 
 impl MaskStrips {
@@ -25,8 +70,10 @@ impl MaskStrips {
     /// # Errors
     /// As [`Batch::add`].
     pub fn begin(batch: &mut Batch, path: &Path, georef: &GeoRef, values: MaskValues) -> Result<Self> {
-        let strips = ClassStrips::new(batch.begin(path)?, (georef.n_rows(), georef.n_cols()))?;
-        Ok(MaskStrips { path: path.to_path_buf(), values, strips })
+        let out = batch.begin(path)?;
+        let file = out.get_ref().try_clone().map_err(|e| cannot_write(path, &e))?;
+        let strips = ClassStrips::new(out, (georef.n_rows(), georef.n_cols()))?;
+        Ok(MaskStrips { path: path.to_path_buf(), values, strips, to_disk: ToDisk::new(file) })
     }
 
     /// Writes whole rows of the mask, from the north.
@@ -34,7 +81,8 @@ impl MaskStrips {
     /// # Errors
     /// E401 if writing fails.
     pub fn push(&mut self, mask: &[u8]) -> Result<()> {
-        self.strips.push(&self.values.of(mask))
+        self.strips.push(&self.values.of(mask))?;
+        self.to_disk.add(mask.len()).map_err(|e| cannot_write(&self.path, &e))
     }
 
     /// Completes the file, once all rows are written, and adds the one with the names of its classes.
@@ -42,9 +90,26 @@ impl MaskStrips {
     /// # Errors
     /// As [`Batch::add`]; internal errors from the encoder.
     pub fn finish(self, batch: &mut Batch, described: (&GeoRef, &str, &str)) -> Result<()> {
-        let MaskStrips { path, values, strips } = self;
+        let MaskStrips { path, values, strips, mut to_disk } = self;
+        to_disk.finish().map_err(|e| cannot_write(&path, &e))?;
         add_described(batch, &path, described, values, |_, image, metadata| {
             complete(&path, strips.finish(image, metadata)?)
         })
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_disk_refuses_is_not_lost_though_nobody_waited_for_it() {
+        // No disk is behind this one, which the kernel says when it is to go there.
+        let mut to_disk = ToDisk::new(File::create("/dev/null").expect("a device of every system"));
+        to_disk.add(BYTES_TO_DISK - 1).expect("nothing is sent yet");
+        to_disk.finish().expect("nothing was sent");
+        to_disk.add(1).expect("it is sent, not waited for");
+        to_disk.finish().expect_err("it was refused");
+        to_disk.finish().expect("it was told");
     }
 }
