@@ -299,9 +299,11 @@ mod tests {
         let mut n = 0;
         for receivers_on in &all {
             for z in [-60 * 1024, 2 * 1024, 30 * 1024, 70 * 1024, 100 * 1024, 150 * 1024, 3000 * 1024_i64] {
-                // From the last place all receivers are within 10° of the horizon, from the one before it some words of them.
                 let near = [(1100.3, 7.1), (1000.0, 140.0), (900.0, 0.33), (1117.07, 5.0)];
-                for (x, y) in near.into_iter().chain([(650.0, 5.0), (-900.0, 5.0)]) {
+                // From the first two some words of receivers are less than 10° from the horizon, with all of them below a UAV at
+                // 150 m, and on both sides of one at 70 m; from the last whole rows are.
+                let far = [(150.0, 5.0), (650.0, 5.0), (-900.0, 5.0)];
+                for (x, y) in near.into_iter().chain(far) {
                     let row = RowElevations {
                         xs: &xs,
                         n_cols,
@@ -321,7 +323,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(n, 84);
+        assert_eq!(n, 98);
     }
 
     #[test]

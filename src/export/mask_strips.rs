@@ -12,8 +12,11 @@ use super::map::{MaskValues, add_described};
 use crate::error::Result;
 use crate::raster::{ClassStrips, GeoRef};
 
-/// Bytes that are written before they are sent on their way to the disk.
+/// Bytes that are written at least before they are sent on their way to the disk.
 const BYTES_TO_DISK: usize = 4 << 20;
+
+/// What part of a file is sent at least: where each time costs as much as the whole file, these times are few.
+const PART_TO_DISK: usize = 8;
 
 /// A file of a batch to which the rows of a mask are written one after another: what [`super::add_map`] writes of the same
 /// mask in memory.
@@ -22,7 +25,8 @@ pub struct MaskStrips {
     path: PathBuf,
     values: MaskValues,
     strips: ClassStrips<BufWriter<File>>,
-    to_disk: ToDisk,
+    /// None where the file can be held but once: all of it goes to the disk at the end then.
+    to_disk: Option<ToDisk>,
 }
 
 /// Another hold of a file, by which what was written goes to the disk while more is made.
@@ -31,19 +35,23 @@ pub struct MaskStrips {
 #[derive(Debug)]
 struct ToDisk {
     file: Arc<File>,
+    n_written: usize,
+    /// Of these, not yet sent.
     n_waiting: usize,
     running: Option<JoinHandle<std::io::Result<()>>>,
 }
 
 impl ToDisk {
     fn new(file: File) -> Self {
-        ToDisk { file: Arc::new(file), n_waiting: 0, running: None }
+        ToDisk { file: Arc::new(file), n_written: 0, n_waiting: 0, running: None }
     }
 
     /// Some bytes were written.
     fn add(&mut self, n_bytes: usize) -> std::io::Result<()> {
+        self.n_written += n_bytes;
         self.n_waiting += n_bytes;
-        if self.n_waiting < BYTES_TO_DISK || self.running.as_ref().is_some_and(|thread| !thread.is_finished()) {
+        let least = BYTES_TO_DISK.max(self.n_written / PART_TO_DISK);
+        if self.n_waiting < least || self.running.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return Ok(());
         }
         self.finish()?;
@@ -71,9 +79,9 @@ impl MaskStrips {
     /// As [`Batch::add`].
     pub fn begin(batch: &mut Batch, path: &Path, georef: &GeoRef, values: MaskValues) -> Result<Self> {
         let out = batch.begin(path)?;
-        let file = out.get_ref().try_clone().map_err(|e| cannot_write(path, &e))?;
+        let to_disk = out.get_ref().try_clone().ok().map(ToDisk::new);
         let strips = ClassStrips::new(out, (georef.n_rows(), georef.n_cols()))?;
-        Ok(MaskStrips { path: path.to_path_buf(), values, strips, to_disk: ToDisk::new(file) })
+        Ok(MaskStrips { path: path.to_path_buf(), values, strips, to_disk })
     }
 
     /// Writes whole rows of the mask, from the north.
@@ -82,7 +90,8 @@ impl MaskStrips {
     /// E401 if writing fails.
     pub fn push(&mut self, mask: &[u8]) -> Result<()> {
         self.strips.push(&self.values.of(mask))?;
-        self.to_disk.add(mask.len()).map_err(|e| cannot_write(&self.path, &e))
+        let sent = self.to_disk.as_mut().map_or(Ok(()), |to_disk| to_disk.add(mask.len()));
+        sent.map_err(|e| cannot_write(&self.path, &e))
     }
 
     /// Completes the file, once all rows are written, and adds the one with the names of its classes.
@@ -91,7 +100,7 @@ impl MaskStrips {
     /// As [`Batch::add`]; internal errors from the encoder.
     pub fn finish(self, batch: &mut Batch, described: (&GeoRef, &str, &str)) -> Result<()> {
         let MaskStrips { path, values, strips, mut to_disk } = self;
-        to_disk.finish().map_err(|e| cannot_write(&path, &e))?;
+        to_disk.as_mut().map_or(Ok(()), ToDisk::finish).map_err(|e| cannot_write(&path, &e))?;
         add_described(batch, &path, described, values, |_, image, metadata| {
             complete(&path, strips.finish(image, metadata)?)
         })

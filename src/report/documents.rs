@@ -43,7 +43,7 @@ pub struct RunFacts {
 pub struct Timing {
     /// Reading and checking inputs.
     pub read: f64,
-    /// Building the height field.
+    /// Building the height field and, in memory, making it ready for the UAVs: zones, simpler forms that are tried, the engine.
     pub build: f64,
     /// Deciding line of sight, and writing the cells of a mask that is written while it is made.
     pub los: f64,
