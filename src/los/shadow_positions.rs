@@ -196,7 +196,11 @@ fn clear_umbra<S: Simd>(simd: S, planes: &[Plane; 4], outlines: &[Outline; 4], c
     let words_per_row = cells.words_per_row();
     let mut row = rows.0;
     while row < rows.1 {
-        let sure: [_; 4] = std::array::from_fn(|k| spans(simd, &planes[k], &outlines[k], row).sure);
+        // PERF: in a loop, since closures of the standard library may stay calls, compiled for no instruction set.
+        let mut sure = [([0; LANES], [0; LANES]); 4];
+        for (sure, (plane, outline)) in sure.iter_mut().zip(planes.iter().zip(outlines)) {
+            *sure = spans(simd, plane, outline, row).sure;
+        }
         let words = cells.words_mut()[row * words_per_row..].chunks_exact_mut(words_per_row);
         for (k, words) in words.take((rows.1 - row).min(LANES)).enumerate() {
             let first = sure.iter().fold(0, |first, s| first.max(s.0[k]));
