@@ -33,6 +33,13 @@ pub struct CasterBlock {
     pub bounds: [i32; 4],
 }
 
+impl CasterBlock {
+    /// Numbers of its casters among all.
+    pub fn numbers(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.len) as usize
+    }
+}
+
 /// All casters of a scene; their union, with tops, is that of its prisms.
 #[derive(Debug, Clone, Default)]
 pub struct Casters {
@@ -75,8 +82,8 @@ impl Casters {
         all
     }
 
-    /// Some of the casters, in the same blocks.
-    pub fn kept(&self, keep: impl Fn(&Caster) -> bool) -> Casters {
+    /// Some of the casters, in the same blocks: those of [`Casters::all`] that `keep` holds for, asked in that order.
+    pub fn kept(&self, mut keep: impl FnMut(&Caster) -> bool) -> Casters {
         let mut kept = Casters::default();
         for block in &self.blocks {
             let mut of_block = self.of_block(block).iter().filter(|c| keep(c)).peekable();
@@ -120,7 +127,7 @@ impl Casters {
     /// The casters of a block, highest first.
     #[inline]
     pub fn of_block(&self, block: &CasterBlock) -> &[Caster] {
-        &self.casters[block.first as usize..(block.first + block.len) as usize]
+        &self.casters[block.numbers()]
     }
 
     /// All casters, block by block.

@@ -129,15 +129,20 @@ impl Plateaus {
         match self.prisms.get() {
             Some(prisms) => prisms,
             None => {
-                let prisms =
-                    Prisms::new(self.raised.iter().zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)));
+                let prisms = self.prisms_of(|_| true);
                 self.prisms.get_or_init(|| prisms)
             }
         }
     }
 
+    /// Some of the plateaus above the lowest height as prisms, in their order: those that `keep` holds for, asked in that order.
+    pub fn prisms_of(&self, mut keep: impl FnMut(&Plateau) -> bool) -> Prisms {
+        let kept = self.raised.iter().filter(|plateau| keep(plateau));
+        Prisms::new(kept.zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)))
+    }
+
     /// The corners of a plateau on the lattice, counterclockwise from the south-west.
-    fn ring(&self, plateau: &Plateau) -> [[i32; 2]; 4] {
+    pub fn ring(&self, plateau: &Plateau) -> [[i32; 2]; 4] {
         let on_lattice = |cell: usize| i32::try_from(cell).unwrap_or(i32::MAX / STEPS_PER_UNIT) * STEPS_PER_UNIT;
         let [west, east] = [plateau.cols.0, plateau.cols.1].map(|col| on_lattice(col as usize));
         let [north, south] = [plateau.rows.0, plateau.rows.1].map(|row| on_lattice(self.n_rows - row as usize));

@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::{
-    OnPlateaus, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los, plateaus_los,
-    r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
+    OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los,
+    plateaus_los, r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, StandsOn, Station, TileMaxima};
 use crate::raster::{BitGrid, CellWindow, set_bits};
@@ -310,10 +310,8 @@ impl<'a> GridLos<'a> {
         let on_columns = || ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
         let shadows = field.prisms().map(|_| on_prisms()).or_else(|| field.plateaus().map(|_| on_columns()));
         // What many threads will want is made before they do.
-        match (method, field.plateaus(), field.columns()) {
-            (Method::Shadow, Some(plateaus), _) => drop(plateaus.prisms()),
-            (Method::Sweep, _, Some(columns)) => drop(columns.tiles()),
-            _ => {}
+        if let (Method::Sweep, Some(columns)) = (method, field.columns()) {
+            columns.tiles();
         }
         GridLos { field, method, positions, shadows, casters: None, level: SimdLevel::new(), is_one_band: false }
     }
@@ -461,9 +459,8 @@ impl<'a> GridLos<'a> {
             return self.by_sweep(uav, receivers, wanted, window);
         };
         let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
-        let prisms = plateaus.prisms();
-        let scene = ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands };
-        plateaus_los(&scene, columns, plateaus, uav.on_columns(), on_plateaus)
+        let scene = PlateauScene { columns, plateaus, grid, wanted, level: self.level, n_bands };
+        plateaus_los(&scene, uav.on_columns(), on_plateaus)
     }
 
     /// The plateaus of a raster, and where receivers stand on them; `None` unless their shadows decide.

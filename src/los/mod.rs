@@ -40,6 +40,7 @@ mod prisms_ray;
 mod shadow;
 mod shadow_ceiling;
 mod shadow_grid;
+mod shadow_horizon;
 mod shadow_outline;
 mod shadow_plateaus;
 mod shadow_positions;
@@ -55,7 +56,7 @@ pub use obstruction::{Ceiling, Obstruction};
 pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
-pub use shadow_plateaus::{OnPlateaus, plateaus_los};
+pub use shadow_plateaus::{OnPlateaus, PlateauScene, plateaus_los};
 pub use shadow_positions::{InView, ReceiverTile, UavPositions};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{

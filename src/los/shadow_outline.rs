@@ -41,6 +41,12 @@ impl Reach {
         }
     }
 
+    /// The same from `begin` on, if that is farther.
+    #[inline(always)]
+    pub(super) fn from(self, begin: f64) -> Reach {
+        Reach { near: self.near.max(begin), ..self }
+    }
+
     /// The box (west, south, east, north of the UAV at `u`) of all u + s(F − u) for a footprint F within `bounds`, a
     /// lattice step wider than rounding can matter \[lattice steps\].
     #[inline(always)]
@@ -121,6 +127,18 @@ impl Plane {
     pub(super) fn narrow_to(&mut self, grid: &ShadowGrid, rows: (usize, usize), cols: (usize, usize)) {
         let east = |col: usize| as_f64(grid.xs[col] - self.uav.x);
         (self.rows, self.cols, self.east) = (rows, cols, (east(cols.0), east(cols.1 - 1)));
+    }
+
+    /// Whether the shadow of a footprint within `bounds` may meet the box of the wanted cells.
+    pub(super) fn meets(&self, bounds: [i32; 4], reach: Option<Reach>) -> bool {
+        reach.is_some_and(|reach| self.overlaps(reach.extent(bounds, (self.uav.x, self.uav.y))))
+    }
+
+    /// Whether `west`, `south`, `east` and `north` of the UAV lie around some of the box of the wanted cells.
+    #[inline(always)]
+    fn overlaps(&self, [west, south, east, north]: [f64; 4]) -> bool {
+        let (first, last) = (self.q[self.rows.0], self.q[self.rows.1 - 1]);
+        south <= first && north >= last && west <= self.east.1 && east >= self.east.0
     }
 
     /// The wanted columns from `west` to `east`, if there are any.
@@ -298,8 +316,7 @@ impl Outline {
     fn begin(&mut self, plane: &Plane, [west, south, east, north]: [f64; 4]) -> bool {
         (self.south, self.north) = (south, north);
         self.extent = (west, east);
-        let (first, last) = (plane.q[plane.rows.0], plane.q[plane.rows.1 - 1]);
-        if south > first || north < last || west > plane.east.1 || east < plane.east.0 {
+        if !plane.overlaps([west, south, east, north]) {
             return false;
         }
         self.west.clear();

@@ -5,7 +5,9 @@
 //! about a third of a sweep over the cells.
 //!
 //! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
-//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Seen from there the sky is wide, and only what stands between the plateau and
+//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Where they are below the
+//! UAV, its horizon tells of most that they are all hidden, or all in line of sight, and which prisms can hide anybody
+//! ([`super::shadow_horizon`]). Seen from any other the sky is wide, and only what stands between the plateau and
 //! the UAV can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above the
 //! highest top. Their shadows are cast on the plateau's cells alone.
 //!
@@ -18,12 +20,14 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::columns_ray::columns_los;
 use super::prisms_ray::prisms_los;
 use super::shadow::{ShadowScene, plane_of, shadow_los};
+use super::shadow_grid::ShadowGrid;
+use super::shadow_horizon::{Sight, sort_by_horizon};
 use super::shadow_outline::{Outline, Plane, Reach, Rows};
 use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
 use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
@@ -45,47 +49,94 @@ pub enum OnPlateaus {
     Above(i32),
 }
 
+/// Everything about a raster of plateaus that is the same for many UAVs.
+#[derive(Debug, Clone, Copy)]
+pub struct PlateauScene<'a> {
+    /// The raster.
+    pub columns: &'a Columns,
+    /// The same as plateaus.
+    pub plateaus: &'a Plateaus,
+    /// The centers of its cells.
+    pub grid: &'a ShadowGrid,
+    /// The cells to decide, of the same shape.
+    pub wanted: &'a BitGrid,
+    /// Vector instructions to use; the outcome is the same at all levels.
+    pub level: Level,
+    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
+    pub n_bands: usize,
+}
+
+impl<'a> PlateauScene<'a> {
+    /// Some prisms over its grid, and the cells to decide.
+    fn with_prisms<'b>(&self, prisms: &'b Prisms, wanted: &'b BitGrid) -> ShadowScene<'b>
+    where
+        'a: 'b,
+    {
+        let PlateauScene { grid, level, n_bands, .. } = *self;
+        ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level, n_bands }
+    }
+}
+
 /// The wanted cells whose receivers are in line of sight of `uav`: cell for cell what [`columns_los`] says.
 ///
-/// `scene` holds the prisms of the plateaus of `columns`, and the positions of its cells. Nobody may be below the lowest plateau
-/// (not checked).
+/// Nobody may be below the lowest plateau (not checked).
 ///
-/// Cost: the rows of the shadows, for each plateau apart that holds receivers what lies between it and the UAV, and a ray for
-/// each receiver whose own cell is in the way (see the module).
-pub fn plateaus_los(
-    scene: &ShadowScene<'_>,
-    columns: &Columns,
-    plateaus: &Plateaus,
-    uav: LatticePoint,
-    receivers: OnPlateaus,
-) -> BitGrid {
+/// Cost: the rows of the shadows of the plateaus that stand before the horizon, for each plateau apart whose receivers it neither hides nor leaves
+/// in sight what lies between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
+pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> BitGrid {
+    let plateaus = scene.plateaus;
     let height = |top: i32| match receivers {
         OnPlateaus::Level(z) => z,
         OnPlateaus::Above(above) => i64::from(top) + i64::from(above),
     };
+    let view = View::new(plateaus, uav, receivers);
+    let level_los = |wanted: &BitGrid, z: i64| shadow_los(&scene.with_prisms(view.prisms_for(z), wanted), uav, z).los;
     let mut los = match receivers {
-        OnPlateaus::Level(z) => shadow_los(scene, uav, z).los,
+        OnPlateaus::Level(z) => level_los(scene.wanted, z),
         OnPlateaus::Above(above) => {
             let mut on_ground = scene.wanted.clone();
             plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau));
-            let mut los = shadow_los(&ShadowScene { wanted: &on_ground, ..*scene }, uav, height(plateaus.ground())).los;
-            on_plateaus_apart(scene, plateaus, uav, above, &mut los);
+            let mut los = level_los(&on_ground, height(plateaus.ground()));
+            on_plateaus_apart(scene, &view, uav, above, &mut los);
             los
         }
     };
-    ask_columns(scene, columns, plateaus.raised(), uav, &height, &mut los);
+    ask_columns(scene, uav, &height, &mut los);
     los
 }
 
+/// What a UAV has in view of a raster of plateaus.
+struct View<'a> {
+    plateaus: &'a Plateaus,
+    uav_z: i64,
+    /// The prisms that the horizon does not hide.
+    before_horizon: Prisms,
+    /// What the horizon tells of the receivers on each plateau apart; nothing where they are at one level.
+    apart: Vec<Sight>,
+}
+
+impl<'a> View<'a> {
+    fn new(plateaus: &'a Plateaus, uav: LatticePoint, receivers: OnPlateaus) -> Self {
+        let at =
+            |above: i32| move |plateau: &Plateau| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
+        let (apart, above) = match receivers {
+            OnPlateaus::Level(_) => (&[][..], 0),
+            OnPlateaus::Above(above) => (plateaus.apart(), above),
+        };
+        let sorted = sort_by_horizon(uav, plateaus.raised().iter().map(at(0)), apart.iter().map(at(above)));
+        let mut is_hidden = sorted.prisms.iter().map(Option::is_none);
+        let before_horizon = plateaus.prisms_of(|_| !is_hidden.next().unwrap_or(false));
+        View { plateaus, uav_z: uav.z, before_horizon, apart: sorted.groups }
+    }
+
+    /// The prisms that may hide receivers at a height.
+    fn prisms_for(&self, z: i64) -> &Prisms {
+        if z < self.uav_z { &self.before_horizon } else { self.plateaus.prisms() }
+    }
+}
+
 /// Asks the columns about the receivers whose own cell is in the way among prisms, but exempt among columns.
-fn ask_columns(
-    scene: &ShadowScene<'_>,
-    columns: &Columns,
-    raised: &[Plateau],
-    uav: LatticePoint,
-    height: &(impl Fn(i32) -> i64 + Sync),
-    los: &mut BitGrid,
-) {
+fn ask_columns(scene: &PlateauScene<'_>, uav: LatticePoint, height: &(impl Fn(i32) -> i64 + Sync), los: &mut BitGrid) {
     let of_plateau = |plateau: &Plateau| -> Vec<(usize, usize, LatticePoint)> {
         let (z, top) = (height(plateau.top), i64::from(plateau.top));
         let is_inside = top > z;
@@ -106,15 +157,15 @@ fn ask_columns(
         }
         asked
     };
-    let asked: Vec<_> = raised.par_iter().flat_map_iter(of_plateau).collect();
-    let is_los = |(_, _, receiver): &(usize, usize, LatticePoint)| columns_los(columns, uav, *receiver);
+    let asked: Vec<_> = scene.plateaus.raised().par_iter().flat_map_iter(of_plateau).collect();
+    let is_los = |(_, _, receiver): &(usize, usize, LatticePoint)| columns_los(scene.columns, uav, *receiver);
     let answers: Vec<bool> = asked.par_iter().map(is_los).collect();
     asked.iter().zip(answers).for_each(|((row, col, _), is_los)| los.set(*row, *col, is_los));
 }
 
 /// Adds the receivers on plateaus apart that are in line of sight.
-fn on_plateaus_apart(scene: &ShadowScene<'_>, plateaus: &Plateaus, uav: LatticePoint, above: i32, los: &mut BitGrid) {
-    let Some(plane) = plane_of(scene, uav) else { return };
+fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &View<'_>, uav: LatticePoint, above: i32, los: &mut BitGrid) {
+    let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return };
     let words_per_row = los.words_per_row();
     let (first, end) = plane.rows;
     let rows_per_band = (end - first).div_ceil(scene.n_bands.max(1) * BANDS_PER_THREAD);
@@ -122,15 +173,15 @@ fn on_plateaus_apart(scene: &ShadowScene<'_>, plateaus: &Plateaus, uav: LatticeP
     let bands = words.par_chunks_mut((rows_per_band * words_per_row).max(1)).enumerate();
     bands.for_each(|(k, words)| {
         let rows = (first + k * rows_per_band, first + k * rows_per_band + words.len() / words_per_row);
-        let job = BandApart { scene, plateaus, uav, above, rows };
+        let job = BandApart { scene, view, uav, above, rows };
         dispatch!(scene.level, simd => job.cast(simd, plane.clone(), words));
     });
 }
 
 /// The receivers on plateaus apart in some rows.
 struct BandApart<'a> {
-    scene: &'a ShadowScene<'a>,
-    plateaus: &'a Plateaus,
+    scene: &'a PlateauScene<'a>,
+    view: &'a View<'a>,
     uav: LatticePoint,
     above: i32,
     rows: (usize, usize),
@@ -143,20 +194,22 @@ impl BandApart<'_> {
         let words_per_row = self.scene.wanted.words_per_row();
         let mut cells = PlateauCells::default();
         let mut outline = Outline::default();
-        let mut visits = Visits { of: vec![0; self.scene.prisms.pieces().len()], now: 0 };
-        for plateau in self.plateaus.apart() {
+        let mut visits = Visits::default();
+        for (plateau, sight) in self.scene.plateaus.apart().iter().zip(&self.view.apart) {
             let narrow = |(first, end): (u32, u32)| (first as usize, end as usize);
             let ((first, end), cols) = (narrow(plateau.rows), narrow(plateau.cols));
             if first >= self.rows.1 {
                 break;
             }
             let rows = (first.max(self.rows.0), end.min(self.rows.1));
-            if rows.0 >= rows.1 || !cells.fill(self.scene.wanted, rows, cols) {
+            if *sight == Sight::None || rows.0 >= rows.1 || !cells.fill(self.scene.wanted, rows, cols) {
                 continue;
             }
-            plane.narrow_to(self.scene.grid, rows, cols);
-            let z = i64::from(plateau.top) + i64::from(self.above);
-            self.hide(simd, &plane, z, &mut cells, (&mut outline, &mut visits));
+            if *sight == Sight::Some {
+                plane.narrow_to(self.scene.grid, rows, cols);
+                let z = i64::from(plateau.top) + i64::from(self.above);
+                self.hide(simd, &plane, z, &mut cells, (&mut outline, &mut visits));
+            }
             for (row, cells) in (rows.0..rows.1).zip(cells.words.chunks_exact(cells.words_per_row)) {
                 let from = (row - self.rows.0) * words_per_row + cols.0 / 64;
                 words[from..][..cells.len()].iter_mut().zip(cells).for_each(|(word, cells)| *word |= cells);
@@ -174,10 +227,10 @@ impl BandApart<'_> {
         cells: &mut PlateauCells,
         (outline, visits): (&mut Outline, &mut Visits),
     ) {
-        let (grid, prisms, uav) = (self.scene.grid, self.scene.prisms, self.uav);
+        let (grid, prisms, uav) = (self.scene.grid, self.view.prisms_for(z), self.uav);
         let (rows, cols) = (plane.rows, plane.cols);
         let bounds = [grid.xs[cols.0], grid.ys[rows.1 - 1], grid.xs[cols.1 - 1], grid.ys[rows.0]];
-        visits.now += 1;
+        visits.begin(prisms);
         let walk = Between::new(uav, bounds, z).visit(prisms, visits, |piece| {
             let ring = prisms.ring(piece);
             let ([west, south], [east, north]) = (ring[0], ring[2]);
@@ -189,7 +242,7 @@ impl BandApart<'_> {
             }
         });
         if walk.is_continue() {
-            cells.settle(self.scene, uav, z);
+            cells.settle((prisms, grid), uav, z);
         }
     }
 }
@@ -266,13 +319,12 @@ impl PlateauCells {
     }
 
     /// Asks `ray` about all doubts that are still open.
-    fn settle(&mut self, scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) {
-        let grid = scene.grid;
+    fn settle(&mut self, (prisms, grid): (&Prisms, &ShadowGrid), uav: LatticePoint, z: i64) {
         let mut ask = |row: usize, col: usize| {
             let word = &mut self.words[(row - self.rows.0) * self.words_per_row + col / 64 - self.first_word];
             let bit = 1 << (col % 64);
             let receiver = LatticePoint { x: grid.xs[col], y: grid.ys[row], z };
-            if *word & bit != 0 && !prisms_los(scene.prisms, uav, receiver) {
+            if *word & bit != 0 && !prisms_los(prisms, uav, receiver) {
                 *word &= !bit;
             }
         };
@@ -285,6 +337,7 @@ impl PlateauCells {
 }
 
 /// Which pieces a walk has come by: a piece is in several buckets.
+#[derive(Default)]
 struct Visits {
     /// For each piece the last walk that has.
     of: Vec<u32>,
@@ -293,6 +346,14 @@ struct Visits {
 }
 
 impl Visits {
+    /// Begins a walk among some prisms.
+    #[inline(always)]
+    fn begin(&mut self, prisms: &Prisms) {
+        // Marks of other prisms are older than the walk.
+        self.of.resize(self.of.len().max(prisms.pieces().len()), 0);
+        self.now += 1;
+    }
+
     /// Whether this is the first time in this walk.
     #[inline(always)]
     fn is_first(&mut self, piece: u32) -> bool {

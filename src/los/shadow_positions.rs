@@ -123,7 +123,9 @@ impl UavPositions<'_> {
         let scene = self.scene(&whole.positions);
         let [west, south, east, north] = tile.bounds;
         let (lowest, highest) = tile.heights;
-        let Some(plane) = plane_of(&scene, LatticePoint { x: west, y: south, z: highest }) else { return nothing() };
+        let Some(plane) = plane_of(scene.grid, scene.wanted, LatticePoint { x: west, y: south, z: highest }) else {
+            return nothing();
+        };
         let corners = [(west, south), (east, south), (east, north), (west, north)];
         let mut planes = corners.map(|(x, y)| plane.seen_from(self.grid, LatticePoint { x, y, z: highest }));
         let size = [east - west, north - south];
@@ -170,7 +172,7 @@ impl UavPositions<'_> {
     fn hide<S: Simd>(&self, simd: S, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
         let wanted = asked.clone();
         let scene = self.scene(&wanted);
-        let Some(plane) = plane_of(&scene, receiver) else { return };
+        let Some(plane) = plane_of(scene.grid, scene.wanted, receiver) else { return };
         let (words_per_row, n_rows) = (wanted.words_per_row(), wanted.n_rows());
         let job = BandJob { scene: &scene, plane: &plane, receivers: &Receivers::Level(self.z), rows: (0, n_rows) };
         let mut left = Band::new(asked.words_mut(), words_per_row);

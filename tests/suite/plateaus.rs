@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 use skyshed::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
 use skyshed::height_field::{Columns, HeightField, Plateaus};
-use skyshed::los::{Method, MethodChoice, OnPlateaus, ShadowGrid, ShadowScene, columns_los, plateaus_los, simd_levels};
+use skyshed::los::{
+    Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los, simd_levels,
+};
 use skyshed::quantity::{LatticePoint, VOID};
 use skyshed::raster::BitGrid;
 use skyshed::scene::{BuiltUp, BuiltUpCity, Ground};
@@ -69,10 +71,9 @@ fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, rando
     let xs = (0..n_cols).map(|col| columns.center(0, col).0).collect();
     let ys = (0..n_rows).map(|row| columns.center(row, 0).1).collect();
     let grid = ShadowGrid::new(xs, ys);
-    let prisms = plateaus.prisms();
     let (level, n_bands) = (random.choose(&simd_levels()), random.index(1, 3));
-    let scene = ShadowScene { prisms, casters: prisms.casters(), grid: &grid, wanted: &wanted, level, n_bands };
-    let los = plateaus_los(&scene, &columns, &plateaus, uav, on);
+    let scene = PlateauScene { columns: &columns, plateaus: &plateaus, grid: &grid, wanted: &wanted, level, n_bands };
+    let los = plateaus_los(&scene, uav, on);
     for row in 0..n_rows {
         for col in 0..n_cols {
             let ((x, y), z) = (columns.center(row, col), height(row * n_cols + col));

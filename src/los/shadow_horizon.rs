@@ -1,0 +1,396 @@
+//! The horizon of a UAV: which prisms, and which receivers, are behind what is nearer and higher as seen from it.
+//!
+//! **Method.** The line from the UAV to a point at distance d and height z drops by (h_U − z)/d to the unit of distance. A
+//! receiver behind a prism is hidden if the line to it drops by more than the line to the far edge of the roof. So a prism
+//! whose far edge drops by more than that of another before it hides nobody else: of a city seen from above these are
+//! all but the higher roofs of the distance (of 134 000 blocks over 16 km, seen from 100 m, 71 %). The shadow of any other
+//! adds only what is farther away than the horizon before it reaches.
+//!
+//! Azimuths are cut into bins. While prisms come by, nearest first, each bin keeps two bounds on the least drop so far:
+//! *sure*, by those that fill the bin, from their farthest point on, and *possible*, by those that touch it, from their nearest
+//! point on. What drops by more than the sure bounds of all its bins is hidden; receivers that drop by less than the possible
+//! bounds of all theirs are in line of sight.
+//!
+//! **Exactness.** Bounds are widened by far more than they can err ([`SLACK`], [`SEAM`]), so all comparisons are strict. A
+//! convex prism that fills a bin is crossed by each of its rays, the two on its sides included, and not along an edge; so
+//! what it is taken to hide is inside of its open shadow. A prism that is left out, or the near part of its shadow, takes nobody
+//! out of all shadows then, nor anybody on its boundary; nor do several together, since what hides one is nearer than it.
+//! `ray` says the same of receivers among those that are left.
+//!
+//! All this is of receivers below the UAV.
+
+use super::shadow::distance_squared;
+use super::shadow_spans::as_f64;
+use crate::quantity::LatticePoint;
+
+/// Relative slack of drops; those of [`f32`] err by less than a tenth of it.
+const SLACK: f64 = 1.0 / (1 << 20) as f64;
+
+/// Slack of positions among bins, of which there are at most 2^22: doubles err by less than a thousandth of it.
+const SEAM: f64 = 1.0 / (1 << 16) as f64;
+
+/// Bins for the square root of the number of prisms: twenty for each block along the rim of a city.
+const BINS_PER_SIDE: f64 = 16.0;
+
+/// What a bearing rises by around the UAV.
+pub(super) const FULL_TURN: f64 = 4.0;
+
+/// What is known of some receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sight {
+    /// All are in line of sight.
+    All,
+    /// Some may be.
+    Some,
+    /// None is.
+    None,
+}
+
+/// What the horizon tells.
+#[derive(Debug)]
+pub(super) struct Sorted {
+    /// For each prism, the drop beyond which receivers behind it are hidden by what is nearer, infinite if there are none;
+    /// `None` where that is all that it hides itself.
+    pub(super) prisms: Vec<Option<f32>>,
+    /// For each group, what is known of its receivers.
+    pub(super) groups: Vec<Sight>,
+}
+
+/// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV.
+///
+/// Each is a convex counterclockwise ring, with the height of the roof over it or of the receivers within
+/// \[1/1024 m above the datum\].
+pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
+    uav: LatticePoint,
+    prisms: impl ExactSizeIterator<Item = (R, i64)>,
+    groups: impl Iterator<Item = (G, i64)>,
+) -> Sorted {
+    let mut horizon = Horizon::new(prisms.len());
+    let n_bins = horizon.n_bins();
+    // Lines to receivers below the UAV drop by more than the least positive number.
+    let of_prism = |(ring, top): (R, i64)| Seen::from(uav, (ring.as_ref(), top), (f32::MIN_POSITIVE, 0.0), n_bins);
+    let of_group = |(ring, z): (G, i64)| Seen::from(uav, (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
+    let (prisms, groups): (Vec<Seen>, Vec<Seen>) = (prisms.map(of_prism).collect(), groups.map(of_group).collect());
+    let mut sorted = Sorted { prisms: vec![None; prisms.len()], groups: vec![Sight::Some; groups.len()] };
+    for event in events(&prisms, &groups) {
+        match event {
+            Event::EndOfGroup(k) if sorted.groups[k] == Sight::Some && horizon.is_below(&groups[k]) => {
+                sorted.groups[k] = Sight::All;
+            }
+            Event::EndOfPrism(k) => horizon.rise_to(&prisms[k]),
+            Event::Group(k) if horizon.before(&groups[k]).is_none() => sorted.groups[k] = Sight::None,
+            Event::Prism(k) => {
+                sorted.prisms[k] = horizon.before(&prisms[k]);
+                horizon.rise_perhaps_to(&prisms[k]);
+            }
+            Event::EndOfGroup(_) | Event::Group(_) => {}
+        }
+    }
+    sorted
+}
+
+/// For each prism, how many times farther from the UAV than its near edges receivers, none above `highest`, are not hidden by
+/// nearer prisms anyway, 1 if they may be right behind it; `None` where it hides nobody else.
+pub(super) fn begin_of_shadows<R: AsRef<[[i32; 2]]> + Copy>(
+    uav: LatticePoint,
+    highest: i64,
+    prisms: impl ExactSizeIterator<Item = (R, i64)> + Clone,
+) -> Vec<Option<f64>> {
+    let no_groups = std::iter::empty::<(R, i64)>();
+    let sorted = sort_by_horizon(uav, prisms.clone(), no_groups);
+    let below = as_f64(uav.z - highest);
+    let begin = |(ring, beyond): (R, Option<f32>)| {
+        let far = ring.as_ref().iter().map(|&[x, y]| {
+            let (x, y) = (as_f64(i64::from(x) - uav.x), as_f64(i64::from(y) - uav.y));
+            x * x + y * y
+        });
+        let far = far.fold(0.0, f64::max).sqrt();
+        beyond.map(|drop| (below / (f64::from(drop) * far) * (1.0 - SLACK)).max(1.0))
+    };
+    prisms.map(|(ring, _)| ring).zip(sorted.prisms).map(begin).collect()
+}
+
+/// Something as seen from the UAV.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// The bins that it touches, from the first to after the last, the number of bins added beyond the seam.
+    touched: (u32, u32),
+    /// The bins that it fills.
+    filled: (u32, u32),
+    /// Between which whole distances it lies \[lattice steps\].
+    distances: (u32, u32),
+    /// The least and the largest drop.
+    drops: (f32, f32),
+}
+
+/// What is come by on the way outward, by its number.
+#[derive(Debug, Clone, Copy)]
+enum Event {
+    EndOfGroup(usize),
+    EndOfPrism(usize),
+    Group(usize),
+    Prism(usize),
+}
+
+/// All events, nearest first. At one distance ends go first: what ends there is before what begins.
+fn events(prisms: &[Seen], groups: &[Seen]) -> impl Iterator<Item = Event> {
+    let key = |distance: u32, kind: u64, k: usize| u64::from(distance) << 34 | kind << 32 | k as u64;
+    let mut keys = Vec::with_capacity(2 * (prisms.len() + groups.len()));
+    for (kind, seen) in [(0, groups), (1, prisms)] {
+        for (k, Seen { distances: (near, far), .. }) in seen.iter().enumerate() {
+            keys.extend([key(*far, kind, k), key(*near, kind + 2, k)]);
+        }
+    }
+    keys.sort_unstable();
+    keys.into_iter().map(|key| {
+        let k = usize::try_from(key & u64::from(u32::MAX)).unwrap_or(usize::MAX);
+        match key >> 32 & 3 {
+            0 => Event::EndOfGroup(k),
+            1 => Event::EndOfPrism(k),
+            2 => Event::Group(k),
+            _ => Event::Prism(k),
+        }
+    })
+}
+
+/// Bounds on the least drop of all that stands within a distance, by azimuth bin; a power of two of them.
+struct Horizon {
+    sure: Vec<f32>,
+    possible: Vec<f32>,
+}
+
+impl Horizon {
+    fn new(n_prisms: usize) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 2^20")]
+        let n = (BINS_PER_SIDE * as_f64(n_prisms).sqrt()).clamp(64.0, f64::from(1 << 20)) as usize;
+        let sure = vec![f32::INFINITY; n.next_power_of_two()];
+        Horizon { possible: sure.clone(), sure }
+    }
+
+    fn n_bins(&self) -> u32 {
+        u32::try_from(self.sure.len()).unwrap_or(u32::MAX)
+    }
+
+    /// The drop beyond which all is hidden behind something, by what is nearer; `None` if that hides it as well.
+    fn before(&self, seen: &Seen) -> Option<f32> {
+        let (first, beyond) = self.ranges(seen.touched);
+        let bins = self.sure[first].iter().chain(&self.sure[beyond]);
+        let sure = bins.fold(0.0, |most, sure| if *sure > most { *sure } else { most });
+        (sure >= seen.drops.0).then_some(sure)
+    }
+
+    /// Whether nothing hides any of some receivers.
+    fn is_below(&self, seen: &Seen) -> bool {
+        let is_above = |possible: &[f32]| possible.iter().all(|possible| *possible > seen.drops.1);
+        let (first, beyond) = self.ranges(seen.touched);
+        is_above(&self.possible[first]) && is_above(&self.possible[beyond])
+    }
+
+    fn rise_to(&mut self, seen: &Seen) {
+        let (first, beyond) = self.ranges(seen.filled);
+        lower(&mut self.sure[first], seen.drops.1);
+        lower(&mut self.sure[beyond], seen.drops.1);
+    }
+
+    fn rise_perhaps_to(&mut self, seen: &Seen) {
+        let (first, beyond) = self.ranges(seen.touched);
+        lower(&mut self.possible[first], seen.drops.0);
+        lower(&mut self.possible[beyond], seen.drops.0);
+    }
+
+    /// Bins up to the seam, and those beyond it.
+    fn ranges(&self, (first, end): (u32, u32)) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+        let n = self.sure.len();
+        let (first, end) = (first as usize, end as usize);
+        (first.min(n)..end.min(n), first.max(n) - n..end.max(n) - n)
+    }
+}
+
+fn lower(bins: &mut [f32], to: f32) {
+    bins.iter_mut().for_each(|bin| *bin = if to < *bin { to } else { *bin });
+}
+
+impl Seen {
+    /// `if_not_below` are the drops of what is not below the UAV.
+    fn from(uav: LatticePoint, (ring, z): (&[[i32; 2]], i64), if_not_below: (f32, f32), n_bins: u32) -> Seen {
+        let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+        let mut bearings = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut beyond_seam = bearings;
+        let mut far_squared = 0;
+        for &[x, y] in ring {
+            let [west, south, east, north] = bounds;
+            bounds = [west.min(x), south.min(y), east.max(x), north.max(y)];
+            let (x, y) = (i64::from(x) - uav.x, i64::from(y) - uav.y);
+            far_squared = far_squared.max(x * x + y * y);
+            let bearing = bearing(x, y);
+            let widened = |(low, high): (f64, f64), to: f64| (low.min(to), high.max(to));
+            bearings = widened(bearings, bearing);
+            beyond_seam = widened(beyond_seam, if bearing < FULL_TURN / 2.0 { bearing + FULL_TURN } else { bearing });
+        }
+        // What does not surround the UAV is seen within half a turn.
+        let (low, high) = if bearings.1 - bearings.0 > FULL_TURN / 2.0 { beyond_seam } else { bearings };
+        let near_squared = distance_squared(bounds, (uav.x, uav.y));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "roots of at most 2^56, bins")]
+        let whole = |v: f64| v as u32;
+        // EXACT: roots err by far less than the step that they are widened by.
+        let near = whole(as_f64(near_squared).sqrt()).saturating_sub(1);
+        let far = whole(as_f64(far_squared).sqrt()) + 2;
+        let (touched, filled) = if near == 0 {
+            ((0, n_bins), (0, 0))
+        } else {
+            let at = |bearing: f64| bearing * f64::from(n_bins) / FULL_TURN;
+            let (low, high) = (at(low), at(high));
+            let turn = if low < SEAM { f64::from(n_bins) } else { 0.0 };
+            let touched = (whole((low + turn - SEAM).floor()), whole((high + turn + SEAM).floor()) + 1);
+            let filled = (whole((low + SEAM).ceil()), whole((high - SEAM).floor().max(0.0)));
+            (touched, if filled.0 < filled.1 { filled } else { (0, 0) })
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
+        let drop = |distance: u32, slack: f64| (as_f64(uav.z - z) / f64::from(distance) * (1.0 + slack)) as f32;
+        let drops = if z < uav.z { (drop(far, -SLACK), drop(near, SLACK)) } else { if_not_below };
+        Seen { touched, filled, distances: (near, far), drops }
+    }
+}
+
+/// Which way a position lies: rises counterclockwise from 0 in the south by 1 to each quadrant; no number for `(0, 0)`.
+pub(super) fn bearing(x: i64, y: i64) -> f64 {
+    let (x, y) = (as_f64(x), as_f64(y));
+    let slope = y / (x.abs() + y.abs());
+    if x >= 0.0 { 1.0 + slope } else { 3.0 - slope }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    use super::*;
+    use crate::height_field::Prisms;
+    use crate::los::prisms_los;
+
+    const M: i32 = 1024;
+
+    fn rectangle([west, south, east, north]: [i32; 4]) -> [[i32; 2]; 4] {
+        [[west, south], [east, south], [east, north], [west, north]].map(|v| v.map(|v| v * M))
+    }
+
+    const UAV: LatticePoint = LatticePoint { x: 0, y: 0, z: 100 * M as i64 };
+
+    /// How many times farther away shadows begin, on the ground.
+    fn begins(prisms: &[([i32; 4], i32)]) -> Vec<Option<f64>> {
+        let rings: Vec<_> = prisms.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
+        begin_of_shadows(UAV, 0, rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, i64::from(top * M))))
+    }
+
+    #[test]
+    fn behind_a_wide_block_low_ones_do_not_matter_and_higher_ones_do_where_its_shadow_ends() {
+        // All around: also where azimuths begin and end.
+        for turn in [[0, 1, 2, 3], [1, 2, 3, 0], [2, 3, 0, 1], [3, 0, 1, 2]] {
+            let turned = |from: i32, to: i32, half: i32| {
+                let south = [-half, -to, half, -from];
+                let all = [south, [from, -half, to, half], [-half, from, half, to], [-to, -half, -from, half]];
+                all[turn[0]]
+            };
+            let blocks = [
+                (turned(100, 110, 60), 50),
+                (turned(130, 140, 10), 20),
+                (turned(150, 170, 10), 80),
+                (turned(150, 170, 90), 30),
+                // Higher than the UAV.
+                (turned(300, 310, 200), 120),
+                (turned(380, 390, 20), 110),
+                (turned(380, 390, 20), 40),
+            ];
+            let begins = begins(&blocks);
+            // The wide block hides nearly all within 2 · 100 m.
+            assert_eq!((begins[0], begins[1]), (Some(1.0), None), "{turn:?}");
+            let begin = begins[2].expect("higher");
+            assert!(begin > 190.0 / 172.0 && begin < 1.3, "{begin}");
+            assert_eq!(begins[3], Some(1.0), "beside it there is nothing");
+            assert!(begins[4].is_some());
+            assert_eq!((begins[5], begins[6]), (None, None));
+        }
+    }
+
+    #[test]
+    fn under_and_around_the_uav_nothing_is_left_out() {
+        let around = [-50, -50, 50, 50];
+        assert_eq!(begins(&[(around, 60), ([60, -5, 70, 5], 10), (around, 10)]), [Some(1.0); 3]);
+        assert_eq!(begins(&[]), []);
+    }
+
+    /// Whole numbers below `n`.
+    fn below(random: &mut ChaCha8Rng, n: u32) -> i32 {
+        i32::try_from(random.next_u32() % n).unwrap_or(0)
+    }
+
+    #[test]
+    fn in_random_towns_what_is_said_of_groups_holds_and_what_is_left_hides_the_same() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let (mut n_all, mut n_none, mut n_behind, mut n_seen, mut n_farther) = (0, 0, 0, 0, 0);
+        for _ in 0..300 {
+            // On a jittered grid: no two overlap, some share walls.
+            let pitch = 12 + below(&mut random, 20);
+            let mut blocks = Vec::new();
+            for k in 0..400 {
+                let (west, south) = ((k % 20 - 10) * pitch, (k / 20 - 10) * pitch);
+                let mut size = || 1 + below(&mut random, 2) * (pitch - 2) + below(&mut random, 2);
+                let (east, north) = (west + size(), south + size());
+                blocks.push(([west, south, east, north], 5 + below(&mut random, 60)));
+            }
+            let height = 20 + below(&mut random, 100);
+            let uav = LatticePoint {
+                x: i64::from(below(&mut random, 400) - 200) * 512,
+                y: i64::from(below(&mut random, 400) - 200) * 512,
+                z: i64::from(height * M),
+            };
+            let rings: Vec<_> = blocks.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
+            let tops: Vec<i32> = blocks.iter().map(|(_, top)| top * M).collect();
+            let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(*top)));
+            let groups = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(top + 3 * M / 2)));
+            let sorted = sort_by_horizon(uav, prisms(), groups());
+            let solids = |keep: &dyn Fn(usize) -> bool| {
+                let kept = (0..rings.len()).filter(|k| keep(*k)).zip(0..);
+                Prisms::new(kept.map(|(k, number)| (rings[k], tops[k], number)))
+            };
+            let (all, left) = (solids(&|_| true), solids(&|k| sorted.prisms[k].is_some()));
+            for ((ring, z), sight) in groups().zip(&sorted.groups) {
+                let [[west, south], _, [east, north], _] = *ring;
+                let ends = |low: i32, high: i32| [low + 1, low + (high - low) / 2, high - 1].map(i64::from);
+                for (x, y) in ends(west, east).into_iter().flat_map(|x| ends(south, north).map(|y| (x, y))) {
+                    let is_los = prisms_los(&all, uav, LatticePoint { x, y, z });
+                    assert!(*sight != Sight::All || is_los, "{uav:?} {ring:?} {z}");
+                    assert!(*sight != Sight::None || !is_los, "{uav:?} {ring:?} {z}");
+                }
+                n_all += u32::from(*sight == Sight::All);
+                n_none += u32::from(*sight == Sight::None);
+            }
+            n_behind += 400 - left.pieces().len();
+            // The ground all over the place, on the lattice of the walls as well.
+            let begins = begin_of_shadows(uav, 0, prisms());
+            for _ in 0..400 {
+                let mut at = || i64::from(below(&mut random, 1600) - 800) * 256;
+                let ground = LatticePoint { x: at(), y: at(), z: 0 };
+                let is_los = prisms_los(&all, uav, ground);
+                assert_eq!(is_los, prisms_los(&left, uav, ground), "{uav:?} {ground:?}");
+                n_seen += u32::from(is_los);
+            }
+            // Up to where a shadow begins, others hide what it does.
+            let farther = (0..rings.len()).filter_map(|k| Some((k, begins[k]?))).filter(|(_, begin)| *begin > 1.1);
+            for (k, begin) in farther.take(3) {
+                let others = solids(&|other| other != k);
+                let [[west, south], _, [east, north], _] = rings[k];
+                for part in 1..10 {
+                    let scale = 1.0 + (begin - 1.0) * f64::from(part) / 10.0;
+                    #[expect(clippy::cast_possible_truncation, reason = "a place there")]
+                    let at = |a: i32, b: i32, uav: i64| uav + (as_f64(i64::from(a.midpoint(b)) - uav) * scale) as i64;
+                    let ground = LatticePoint { x: at(west, east, uav.x), y: at(south, north, uav.y), z: 0 };
+                    assert!(!prisms_los(&others, uav, ground), "{uav:?} {ground:?} {:?}", rings[k]);
+                }
+                n_farther += 1;
+            }
+        }
+        let found = (n_all, n_none, n_behind, n_seen, n_farther);
+        assert!(n_all > 1000 && n_none > 1000 && n_behind > 1000 && n_seen > 1000 && n_farther > 100, "{found:?}");
+    }
+}
