@@ -35,8 +35,8 @@ pub struct CasterBlock {
 
 impl CasterBlock {
     /// Numbers of its casters among all.
-    pub fn numbers(&self) -> std::ops::Range<usize> {
-        self.first as usize..(self.first + self.len) as usize
+    pub fn numbers(&self) -> std::ops::Range<u32> {
+        self.first..self.first + self.len
     }
 }
 
@@ -82,8 +82,8 @@ impl Casters {
         all
     }
 
-    /// Some of the casters, in the same blocks: those of [`Casters::all`] that `keep` holds for, asked in that order.
-    pub fn kept(&self, mut keep: impl FnMut(&Caster) -> bool) -> Casters {
+    /// Some of the casters, in the same blocks.
+    pub fn kept(&self, keep: impl Fn(&Caster) -> bool) -> Casters {
         let mut kept = Casters::default();
         for block in &self.blocks {
             let mut of_block = self.of_block(block).iter().filter(|c| keep(c)).peekable();
@@ -127,7 +127,7 @@ impl Casters {
     /// The casters of a block, highest first.
     #[inline]
     pub fn of_block(&self, block: &CasterBlock) -> &[Caster] {
-        &self.casters[block.numbers()]
+        &self.casters[block.first as usize..(block.first + block.len) as usize]
     }
 
     /// All casters, block by block.

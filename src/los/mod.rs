@@ -38,6 +38,7 @@ mod link;
 mod obstruction;
 mod prisms_ray;
 mod shadow;
+mod shadow_cast;
 mod shadow_ceiling;
 mod shadow_grid;
 mod shadow_horizon;

@@ -43,23 +43,21 @@
 //! 64 times the memory and no ground would ever be dark.
 //!
 //! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
-//! above all receivers, casters behind the horizon are left out and the shadows of the others begin where what stands before
-//! them hides no more ([`super::shadow_horizon`]), so that most of the ground is cleared about once. Blocks of
+//! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
+//! what stands before them hides no more ([`super::shadow_horizon`]), so that most of the ground is cleared about once. Blocks of
 //! neighboring casters go nearest first, so that the far ones find their ground dark: 64 rows of a shadow are skipped
 //! where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks likewise.
-
-use std::borrow::Cow;
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::prisms_ray::prisms_los;
+use super::shadow_cast::Cast;
 use super::shadow_ceiling::Ceiling;
 use super::shadow_grid::ShadowGrid;
-use super::shadow_horizon::{FULL_TURN, bearing, begin_of_shadows};
 use super::shadow_outline::{Outline, Plane, Reach};
 use super::shadow_spans::{LANES, Lanes, as_f64, below_ceiling, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::{Caster, CasterBlock, Casters, Prisms};
+use crate::height_field::{Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
@@ -68,9 +66,6 @@ const TILE: usize = 64;
 
 /// Words a row that a shadow counted as narrow may meet.
 const NARROW: usize = 3;
-
-/// Sectors around the UAV that are worked on one after the other.
-const SECTORS: f64 = 64.0;
 
 /// Everything about shadows that is the same for many UAVs.
 #[derive(Debug, Clone, Copy)]
@@ -106,7 +101,10 @@ pub struct ShadowLos {
 /// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
 /// checked).
 pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
-    cast_all(scene, uav, &Receivers::Level(z), &Cast::new(scene, uav, (z, z)))
+    match plane_of(scene.grid, scene.wanted, uav) {
+        Some(plane) => cast_all(scene, &plane, &Receivers::Level(z), &Cast::new(scene.casters, &plane, (z, z))),
+        None => nothing(scene),
+    }
 }
 
 /// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
@@ -135,7 +133,8 @@ pub fn shadow_los_relief(
             range
         })
         .reduce(|| (i32::MAX, i32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let cast = Cast::new(scene, uav, (i64::from(lowest), i64::from(highest)));
+    let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
+    let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
     // Receivers on flat ground are one level, those on roofs the rest.
     let (mut level, mut rest) = (BitGrid::new(wanted.n_rows(), wanted.n_cols()), wanted.clone());
     for row in 0..wanted.n_rows() {
@@ -152,12 +151,15 @@ pub fn shadow_los_relief(
     }
     let relief = Receivers::Relief { heights, width };
     if level.count() * 4 < wanted.count() {
-        return cast_all(scene, uav, &relief, &cast);
+        return cast_all(scene, &plane, &relief, &cast);
     }
-    let one = cast_all(&ShadowScene { wanted: &level, ..*scene }, uav, &Receivers::Level(i64::from(lowest)), &cast);
-    let mut all = cast_all(&ShadowScene { wanted: &rest, ..*scene }, uav, &relief, &cast);
-    all.los.words_mut().iter_mut().zip(one.los.words()).for_each(|(a, b)| *a |= b);
-    ShadowLos { los: all.los, count: all.count + one.count, asked: all.asked + one.asked }
+    let on_some = |wanted: &BitGrid, receivers: &Receivers| match plane_of(scene.grid, wanted, uav) {
+        Some(plane) => cast_all(&ShadowScene { wanted, ..*scene }, &plane, receivers, &cast),
+        None => nothing(&ShadowScene { wanted, ..*scene }),
+    };
+    let one = on_some(&level, &Receivers::Level(i64::from(lowest)));
+    let all = on_some(&rest, &relief);
+    ShadowLos { los: all.los.or(&one.los), count: all.count + one.count, asked: all.asked + one.asked }
 }
 
 /// How high receivers stand \[1/1024 m above the datum\].
@@ -184,37 +186,14 @@ impl Receivers {
     }
 }
 
-/// The casters of a scene, and where their shadows begin.
-struct Cast<'a> {
-    casters: Cow<'a, Casters>,
-    /// For each, how many times farther from the UAV than its near edges receivers are not hidden by another anyway.
-    begin: Vec<f64>,
+/// The cells of one UAV without any.
+fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
+    ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
 }
 
-impl<'a> Cast<'a> {
-    /// Those that may hide some wanted receivers between two heights: if all are below the UAV, those that the horizon does
-    /// not hide.
-    fn new(scene: &ShadowScene<'a>, uav: LatticePoint, (lowest, highest): (i64, i64)) -> Self {
-        let plane = plane_of(scene.grid, scene.wanted, uav).filter(|_| highest < uav.z);
-        let Some(plane) = plane else {
-            return Cast { casters: Cow::Borrowed(scene.casters), begin: vec![1.0; scene.casters.all().len()] };
-        };
-        // Of what hides a receiver, all has its shadow there.
-        let is_in_view = |caster: &Caster| plane.meets(caster.bounds, Reach::new(uav.z, caster.top, lowest));
-        let in_view = scene.casters.kept(is_in_view);
-        let prisms = in_view.all().iter().map(|caster| (in_view.ring(caster), i64::from(caster.top)));
-        let hidden = begin_of_shadows(uav, highest, prisms);
-        let mut is_hidden = hidden.iter().map(Option::is_none);
-        let casters = in_view.kept(|_| !is_hidden.next().unwrap_or(false));
-        Cast { casters: Cow::Owned(casters), begin: hidden.into_iter().flatten().collect() }
-    }
-}
-
-/// Casts the shadows of all casters of a scene on receivers between two heights.
-fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers, cast: &Cast<'_>) -> ShadowLos {
+/// Casts shadows on receivers of a scene.
+fn cast_all(scene: &ShadowScene<'_>, plane: &Plane, receivers: &Receivers, cast: &Cast<'_>) -> ShadowLos {
     let mut los = scene.wanted.clone();
-    let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return ShadowLos { los, count: 0, asked: 0 } };
-    let blocks = nearest_first(&cast.casters, uav);
     let words_per_row = los.words_per_row();
     let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
     let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
@@ -222,8 +201,8 @@ fn cast_all(scene: &ShadowScene<'_>, uav: LatticePoint, receivers: &Receivers, c
     let in_band = |(k, words): (usize, &mut [u64])| {
         let first = plane.rows.0 + k * rows_per_band;
         let rows = (first, first + words.len() / words_per_row);
-        let job = BandJob { scene, plane: &plane, receivers, rows };
-        dispatch!(scene.level, simd => job.cast(simd, cast, &blocks, words))
+        let job = BandJob { scene, plane, receivers, rows };
+        dispatch!(scene.level, simd => job.cast(simd, cast, words))
     };
     let bands = &mut los.words_mut()[first..end];
     let counts = if n_tiles * TILE <= rows_per_band {
@@ -262,30 +241,6 @@ pub(super) fn plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -
     Some(Plane::new(grid, uav, rows, cols))
 }
 
-/// The square of the distance of a box (west, south, east, north) from a point \[lattice steps\].
-pub(super) fn distance_squared(bounds: [i32; 4], (x, y): (i64, i64)) -> u64 {
-    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
-    let [west, south, east, north] = bounds;
-    let (dx, dy) = (beyond(west, east, x), beyond(south, north, y));
-    dx * dx + dy * dy
-}
-
-/// The blocks of casters by their distance from the UAV, one sector after the other.
-///
-/// PERF: shadows of one sector lie together, so that their bits stay in the cache; those of another are not in their way.
-fn nearest_first(casters: &Casters, uav: LatticePoint) -> Vec<u32> {
-    let key = |block: &CasterBlock| {
-        let [west, south, east, north] = block.bounds.map(i64::from);
-        let turn = bearing(west + east - 2 * uav.x, south + north - 2 * uav.y) / FULL_TURN;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 for no number")]
-        let sector = (turn * SECTORS) as u32;
-        (sector, distance_squared(block.bounds, (uav.x, uav.y)))
-    };
-    let mut order: Vec<_> = casters.blocks().iter().zip(0_u32..).map(|(block, k)| (key(block), k)).collect();
-    order.sort_unstable();
-    order.into_iter().map(|(_, k)| k).collect()
-}
-
 /// One band of rows.
 pub(super) struct BandJob<'a> {
     pub(super) scene: &'a ShadowScene<'a>,
@@ -315,31 +270,27 @@ pub(super) struct Band<'a> {
 impl BandJob<'_> {
     /// Clears the cells that the blocks of casters hide; returns how many are left and how many were asked about.
     #[inline(always)]
-    fn cast<S: Simd>(&self, simd: S, cast: &Cast<'_>, blocks: &[u32], words: &mut [u64]) -> (u64, u64) {
+    fn cast<S: Simd>(&self, simd: S, cast: &Cast<'_>, words: &mut [u64]) -> (u64, u64) {
         let mut band = Band::new(words, self.scene.wanted.words_per_row());
         let tiles = self.tile_heights();
         if let Some((lowest, highest)) = self.heights(&tiles) {
             let mut outline = Outline::default();
             let mut ceiling = Ceiling::default();
-            let casters = &cast.casters;
-            for &k in blocks {
-                let block = &casters.blocks()[k as usize];
-                let begin = &cast.begin[block.numbers()];
+            for block in cast.blocks() {
                 let Some(reach) = Reach::new(self.plane.uav.z, block.max_top, lowest) else { continue };
-                let reach = reach.from(begin.iter().fold(f64::INFINITY, |a, b| a.min(*b)));
                 let [w, s, e, n] = block.bounds;
                 let box_ring = [[w, s], [e, s], [e, n], [w, n]];
-                let is_in_view = outline.cast(self.plane, &box_ring, block.bounds, reach);
+                let is_in_view = outline.cast(self.plane, &box_ring, block.bounds, reach.from(block.begin));
                 if !is_in_view || self.is_dark(&outline, &mut band) {
                     continue;
                 }
-                for (caster, begin) in casters.of_block(block).iter().zip(begin) {
+                for (caster, ring, begin) in cast.of_block(block) {
                     let Some(reach) = Reach::new(self.plane.uav.z, caster.top, lowest) else { break };
-                    if outline.cast(self.plane, casters.ring(caster), caster.bounds, reach.from(*begin)) {
+                    if outline.cast(self.plane, ring, caster.bounds, reach.from(begin)) {
                         if lowest == highest {
                             self.hide(simd, &outline, &mut band);
                         } else {
-                            ceiling.cast(self.plane, casters.ring(caster), caster.top);
+                            ceiling.cast(self.plane, ring, caster.top);
                             self.hide_relief(simd, &outline, &ceiling, &tiles, &mut band);
                         }
                     }

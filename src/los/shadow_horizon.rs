@@ -19,7 +19,11 @@
 //!
 //! All this is of receivers below the UAV.
 
-use super::shadow::distance_squared;
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::shadow_cast::distance_squared;
+use super::shadow_outline::cross;
 use super::shadow_spans::as_f64;
 use crate::quantity::LatticePoint;
 
@@ -49,65 +53,71 @@ pub(super) enum Sight {
 /// What the horizon tells.
 #[derive(Debug)]
 pub(super) struct Sorted {
-    /// For each prism, the drop beyond which receivers behind it are hidden by what is nearer, infinite if there are none;
-    /// `None` where that is all that it hides itself.
-    pub(super) prisms: Vec<Option<f32>>,
+    /// For each prism, how many times farther from the UAV than its near edges its shadow begins, where receivers are not hidden
+    /// by nearer prisms anyway: 1 or more; `None` where it hides nobody else.
+    pub(super) prisms: Vec<Option<f64>>,
     /// For each group, what is known of its receivers.
     pub(super) groups: Vec<Sight>,
 }
 
-/// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV.
+/// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV. Shadows are cast on receivers below
+/// `highest` \[1/1024 m above the datum\], or at it.
 ///
 /// Each is a convex counterclockwise ring, with the height of the roof over it or of the receivers within
 /// \[1/1024 m above the datum\].
 pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     uav: LatticePoint,
+    highest: i64,
     prisms: impl ExactSizeIterator<Item = (R, i64)>,
     groups: impl Iterator<Item = (G, i64)>,
 ) -> Sorted {
     let mut horizon = Horizon::new(prisms.len());
     let n_bins = horizon.n_bins();
+    let n_prisms = prisms.len();
+    let mut sorted = Sorted { prisms: vec![None; n_prisms], groups: Vec::new() };
     // Lines to receivers below the UAV drop by more than the least positive number.
     let of_prism = |(ring, top): (R, i64)| Seen::from(uav, (ring.as_ref(), top), (f32::MIN_POSITIVE, 0.0), n_bins);
     let of_group = |(ring, z): (G, i64)| Seen::from(uav, (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
-    let (prisms, groups): (Vec<Seen>, Vec<Seen>) = (prisms.map(of_prism).collect(), groups.map(of_group).collect());
-    let mut sorted = Sorted { prisms: vec![None; prisms.len()], groups: vec![Sight::Some; groups.len()] };
-    for event in events(&prisms, &groups) {
-        match event {
-            Event::EndOfGroup(k) if sorted.groups[k] == Sight::Some && horizon.is_below(&groups[k]) => {
-                sorted.groups[k] = Sight::All;
+    let mut seen: Vec<Seen> = prisms.map(of_prism).collect();
+    seen.extend(groups.map(of_group));
+    sorted.groups.resize(seen.len() - n_prisms, Sight::Some);
+    let mut outward: Vec<u64> =
+        seen.iter().zip(0_u64..).map(|(seen, k)| u64::from(seen.distances.0) << 32 | k).collect();
+    outward.sort_unstable();
+
+    let below = as_f64(uav.z - highest) * (1.0 - SLACK);
+    // What has begun and not yet ended: whoever waits longer than it must is judged on the safe side.
+    let mut open: VecDeque<usize> = VecDeque::new();
+    let end = |k: usize, horizon: &mut Horizon, groups: &mut [Sight]| match k.checked_sub(n_prisms) {
+        None => horizon.rise_to(&seen[k]),
+        Some(group) if groups[group] == Sight::Some && horizon.is_below(&seen[k]) => groups[group] = Sight::All,
+        Some(_) => {}
+    };
+    for key in outward {
+        let k = usize::try_from(key & u64::from(u32::MAX)).unwrap_or(usize::MAX);
+        let present = &seen[k];
+        while let Some(&first) = open.front()
+            && seen[first].distances.1 <= present.distances.0
+        {
+            open.pop_front();
+            end(first, &mut horizon, &mut sorted.groups);
+        }
+        open.push_back(k);
+        let before = horizon.before(present);
+        match k.checked_sub(n_prisms) {
+            None => {
+                let begin = |drop: f32| (below / (f64::from(drop) * f64::from(present.distances.1))).max(1.0);
+                sorted.prisms[k] = before.map(begin);
+                horizon.rise_perhaps_to(present);
             }
-            Event::EndOfPrism(k) => horizon.rise_to(&prisms[k]),
-            Event::Group(k) if horizon.before(&groups[k]).is_none() => sorted.groups[k] = Sight::None,
-            Event::Prism(k) => {
-                sorted.prisms[k] = horizon.before(&prisms[k]);
-                horizon.rise_perhaps_to(&prisms[k]);
-            }
-            Event::EndOfGroup(_) | Event::Group(_) => {}
+            Some(group) if before.is_none() => sorted.groups[group] = Sight::None,
+            Some(_) => {}
         }
     }
+    for k in open {
+        end(k, &mut horizon, &mut sorted.groups);
+    }
     sorted
-}
-
-/// For each prism, how many times farther from the UAV than its near edges receivers, none above `highest`, are not hidden by
-/// nearer prisms anyway, 1 if they may be right behind it; `None` where it hides nobody else.
-pub(super) fn begin_of_shadows<R: AsRef<[[i32; 2]]> + Copy>(
-    uav: LatticePoint,
-    highest: i64,
-    prisms: impl ExactSizeIterator<Item = (R, i64)> + Clone,
-) -> Vec<Option<f64>> {
-    let no_groups = std::iter::empty::<(R, i64)>();
-    let sorted = sort_by_horizon(uav, prisms.clone(), no_groups);
-    let below = as_f64(uav.z - highest);
-    let begin = |(ring, beyond): (R, Option<f32>)| {
-        let far = ring.as_ref().iter().map(|&[x, y]| {
-            let (x, y) = (as_f64(i64::from(x) - uav.x), as_f64(i64::from(y) - uav.y));
-            x * x + y * y
-        });
-        let far = far.fold(0.0, f64::max).sqrt();
-        beyond.map(|drop| (below / (f64::from(drop) * far) * (1.0 - SLACK)).max(1.0))
-    };
-    prisms.map(|(ring, _)| ring).zip(sorted.prisms).map(begin).collect()
 }
 
 /// Something as seen from the UAV.
@@ -121,36 +131,6 @@ struct Seen {
     distances: (u32, u32),
     /// The least and the largest drop.
     drops: (f32, f32),
-}
-
-/// What is come by on the way outward, by its number.
-#[derive(Debug, Clone, Copy)]
-enum Event {
-    EndOfGroup(usize),
-    EndOfPrism(usize),
-    Group(usize),
-    Prism(usize),
-}
-
-/// All events, nearest first. At one distance ends go first: what ends there is before what begins.
-fn events(prisms: &[Seen], groups: &[Seen]) -> impl Iterator<Item = Event> {
-    let key = |distance: u32, kind: u64, k: usize| u64::from(distance) << 34 | kind << 32 | k as u64;
-    let mut keys = Vec::with_capacity(2 * (prisms.len() + groups.len()));
-    for (kind, seen) in [(0, groups), (1, prisms)] {
-        for (k, Seen { distances: (near, far), .. }) in seen.iter().enumerate() {
-            keys.extend([key(*far, kind, k), key(*near, kind + 2, k)]);
-        }
-    }
-    keys.sort_unstable();
-    keys.into_iter().map(|key| {
-        let k = usize::try_from(key & u64::from(u32::MAX)).unwrap_or(usize::MAX);
-        match key >> 32 & 3 {
-            0 => Event::EndOfGroup(k),
-            1 => Event::EndOfPrism(k),
-            2 => Event::Group(k),
-            _ => Event::Prism(k),
-        }
-    })
 }
 
 /// Bounds on the least drop of all that stands within a distance, by azimuth bin; a power of two of them.
@@ -171,11 +151,12 @@ impl Horizon {
         u32::try_from(self.sure.len()).unwrap_or(u32::MAX)
     }
 
-    /// The drop beyond which all is hidden behind something, by what is nearer; `None` if that hides it as well.
+    /// The drop beyond which all is hidden behind something, by what is nearer, infinite if there is nothing; `None` if that
+    /// hides it as well.
     fn before(&self, seen: &Seen) -> Option<f32> {
         let (first, beyond) = self.ranges(seen.touched);
-        let bins = self.sure[first].iter().chain(&self.sure[beyond]);
-        let sure = bins.fold(0.0, |most, sure| if *sure > most { *sure } else { most });
+        let most = |of: &[f32]| of.iter().fold(0.0, |most, sure| if *sure > most { *sure } else { most });
+        let sure = most(&self.sure[first]).max(most(&self.sure[beyond]));
         (sure >= seen.drops.0).then_some(sure)
     }
 
@@ -199,7 +180,7 @@ impl Horizon {
     }
 
     /// Bins up to the seam, and those beyond it.
-    fn ranges(&self, (first, end): (u32, u32)) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+    fn ranges(&self, (first, end): (u32, u32)) -> (Range<usize>, Range<usize>) {
         let n = self.sure.len();
         let (first, end) = (first as usize, end as usize);
         (first.min(n)..end.min(n), first.max(n) - n..end.max(n) - n)
@@ -214,21 +195,19 @@ impl Seen {
     /// `if_not_below` are the drops of what is not below the UAV.
     fn from(uav: LatticePoint, (ring, z): (&[[i32; 2]], i64), if_not_below: (f32, f32), n_bins: u32) -> Seen {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        let mut bearings = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut beyond_seam = bearings;
-        let mut far_squared = 0;
-        for &[x, y] in ring {
-            let [west, south, east, north] = bounds;
-            bounds = [west.min(x), south.min(y), east.max(x), north.max(y)];
-            let (x, y) = (i64::from(x) - uav.x, i64::from(y) - uav.y);
-            far_squared = far_squared.max(x * x + y * y);
-            let bearing = bearing(x, y);
-            let widened = |(low, high): (f64, f64), to: f64| (low.min(to), high.max(to));
-            bearings = widened(bearings, bearing);
-            beyond_seam = widened(beyond_seam, if bearing < FULL_TURN / 2.0 { bearing + FULL_TURN } else { bearing });
-        }
         // What does not surround the UAV is seen within half a turn.
-        let (low, high) = if bearings.1 - bearings.0 > FULL_TURN / 2.0 { beyond_seam } else { bearings };
+        let from_uav = |v: [i32; 2]| [i64::from(v[0]) - uav.x, i64::from(v[1]) - uav.y];
+        let mut sides = ring.first().map_or(([1, 0], [1, 0]), |v| (from_uav(*v), from_uav(*v)));
+        let mut far_squared = 0;
+        for vertex in ring {
+            let [west, south, east, north] = bounds;
+            let [x, y] = *vertex;
+            bounds = [west.min(x), south.min(y), east.max(x), north.max(y)];
+            let v = from_uav(*vertex);
+            far_squared = far_squared.max(v[0] * v[0] + v[1] * v[1]);
+            sides.0 = if cross(sides.0, v) < 0 { v } else { sides.0 };
+            sides.1 = if cross(sides.1, v) > 0 { v } else { sides.1 };
+        }
         let near_squared = distance_squared(bounds, (uav.x, uav.y));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "roots of at most 2^56, bins")]
         let whole = |v: f64| v as u32;
@@ -238,11 +217,13 @@ impl Seen {
         let (touched, filled) = if near == 0 {
             ((0, n_bins), (0, 0))
         } else {
-            let at = |bearing: f64| bearing * f64::from(n_bins) / FULL_TURN;
-            let (low, high) = (at(low), at(high));
-            let turn = if low < SEAM { f64::from(n_bins) } else { 0.0 };
-            let touched = (whole((low + turn - SEAM).floor()), whole((high + turn + SEAM).floor()) + 1);
-            let filled = (whole((low + SEAM).ceil()), whole((high - SEAM).floor().max(0.0)));
+            let per_turn = f64::from(n_bins);
+            let at = |side: [i64; 2]| bearing(side[0], side[1]) * (per_turn / FULL_TURN);
+            let (low, high) = (at(sides.0), at(sides.1));
+            let high = if high < low { high + per_turn } else { high };
+            let turn = if low < SEAM { per_turn } else { 0.0 };
+            let touched = (whole(low + turn - SEAM), whole(high + turn + SEAM) + 1);
+            let filled = (whole(low + SEAM) + 1, whole(high - SEAM));
             (touched, if filled.0 < filled.1 { filled } else { (0, 0) })
         };
         #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
@@ -279,7 +260,8 @@ mod tests {
     /// How many times farther away shadows begin, on the ground.
     fn begins(prisms: &[([i32; 4], i32)]) -> Vec<Option<f64>> {
         let rings: Vec<_> = prisms.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
-        begin_of_shadows(UAV, 0, rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, i64::from(top * M))))
+        let prisms = rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, i64::from(top * M)));
+        sort_by_horizon(UAV, 0, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
     }
 
     #[test]
@@ -348,7 +330,7 @@ mod tests {
             let tops: Vec<i32> = blocks.iter().map(|(_, top)| top * M).collect();
             let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(*top)));
             let groups = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(top + 3 * M / 2)));
-            let sorted = sort_by_horizon(uav, prisms(), groups());
+            let sorted = sort_by_horizon(uav, 0, prisms(), groups());
             let solids = |keep: &dyn Fn(usize) -> bool| {
                 let kept = (0..rings.len()).filter(|k| keep(*k)).zip(0..);
                 Prisms::new(kept.map(|(k, number)| (rings[k], tops[k], number)))
@@ -367,7 +349,7 @@ mod tests {
             }
             n_behind += 400 - left.pieces().len();
             // The ground all over the place, on the lattice of the walls as well.
-            let begins = begin_of_shadows(uav, 0, prisms());
+            let begins = &sorted.prisms;
             for _ in 0..400 {
                 let mut at = || i64::from(below(&mut random, 1600) - 800) * 256;
                 let ground = LatticePoint { x: at(), y: at(), z: 0 };

@@ -41,6 +41,11 @@ impl Reach {
         }
     }
 
+    /// How far behind what is at a distance from the UAV the shadow reaches, in its unit.
+    pub(super) fn behind(self, distance: f64) -> f64 {
+        (self.far - 1.0) * distance
+    }
+
     /// The same from `begin` on, if that is farther.
     #[inline(always)]
     pub(super) fn from(self, begin: f64) -> Reach {

@@ -5,11 +5,11 @@
 //! about a third of a sweep over the cells.
 //!
 //! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
-//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Where they are below the
-//! UAV, its horizon tells of most that they are all hidden, or all in line of sight, and which prisms can hide anybody
-//! ([`super::shadow_horizon`]). Seen from any other the sky is wide, and only what stands between the plateau and
-//! the UAV can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above the
-//! highest top. Their shadows are cast on the plateau's cells alone.
+//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Below the UAV, its
+//! horizon tells of many that they are all hidden, or all in line of sight, and which prisms can hide anybody
+//! ([`super::shadow_horizon`]). Seen from the others the sky is wide, and only what stands between the plateau and the UAV
+//! can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above
+//! the highest top. Their shadows are cast on the plateau's cells alone.
 //!
 //! **Exactness.** Shadows are those of [`super::shadow`], with their margins and doubts. Bounds on what lies in between are
 //! computed in doubles and widened by a lattice step, far more than they can err. The doubts are asked of [`prisms_los`]: a
@@ -81,8 +81,8 @@ impl<'a> PlateauScene<'a> {
 ///
 /// Nobody may be below the lowest plateau (not checked).
 ///
-/// Cost: the rows of the shadows of the plateaus that stand before the horizon, for each plateau apart whose receivers it neither hides nor leaves
-/// in sight what lies between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
+/// Cost: the rows of the shadows of plateaus before the horizon, for each plateau apart of which it does not tell all what lies
+/// between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
 pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> BitGrid {
     let plateaus = scene.plateaus;
     let height = |top: i32| match receivers {
@@ -123,7 +123,8 @@ impl<'a> View<'a> {
             OnPlateaus::Level(_) => (&[][..], 0),
             OnPlateaus::Above(above) => (plateaus.apart(), above),
         };
-        let sorted = sort_by_horizon(uav, plateaus.raised().iter().map(at(0)), apart.iter().map(at(above)));
+        // The shadows of what is left are cast later, once the prisms are joined.
+        let sorted = sort_by_horizon(uav, uav.z, plateaus.raised().iter().map(at(0)), apart.iter().map(at(above)));
         let mut is_hidden = sorted.prisms.iter().map(Option::is_none);
         let before_horizon = plateaus.prisms_of(|_| !is_hidden.next().unwrap_or(false));
         View { plateaus, uav_z: uav.z, before_horizon, apart: sorted.groups }

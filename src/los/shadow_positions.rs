@@ -20,7 +20,8 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::shadow::{Band, BandJob, Receivers, ShadowScene, distance_squared, extent_of, plane_of};
+use super::shadow::{Band, BandJob, Receivers, ShadowScene, extent_of, plane_of};
+use super::shadow_cast::distance_squared;
 use super::shadow_grid::ShadowGrid;
 use super::shadow_outline::{Outline, Plane, Reach};
 use super::shadow_spans::{LANES, bits_outside, clear, maybe_spans, spans};

@@ -1,0 +1,182 @@
+//! Which casters of a scene cast shadows for a UAV, where these begin, and in which order they are cast.
+
+use std::ops::Range;
+
+use super::shadow_horizon::{FULL_TURN, bearing, sort_by_horizon};
+use super::shadow_outline::{Plane, Reach};
+use super::shadow_spans::as_f64;
+use crate::height_field::{Caster, CasterBlock, Casters};
+use crate::quantity::LatticePoint;
+
+/// Sectors around the UAV that are worked on one after the other.
+const SECTORS: f64 = 64.0;
+
+/// Where shadows are at least so many rows long, on average, the horizon takes less time than it saves.
+const LONG: f64 = 200.0;
+
+/// The casters that may hide some receivers, in the order in which they are cast: blocks by their distance from the UAV, one
+/// sector after the other.
+///
+/// PERF: shadows of one sector lie together, so that their bits stay in the cache; those of another are not in their way.
+pub(super) struct Cast<'a> {
+    all: &'a Casters,
+    blocks: Vec<CastBlock>,
+    /// Block by block, highest first: the number of a caster, and where its shadow begins.
+    begun: Vec<(u32, f64)>,
+}
+
+/// Neighbors among the casters.
+pub(super) struct CastBlock {
+    begun: Range<usize>,
+    /// Bounding box of them all \[lattice steps\]: west, south, east, north.
+    pub(super) bounds: [i32; 4],
+    /// The highest top \[1/1024 m above the datum\].
+    pub(super) max_top: i32,
+    /// The least of where their shadows begin.
+    pub(super) begin: f64,
+}
+
+impl<'a> Cast<'a> {
+    /// Of `all`, those that may hide wanted receivers between two heights from the UAV of a plane; if these are all below it,
+    /// those that the horizon does not hide.
+    pub(super) fn new(all: &'a Casters, plane: &Plane, (lowest, highest): (i64, i64)) -> Self {
+        let uav = plane.uav;
+        // What hides a receiver has a shadow there: blocks that have none on receivers hide none of the others' either.
+        let is_in_view = |block: &&CasterBlock| plane.meets(block.bounds, Reach::new(uav.z, block.max_top, lowest));
+        let mut in_view: Vec<&CasterBlock> = all.blocks().iter().filter(is_in_view).collect();
+        in_view.sort_by_cached_key(|block| outward(block, uav));
+        let numbers: Vec<u32> = in_view.iter().flat_map(|block| block.numbers()).collect();
+        let caster = |k: u32| &all.all()[k as usize];
+        let begins = if highest < uav.z && are_long(&in_view, plane, lowest) {
+            let prisms = numbers.iter().map(|k| (all.ring(caster(*k)), i64::from(caster(*k).top)));
+            sort_by_horizon(uav, highest, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
+        } else {
+            vec![Some(1.0); numbers.len()]
+        };
+        let mut begun = numbers.into_iter().zip(begins);
+        let mut cast = Cast { all, blocks: Vec::with_capacity(in_view.len()), begun: Vec::new() };
+        for block in in_view {
+            let first = cast.begun.len();
+            let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+            let (mut max_top, mut least) = (i32::MIN, f64::INFINITY);
+            for (k, begin) in begun.by_ref().take(block.numbers().len()) {
+                let Some(begin) = begin else { continue };
+                let Caster { top, bounds: [w, s, e, n], .. } = *caster(k);
+                bounds = [bounds[0].min(w), bounds[1].min(s), bounds[2].max(e), bounds[3].max(n)];
+                (max_top, least) = (max_top.max(top), least.min(begin));
+                cast.begun.push((k, begin));
+            }
+            if cast.begun.len() > first {
+                cast.blocks.push(CastBlock { begun: first..cast.begun.len(), bounds, max_top, begin: least });
+            }
+        }
+        cast
+    }
+
+    /// The blocks in order.
+    pub(super) fn blocks(&self) -> &[CastBlock] {
+        &self.blocks
+    }
+
+    /// The casters of a block, highest first, with their rings, and how many times farther from the UAV than its near edges receivers are
+    /// not hidden by another anyway.
+    #[inline(always)]
+    pub(super) fn of_block(&self, block: &CastBlock) -> impl Iterator<Item = (&'a Caster, &'a [[i32; 2]], f64)> {
+        self.begun[block.begun.clone()].iter().map(|(k, begin)| {
+            let caster = &self.all.all()[*k as usize];
+            (caster, self.all.ring(caster), *begin)
+        })
+    }
+}
+
+/// Whether the shadows of blocks on receivers at a height are long.
+fn are_long(blocks: &[&CasterBlock], plane: &Plane, z: i64) -> bool {
+    let uav = plane.uav;
+    let most = as_f64(plane.rows.1 - plane.rows.0);
+    let rows_and_casters = blocks.iter().map(|block| {
+        let distance = as_f64(distance_squared(block.bounds, (uav.x, uav.y))).sqrt();
+        let rows =
+            Reach::new(uav.z, block.max_top, z).map_or(0.0, |reach| reach.behind(distance) * plane.rows_per_step);
+        let n_casters = as_f64(block.numbers().len());
+        (rows.min(most) * n_casters, n_casters)
+    });
+    let (rows, casters) = rows_and_casters.fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1));
+    rows >= LONG * casters
+}
+
+/// The sector of a block, and how far from the UAV it is.
+fn outward(block: &CasterBlock, uav: LatticePoint) -> (u32, u64) {
+    let [west, south, east, north] = block.bounds.map(i64::from);
+    let turn = bearing(west + east - 2 * uav.x, south + north - 2 * uav.y) / FULL_TURN;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 for no number")]
+    let sector = (turn * SECTORS) as u32;
+    (sector, distance_squared(block.bounds, (uav.x, uav.y)))
+}
+
+/// The square of the distance of a box (west, south, east, north) from a point \[lattice steps\].
+pub(super) fn distance_squared(bounds: [i32; 4], (x, y): (i64, i64)) -> u64 {
+    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
+    let [west, south, east, north] = bounds;
+    let (dx, dy) = (beyond(west, east, x), beyond(south, north, y));
+    dx * dx + dy * dy
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::Level;
+    use rayon::prelude::*;
+
+    use super::*;
+    use crate::height_field::Prisms;
+    use crate::los::shadow::plane_of;
+    use crate::los::{ShadowGrid, ShadowScene, prisms_los, shadow_los};
+    use crate::raster::BitGrid;
+
+    const M: i64 = 1024;
+
+    /// A town of 2 km with 2500 blocks, on a lattice whose lines the receivers and the UAV lie beside or on.
+    fn town() -> Prisms {
+        let corner = |k: i32| k * 40 * 1024;
+        Prisms::new((0..2500).map(|k| {
+            let (west, south, size) = (corner(k % 50), corner(k / 50), 1024 * (12 + k * k % 17));
+            let ring = [[west, south], [west + size, south], [west + size, south + size], [west, south + size]];
+            (ring, 1024 * (5 + k * 7919 % 31), 0)
+        }))
+    }
+
+    #[test]
+    fn over_a_town_most_casters_are_left_out_or_begin_late_and_the_shadows_stay_the_same() {
+        let prisms = town();
+        let places = |offset: i64| (0..2000).map(move |k| k * M + offset);
+        for (uav, offset) in [((999, 1003, 50), M / 2), ((37, 0, 45), 0)] {
+            let uav = LatticePoint { x: uav.0 * M, y: uav.1 * M, z: uav.2 * M };
+            let grid = ShadowGrid::new(places(offset).collect(), places(offset).rev().collect());
+            let wanted = BitGrid::full(2000, 2000);
+            let plane = plane_of(&grid, &wanted, uav).expect("wanted");
+            let z = 3 * M / 2;
+            let cast = Cast::new(prisms.casters(), &plane, (z, z));
+            let late = cast.begun.iter().filter(|(_, begin)| *begin > 1.01).count();
+            assert!(cast.begun.len() < 1900 && late > cast.begun.len() / 4, "{} {late}", cast.begun.len());
+            let order: Vec<_> = cast.blocks.iter().map(|block| cast.begun[block.begun.start].0).collect();
+            assert!(order.windows(2).any(|pair| pair[0] > pair[1]), "not as they are stored");
+
+            let casters = prisms.casters();
+            let scene =
+                ShadowScene { prisms: &prisms, casters, grid: &grid, wanted: &wanted, level: Level::new(), n_bands: 2 };
+            let found = shadow_los(&scene, uav, z).los;
+            let differ: u64 = (0..2000_usize)
+                .into_par_iter()
+                .map(|row| {
+                    let is_other = |col: &usize| {
+                        let receiver = LatticePoint { x: grid.xs[*col], y: grid.ys[row], z };
+                        found.contains(row, *col) != prisms_los(&prisms, uav, receiver)
+                    };
+                    (0..2000).filter(is_other).count() as u64
+                })
+                .sum();
+            assert_eq!(differ, 0, "{uav:?}");
+            // Nothing is known of receivers above the UAV.
+            assert_eq!(Cast::new(casters, &plane, (z, uav.z)).begun.len(), casters.all().len());
+        }
+    }
+}
