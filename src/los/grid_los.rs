@@ -1,15 +1,17 @@
 //! One UAV against a whole grid of receivers, by whichever engine the scene calls for.
 
 use std::borrow::Cow;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
+use super::shadow_plateaus::{PlateauView, plateaus_los_in_view};
 use super::{
     OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los,
-    plateaus_los, r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
+    r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, StandsOn, Station, TileMaxima};
+use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Which engine is asked for.
@@ -300,6 +302,7 @@ pub struct GridLos<'a> {
     level: SimdLevel,
     /// Whether shadows are cast in one band of rows, by one thread.
     is_one_band: bool,
+    last_view: Arc<Mutex<Option<Arc<PlateauView>>>>,
 }
 
 impl<'a> GridLos<'a> {
@@ -313,7 +316,17 @@ impl<'a> GridLos<'a> {
         if let (Method::Sweep, Some(columns)) = (method, field.columns()) {
             columns.tiles();
         }
-        GridLos { field, method, positions, shadows, casters: None, level: SimdLevel::new(), is_one_band: false }
+        let level = SimdLevel::new();
+        GridLos {
+            field,
+            method,
+            positions,
+            shadows,
+            casters: None,
+            level,
+            is_one_band: false,
+            last_view: Arc::default(),
+        }
     }
 
     /// The same with other vector instructions: no result depends on them.
@@ -459,8 +472,24 @@ impl<'a> GridLos<'a> {
             return self.by_sweep(uav, receivers, wanted, window);
         };
         let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
-        let scene = PlateauScene { columns, plateaus, grid, wanted, level: self.level, n_bands };
-        plateaus_los(&scene, uav.on_columns(), on_plateaus)
+        let scene = PlateauScene { columns, plateaus, grid, wanted, window, level: self.level, n_bands };
+        plateaus_los_in_view(&scene, &self.view_of(&scene, uav.on_columns(), on_plateaus))
+    }
+
+    /// What a UAV has in view of plateaus.
+    ///
+    /// PERF: a map that is written while it is made is decided strip by strip, so that of the last UAV is kept.
+    fn view_of(&self, scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Arc<PlateauView> {
+        let last = self.last_view.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let is_it = |view: &Arc<PlateauView>| (view.uav, view.receivers, view.window) == (uav, receivers, scene.window);
+        match last.filter(is_it) {
+            Some(view) => view,
+            None => {
+                let view = Arc::new(PlateauView::new(scene, uav, receivers));
+                *self.last_view.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&view));
+                view
+            }
+        }
     }
 
     /// The plateaus of a raster, and where receivers stand on them; `None` unless their shadows decide.

@@ -10,7 +10,7 @@
 //!   z < H < h_U          1 < s < f, f = (h_U − z)/(h_U − H)     the roof's shadow on the plane z
 //!   H ≥ h_U and H ≥ z    1 < s                                  no end
 //!   h_U < H < z          g < s, g = (z − h_U)/(H − h_U)         no end, and it begins behind the building
-//!   ⇒ always near < s < far, with near = 1 or g, and far = f or ∞
+//!   ⇒ always near < s < far, with near = 1 or g, and far = f or ∞; near may be larger where another hides what is nearer
 //! ```
 //!
 //! **Half-planes.** Let edge A→B of the counterclockwise F have direction E, and let K = E × (A − u). Inside F,
@@ -45,7 +45,7 @@
 //! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
 //! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
 //! what stands before them hides no more ([`super::shadow_horizon`]), so that most of the ground is cleared about once. Blocks of
-//! neighboring casters go nearest first, so that the far ones find their ground dark: 64 rows of a shadow are skipped
+//! neighboring casters go nearest first, one sector of azimuths after the other, so that the far ones find their ground dark: 64 rows of a shadow are skipped
 //! where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks likewise.
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -193,7 +193,7 @@ fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
 
 /// Casts shadows on receivers of a scene.
 fn cast_all(scene: &ShadowScene<'_>, plane: &Plane, receivers: &Receivers, cast: &Cast<'_>) -> ShadowLos {
-    let mut los = scene.wanted.clone();
+    let mut los = scene.wanted.in_rows(plane.rows.0..plane.rows.1);
     let words_per_row = los.words_per_row();
     let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
     let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;

@@ -19,7 +19,8 @@
 //!
 //! All this is of receivers below the UAV.
 
-use std::collections::VecDeque;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::shadow_cast::distance_squared;
@@ -30,10 +31,10 @@ use crate::quantity::LatticePoint;
 /// Relative slack of drops; those of [`f32`] err by less than a tenth of it.
 const SLACK: f64 = 1.0 / (1 << 20) as f64;
 
-/// Slack of positions among bins, of which there are at most 2^22: doubles err by less than a thousandth of it.
+/// Slack of positions among bins, of which there are at most 2^20: doubles err by less than a thousandth of it.
 const SEAM: f64 = 1.0 / (1 << 16) as f64;
 
-/// Bins for the square root of the number of prisms: twenty for each block along the rim of a city.
+/// Bins for the square root of the number of prisms: some five for each block along the rim of a city.
 const BINS_PER_SIDE: f64 = 16.0;
 
 /// What a bearing rises by around the UAV.
@@ -86,8 +87,8 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     outward.sort_unstable();
 
     let below = as_f64(uav.z - highest) * (1.0 - SLACK);
-    // What has begun and not yet ended: whoever waits longer than it must is judged on the safe side.
-    let mut open: VecDeque<usize> = VecDeque::new();
+    // What has begun and not yet ended, by where it ends.
+    let mut open: BinaryHeap<Reverse<(u32, usize)>> = BinaryHeap::new();
     let end = |k: usize, horizon: &mut Horizon, groups: &mut [Sight]| match k.checked_sub(n_prisms) {
         None => horizon.rise_to(&seen[k]),
         Some(group) if groups[group] == Sight::Some && horizon.is_below(&seen[k]) => groups[group] = Sight::All,
@@ -96,13 +97,13 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     for key in outward {
         let k = usize::try_from(key & u64::from(u32::MAX)).unwrap_or(usize::MAX);
         let present = &seen[k];
-        while let Some(&first) = open.front()
-            && seen[first].distances.1 <= present.distances.0
+        while let Some(&Reverse((far, ended))) = open.peek()
+            && far <= present.distances.0
         {
-            open.pop_front();
-            end(first, &mut horizon, &mut sorted.groups);
+            open.pop();
+            end(ended, &mut horizon, &mut sorted.groups);
         }
-        open.push_back(k);
+        open.push(Reverse((present.distances.1, k)));
         let before = horizon.before(present);
         match k.checked_sub(n_prisms) {
             None => {
@@ -114,8 +115,8 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
             Some(_) => {}
         }
     }
-    for k in open {
-        end(k, &mut horizon, &mut sorted.groups);
+    for Reverse((_, ended)) in open {
+        end(ended, &mut horizon, &mut sorted.groups);
     }
     sorted
 }
@@ -129,7 +130,8 @@ struct Seen {
     filled: (u32, u32),
     /// Between which whole distances it lies \[lattice steps\].
     distances: (u32, u32),
-    /// The least and the largest drop.
+    /// A drop that none of its points is below, at their farthest, and one that none is above, at their nearest; of prisms that are not
+    /// below the UAV the least positive number and 0: they hide all, and matter to all who are not hidden yet.
     drops: (f32, f32),
 }
 

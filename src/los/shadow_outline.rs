@@ -17,7 +17,8 @@ const FAR: f64 = (1_u64 << 40) as f64;
 /// How far along the rays through a footprint its shadow reaches, as factors of the distance from the UAV in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
-    /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof.
+    /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof, and where
+    /// nearer receivers are hidden by another.
     near: f64,
     /// Where it ends, relative to the far edges; infinite if never.
     far: f64,

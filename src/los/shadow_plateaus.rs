@@ -32,7 +32,7 @@ use super::shadow_outline::{Outline, Plane, Reach, Rows};
 use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
 use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
-use crate::raster::{BitGrid, bits_between};
+use crate::raster::{BitGrid, CellWindow, bits_between};
 
 /// Bands of rows to a thread, so that none waits long for another.
 const BANDS_PER_THREAD: usize = 4;
@@ -60,6 +60,8 @@ pub struct PlateauScene<'a> {
     pub grid: &'a ShadowGrid,
     /// The cells to decide, of the same shape.
     pub wanted: &'a BitGrid,
+    /// Holds them, and all cells between them and the UAV.
+    pub window: CellWindow,
     /// Vector instructions to use; the outcome is the same at all levels.
     pub level: Level,
     /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
@@ -84,20 +86,27 @@ impl<'a> PlateauScene<'a> {
 /// Cost: the rows of the shadows of plateaus before the horizon, for each plateau apart of which it does not tell all what lies
 /// between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
 pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> BitGrid {
+    plateaus_los_in_view(scene, &PlateauView::new(scene, uav, receivers))
+}
+
+/// The same, given what the UAV has in view of the plateaus of the scene.
+pub(super) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView) -> BitGrid {
+    let PlateauView { uav, receivers, .. } = *view;
     let plateaus = scene.plateaus;
     let height = |top: i32| match receivers {
         OnPlateaus::Level(z) => z,
         OnPlateaus::Above(above) => i64::from(top) + i64::from(above),
     };
-    let view = View::new(plateaus, uav, receivers);
-    let level_los = |wanted: &BitGrid, z: i64| shadow_los(&scene.with_prisms(view.prisms_for(z), wanted), uav, z).los;
+    let level_los =
+        |wanted: &BitGrid, z: i64| shadow_los(&scene.with_prisms(view.prisms_for(plateaus, z), wanted), uav, z).los;
     let mut los = match receivers {
         OnPlateaus::Level(z) => level_los(scene.wanted, z),
         OnPlateaus::Above(above) => {
-            let mut on_ground = scene.wanted.clone();
-            plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau));
+            let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return scene.wanted.clone() };
+            let mut on_ground = scene.wanted.in_rows(plane.rows.0..plane.rows.1);
+            plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau, plane.rows));
             let mut los = level_los(&on_ground, height(plateaus.ground()));
-            on_plateaus_apart(scene, &view, uav, above, &mut los);
+            on_plateaus_apart(scene, view, (&plane, above), &mut los);
             los
         }
     };
@@ -106,33 +115,51 @@ pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPl
 }
 
 /// What a UAV has in view of a raster of plateaus.
-struct View<'a> {
-    plateaus: &'a Plateaus,
-    uav_z: i64,
-    /// The prisms that the horizon does not hide.
-    before_horizon: Prisms,
+#[derive(Debug)]
+pub(super) struct PlateauView {
+    pub(super) uav: LatticePoint,
+    pub(super) receivers: OnPlateaus,
+    pub(super) window: CellWindow,
+    /// The prisms of the window that may hide a receiver below the UAV; `None` for all of the raster.
+    before_horizon: Option<Prisms>,
     /// What the horizon tells of the receivers on each plateau apart; nothing where they are at one level.
     apart: Vec<Sight>,
 }
 
-impl<'a> View<'a> {
-    fn new(plateaus: &'a Plateaus, uav: LatticePoint, receivers: OnPlateaus) -> Self {
-        let at =
-            |above: i32| move |plateau: &Plateau| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
+impl PlateauView {
+    pub(super) fn new(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Self {
+        let PlateauScene { plateaus, window, .. } = *scene;
+        let nothing_known = PlateauView { uav, receivers, window, before_horizon: None, apart: Vec::new() };
         let (apart, above) = match receivers {
+            OnPlateaus::Level(z) if z >= uav.z => return nothing_known,
             OnPlateaus::Level(_) => (&[][..], 0),
             OnPlateaus::Above(above) => (plateaus.apart(), above),
         };
+        let overlaps =
+            |(first, end): (u32, u32), from: usize, n: usize| (first as usize) < from + n && end as usize > from;
+        let is_in_window = |plateau: &Plateau| {
+            overlaps(plateau.rows, window.row, window.n_rows) && overlaps(plateau.cols, window.col, window.n_cols)
+        };
+        let raised: Vec<&Plateau> = plateaus.raised().iter().filter(|plateau| is_in_window(plateau)).collect();
+        let at = |plateau: &Plateau, above: i32| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
         // The shadows of what is left are cast later, once the prisms are joined.
-        let sorted = sort_by_horizon(uav, uav.z, plateaus.raised().iter().map(at(0)), apart.iter().map(at(above)));
-        let mut is_hidden = sorted.prisms.iter().map(Option::is_none);
-        let before_horizon = plateaus.prisms_of(|_| !is_hidden.next().unwrap_or(false));
-        View { plateaus, uav_z: uav.z, before_horizon, apart: sorted.groups }
+        let sorted = sort_by_horizon(
+            uav,
+            uav.z,
+            raised.iter().map(|plateau| at(plateau, 0)),
+            apart.iter().filter(|plateau| is_in_window(plateau)).map(|plateau| at(plateau, above)),
+        );
+        let (mut prisms, mut groups) = (sorted.prisms.iter(), sorted.groups.iter());
+        let before_horizon = (raised.len() < plateaus.raised().len() || sorted.prisms.iter().any(Option::is_none))
+            .then(|| plateaus.prisms_of(|plateau| is_in_window(plateau) && prisms.next().is_some_and(Option::is_some)));
+        let sight = |plateau: &Plateau| if is_in_window(plateau) { groups.next().copied() } else { None };
+        let apart = apart.iter().map(sight).map(|sight| sight.unwrap_or(Sight::Some)).collect();
+        PlateauView { before_horizon, apart, ..nothing_known }
     }
 
     /// The prisms that may hide receivers at a height.
-    fn prisms_for(&self, z: i64) -> &Prisms {
-        if z < self.uav_z { &self.before_horizon } else { self.plateaus.prisms() }
+    fn prisms_for<'a>(&'a self, plateaus: &'a Plateaus, z: i64) -> &'a Prisms {
+        self.before_horizon.as_ref().filter(|_| z < self.uav.z).unwrap_or_else(|| plateaus.prisms())
     }
 }
 
@@ -165,8 +192,7 @@ fn ask_columns(scene: &PlateauScene<'_>, uav: LatticePoint, height: &(impl Fn(i3
 }
 
 /// Adds the receivers on plateaus apart that are in line of sight.
-fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &View<'_>, uav: LatticePoint, above: i32, los: &mut BitGrid) {
-    let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return };
+fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &PlateauView, (plane, above): (&Plane, i32), los: &mut BitGrid) {
     let words_per_row = los.words_per_row();
     let (first, end) = plane.rows;
     let rows_per_band = (end - first).div_ceil(scene.n_bands.max(1) * BANDS_PER_THREAD);
@@ -174,7 +200,7 @@ fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &View<'_>, uav: LatticePoin
     let bands = words.par_chunks_mut((rows_per_band * words_per_row).max(1)).enumerate();
     bands.for_each(|(k, words)| {
         let rows = (first + k * rows_per_band, first + k * rows_per_band + words.len() / words_per_row);
-        let job = BandApart { scene, view, uav, above, rows };
+        let job = BandApart { scene, view, above, rows };
         dispatch!(scene.level, simd => job.cast(simd, plane.clone(), words));
     });
 }
@@ -182,8 +208,7 @@ fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &View<'_>, uav: LatticePoin
 /// The receivers on plateaus apart in some rows.
 struct BandApart<'a> {
     scene: &'a PlateauScene<'a>,
-    view: &'a View<'a>,
-    uav: LatticePoint,
+    view: &'a PlateauView,
     above: i32,
     rows: (usize, usize),
 }
@@ -228,7 +253,8 @@ impl BandApart<'_> {
         cells: &mut PlateauCells,
         (outline, visits): (&mut Outline, &mut Visits),
     ) {
-        let (grid, prisms, uav) = (self.scene.grid, self.view.prisms_for(z), self.uav);
+        let (grid, uav) = (self.scene.grid, self.view.uav);
+        let prisms = self.view.prisms_for(self.scene.plateaus, z);
         let (rows, cols) = (plane.rows, plane.cols);
         let bounds = [grid.xs[cols.0], grid.ys[rows.1 - 1], grid.xs[cols.1 - 1], grid.ys[rows.0]];
         visits.begin(prisms);
@@ -463,10 +489,10 @@ impl Between {
     }
 }
 
-/// Takes the cells of a plateau out of a set.
-fn clear_plateau(cells: &mut BitGrid, plateau: &Plateau) {
+/// Takes the cells of a plateau out of a set that has some in rows `first..end` alone.
+fn clear_plateau(cells: &mut BitGrid, plateau: &Plateau, (first, end): (usize, usize)) {
     let words_per_row = cells.words_per_row();
-    for row in plateau.rows.0 as usize..plateau.rows.1 as usize {
+    for row in (plateau.rows.0 as usize).max(first)..(plateau.rows.1 as usize).min(end) {
         let words = &mut cells.words_mut()[row * words_per_row..][..words_per_row];
         clear(words, u64::from(plateau.cols.0), u64::from(plateau.cols.1));
     }

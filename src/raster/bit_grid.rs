@@ -1,5 +1,7 @@
 //! One bit per cell, 64 cells to a word: sets of cells that are combined and counted word by word.
 
+use std::ops::Range;
+
 /// A set of cells of a grid of shape `[n_rows, n_cols]`, row 0 north.
 ///
 /// Bit `col % 64` of word `col / 64` of a row is cell `col`. Bits beyond the last column are 0.
@@ -27,6 +29,17 @@ impl BitGrid {
             all.words.chunks_mut(all.words_per_row).for_each(|row| row[row.len() - 1] = last);
         }
         all
+    }
+
+    /// The cells of some rows alone.
+    ///
+    /// PERF: memory of the other rows is not touched, so that the kernel need not provide it.
+    #[must_use]
+    pub fn in_rows(&self, rows: Range<usize>) -> Self {
+        let mut kept = BitGrid::new(self.n_rows, self.n_cols);
+        let words = rows.start * self.words_per_row..rows.end * self.words_per_row;
+        kept.words[words.clone()].copy_from_slice(&self.words[words]);
+        kept
     }
 
     /// Number of rows.
@@ -139,6 +152,15 @@ pub fn bits_between(from: usize, to: usize, word: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn some_rows_are_those_alone() {
+        let all = BitGrid::full(5, 70);
+        let some = all.in_rows(1..3);
+        assert_eq!(some.count(), 140);
+        assert!((0..5).all(|row| some.contains(row, 69) == (1..3).contains(&row)));
+        assert_eq!((all.in_rows(0..5), all.in_rows(2..2)), (all.clone(), BitGrid::new(5, 70)));
+    }
 
     #[test]
     fn bits_between_cover_words_and_their_ends() {

@@ -7,7 +7,7 @@ use skyshed::los::{
     Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los, simd_levels,
 };
 use skyshed::quantity::{LatticePoint, VOID};
-use skyshed::raster::BitGrid;
+use skyshed::raster::{BitGrid, CellWindow};
 use skyshed::scene::{BuiltUp, BuiltUpCity, Ground};
 
 use crate::engines::as_raster;
@@ -65,19 +65,33 @@ fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, rando
     }
     let wanted_of_100 = random.choose(&[100, 100, 60]);
     let mut wanted = BitGrid::new(n_rows, n_cols);
+    // Sometimes a part of the raster, and all between it and the UAV.
+    let some = |random: &mut Random, n: usize| {
+        let first = random.index(0, n - 1);
+        if random.chance(20) { (first, random.index(first, n - 1) + 1) } else { (0, n) }
+    };
+    let (rows, cols) = (some(random, n_rows), some(random, n_cols));
     for cell in (0..tops.len()).filter(|cell| tops[*cell] != VOID) {
-        wanted.set(cell / n_cols, cell % n_cols, random.chance(wanted_of_100));
+        let (row, col) = (cell / n_cols, cell % n_cols);
+        let is_there = (rows.0..rows.1).contains(&row) && (cols.0..cols.1).contains(&col);
+        wanted.set(row, col, is_there && random.chance(wanted_of_100));
     }
+    let place = |steps: i64, n: usize| usize::try_from(steps.div_euclid(1024)).unwrap_or(0).min(n - 1);
+    let (uav_row, uav_col) = (n_rows - 1 - place(uav.y, n_rows), place(uav.x, n_cols));
+    let (row, col) = (rows.0.min(uav_row), cols.0.min(uav_col));
+    let (n_rows_of, n_cols_of) = (rows.1.max(uav_row + 1) - row, cols.1.max(uav_col + 1) - col);
+    let window = CellWindow { row, col, n_rows: n_rows_of, n_cols: n_cols_of };
     let xs = (0..n_cols).map(|col| columns.center(0, col).0).collect();
     let ys = (0..n_rows).map(|row| columns.center(row, 0).1).collect();
     let grid = ShadowGrid::new(xs, ys);
     let (level, n_bands) = (random.choose(&simd_levels()), random.index(1, 3));
-    let scene = PlateauScene { columns: &columns, plateaus: &plateaus, grid: &grid, wanted: &wanted, level, n_bands };
+    let (columns, plateaus) = (&columns, &plateaus);
+    let scene = PlateauScene { columns, plateaus, grid: &grid, wanted: &wanted, window, level, n_bands };
     let los = plateaus_los(&scene, uav, on);
     for row in 0..n_rows {
         for col in 0..n_cols {
             let ((x, y), z) = (columns.center(row, col), height(row * n_cols + col));
-            let expected = wanted.contains(row, col) && columns_los(&columns, uav, LatticePoint { x, y, z });
+            let expected = wanted.contains(row, col) && columns_los(columns, uav, LatticePoint { x, y, z });
             let what = format!("row {row}, column {col} of {n_rows}×{n_cols}, UAV {uav:?}, {on:?}, {level:?}");
             assert_eq!(los.contains(row, col), expected, "{what}, {n_bands} bands, tops {tops:?}");
         }
