@@ -135,7 +135,7 @@ impl Plateaus {
         }
     }
 
-    /// Some of the plateaus above the lowest height as prisms, in their order: those that `keep` holds for, asked in that order.
+    /// Some of the plateaus above the lowest height as prisms: those that `keep` holds for, which is asked in their order.
     pub fn prisms_of(&self, mut keep: impl FnMut(&Plateau) -> bool) -> Prisms {
         let kept = self.raised.iter().filter(|plateau| keep(plateau));
         Prisms::new(kept.zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)))

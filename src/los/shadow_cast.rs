@@ -78,8 +78,8 @@ impl<'a> Cast<'a> {
         &self.blocks
     }
 
-    /// The casters of a block, highest first, with their rings, and how many times farther from the UAV than its near edges receivers are
-    /// not hidden by another anyway.
+    /// The casters of a block, highest first, with their rings, and how many times farther from the UAV than the near edges
+    /// receivers are not hidden by another anyway.
     #[inline(always)]
     pub(super) fn of_block(&self, block: &CastBlock) -> impl Iterator<Item = (&'a Caster, &'a [[i32; 2]], f64)> {
         self.begun[block.begun.clone()].iter().map(|(k, begin)| {

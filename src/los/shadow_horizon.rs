@@ -7,9 +7,10 @@
 //! adds only what is farther away than the horizon before it reaches.
 //!
 //! Azimuths are cut into bins. While prisms come by, nearest first, each bin keeps two bounds on the least drop so far:
-//! *sure*, by those that fill the bin, from their farthest point on, and *possible*, by those that touch it, from their nearest
-//! point on. What drops by more than the sure bounds of all its bins is hidden; receivers that drop by less than the possible
-//! bounds of all theirs are in line of sight.
+//! *sure*, by those that fill the bin, from their farthest point on and as if their roofs ended at the nearest, and *possible*,
+//! by those that touch it, from their nearest point on and as if their roofs ended at the farthest. What drops by more than
+//! the sure bounds of all its bins is hidden; receivers that drop by less than the possible bounds of all theirs are in line
+//! of sight.
 //!
 //! **Exactness.** Bounds are widened by far more than they can err ([`SLACK`], [`SEAM`]), so all comparisons are strict. A
 //! convex prism that fills a bin is crossed by each of its rays, the two on its sides included, and not along an edge; so
@@ -130,8 +131,8 @@ struct Seen {
     filled: (u32, u32),
     /// Between which whole distances it lies \[lattice steps\].
     distances: (u32, u32),
-    /// A drop that none of its points is below, at their farthest, and one that none is above, at their nearest; of prisms that are not
-    /// below the UAV the least positive number and 0: they hide all, and matter to all who are not hidden yet.
+    /// The least drop, at its farthest point, and the largest, at its nearest. A prism that is not below the UAV hides all
+    /// behind it: it has 0 as the largest, and as the least the least positive number, which is hidden by 0.
     drops: (f32, f32),
 }
 
