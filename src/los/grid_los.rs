@@ -302,6 +302,7 @@ pub struct GridLos<'a> {
     level: SimdLevel,
     /// Whether shadows are cast in one band of rows, by one thread.
     is_one_band: bool,
+    /// What the last UAV that was asked about has in view of plateaus: no result depends on it.
     last_view: Arc<Mutex<Option<Arc<PlateauView>>>>,
 }
 

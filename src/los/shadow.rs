@@ -187,7 +187,7 @@ impl Receivers {
     }
 }
 
-/// The cells of one UAV without any.
+/// What is found where no cell is wanted.
 fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
     ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
 }

@@ -68,12 +68,9 @@ pub struct PlateauScene<'a> {
     pub n_bands: usize,
 }
 
-impl<'a> PlateauScene<'a> {
+impl PlateauScene<'_> {
     /// Some prisms over its grid, and the cells to decide.
-    fn with_prisms<'b>(&self, prisms: &'b Prisms, wanted: &'b BitGrid) -> ShadowScene<'b>
-    where
-        'a: 'b,
-    {
+    fn with_prisms<'a>(&'a self, prisms: &'a Prisms, wanted: &'a BitGrid) -> ShadowScene<'a> {
         let PlateauScene { grid, level, n_bands, .. } = *self;
         ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level, n_bands }
     }
