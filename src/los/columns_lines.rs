@@ -21,17 +21,20 @@ pub(super) enum Across {
     Column,
 }
 
-/// Whether a link is clear, given that only the lines of cells between the distances `lines[1]` \[lattice steps from the
-/// UAV\] can block it; those of `lines[0]`, a few that are likely to, are looked at first.
+/// Lines between two distances \[lattice steps from the UAV\].
+type Lines = (i64, i64);
+
+/// Whether a link is clear, given that only some lines of cells can block it: a few of `groups`, each within a tile, and
+/// those of `others`, which may be many.
 ///
 /// The receiver is the center of cell `own` of the raster, in none of these lines, and not farther from the UAV along the
-/// lines than across them. Cost: one comparison per line, or per eight lines that lie in tiles below the link.
+/// lines than across them. Cost: one comparison per line, or per eight of the others that lie in tiles below the link.
 pub(super) fn columns_los_over_lines(
     columns: &Columns,
     uav: LatticePoint,
     (own, receiver): (usize, LatticePoint),
     across: Across,
-    lines: [(i64, i64); 2],
+    (groups, others): ([Option<Lines>; 2], Option<Lines>),
 ) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
@@ -48,7 +51,7 @@ pub(super) fn columns_los_over_lines(
     let per_row = as_isize(columns.tiles().per_row());
     let (step_x, step_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { 1 } else { -1 });
     let from_north = as_i64(columns.n_rows()) - 1 - north;
-    let tiles = match across {
+    let tiles = || match across {
         Across::Row => {
             LineTiles { line: from_north, lateral: east, steps: (step_y, step_x), strides: (per_row, 1), columns }
         }
@@ -57,7 +60,8 @@ pub(super) fn columns_los_over_lines(
         }
     };
     let cells = LineCells { tops: columns.tops(), own, stride, sideways, tiles: None };
-    link.is_clear(&cells, lines[0]) && link.is_clear(&LineCells { tiles: Some(tiles), ..cells }, lines[1])
+    groups.iter().flatten().all(|lines| link.is_clear(&cells, *lines))
+        && others.is_none_or(|lines| link.is_clear(&LineCells { tiles: Some(tiles()), ..cells }, lines))
 }
 
 /// A link as lines of cells see it, from the receiver to the UAV.
@@ -119,71 +123,73 @@ impl LinkOverLines {
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
         let whole = CELL * length;
         let (first_n, stop) = (length - far, length - near);
-        let numerator = CELL / 2 * length + first_n * along;
-        let mut rest = numerator % whole;
-        let passed = numerator / whole;
-        let growth = CELL * along;
+        let (passed, rest) = quotient(CELL / 2 * length + first_n * along, whole);
         let lines = (first_n - CELL / 2) / CELL + 1;
         let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
-        let mut cell = own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways));
-        // Cells beside the present one that the raster still has.
-        let mut beside = most - passed;
         let n_lines = (stop - first_n + CELL - 1).div_euclid(CELL);
+        let mut at = Entry {
+            cell: own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways)),
+            rest,
+            beside: most - passed,
+            clear_below: z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb,
+        };
+        let steps = Steps { tops, whole, growth: CELL * along, length, rise: CELL * climb, stride, sideways };
         let mut lines_left = n_lines;
-        // A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
-        let mut clear_below = z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb;
         let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.steps.0);
         let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
-            // Lines to be looked at one by one, before a tile may spare some of them.
-            let mut single = lines_left;
+            // Lines to be looked at, before a tile may spare some of them.
+            let mut n = lines_left.min(LINES);
             if let Some((tiles, over_tile)) = &tiles {
                 let (step, sidestep) = tiles.steps;
                 let within = line & (LINES - 1);
-                let n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
-                single = n;
+                n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 line += n * step;
                 // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles of the first and the last.
                 let reach = n.min(over_tile.borders + 1);
-                if beside >= reach {
-                    let from = tiles.lateral + sidestep * (most - beside);
-                    let at = line - step;
-                    let highest = tiles.maximum(at, from).max(tiles.maximum(at, from + sidestep * reach));
-                    if i64::from(highest) * length <= clear_below + ((n - 1) * CELL * climb).min(0) {
+                if at.beside >= reach {
+                    let from = tiles.lateral + sidestep * (most - at.beside);
+                    let last = line - step;
+                    let highest = tiles.maximum(last, from).max(tiles.maximum(last, from + sidestep * reach));
+                    if i64::from(highest) * length <= at.clear_below + ((n - 1) * CELL * climb).min(0) {
                         lines_left -= n;
                         let over = if n == LINES { *over_tile } else { Passed::of(n, along, length) };
-                        rest += CELL * over.rest;
-                        let carries = rest >= whole;
-                        rest -= if carries { whole } else { 0 };
+                        at.rest += CELL * over.rest;
+                        let carries = at.rest >= whole;
+                        at.rest -= if carries { whole } else { 0 };
                         let borders = over.borders + i64::from(carries);
-                        beside -= borders;
-                        cell = cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
-                        clear_below += n * CELL * climb;
+                        at.beside -= borders;
+                        at.cell = at.cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
+                        at.clear_below += n * CELL * climb;
                         continue;
                     }
                 }
             }
-            for _ in 0..single {
-                if beside < 0 {
+            if at.beside >= n {
+                let (after, may_block) = steps.over(at, n);
+                if !may_block {
+                    at = after;
+                    lines_left -= n;
+                    continue;
+                }
+            }
+            for _ in 0..n {
+                if at.beside < 0 {
                     // Beside the raster nothing blocks.
                     return true;
                 }
                 // The ray enters the line in `cell`, and leaves it there or in the next one.
-                rest += growth;
-                let steps_over = rest >= whole;
-                rest -= if steps_over { whole } else { 0 };
-                let next = if steps_over { cell.wrapping_add_signed(sideways) } else { cell };
-                let first = tops[cell];
-                let second = if steps_over && beside == 0 { i32::MIN } else { tops[next] };
-                if i64::from(first.max(second)) * length > clear_below {
+                let (first, second, after) = steps.over_one(at);
+                let steps_over = after.beside != at.beside;
+                let second = if steps_over && at.beside == 0 { i32::MIN } else { tops[second] };
+                if i64::from(tops[first].max(second)) * length > at.clear_below {
                     let n = first_n + (n_lines - lines_left) * CELL;
-                    if self.is_blocked(LineMet { n, passed: most - beside, rest, steps_over }, (first, second)) {
+                    let met = LineMet { n, passed: most - at.beside, rest: after.rest, steps_over };
+                    if self.is_blocked(met, (tops[first], second)) {
                         return false;
                     }
                 }
-                beside -= i64::from(steps_over);
-                cell = next.wrapping_add_signed(stride);
-                clear_below += CELL * climb;
+                at = after;
                 lines_left -= 1;
             }
         }
@@ -208,6 +214,71 @@ impl LinkOverLines {
             first * length > end * climb
         }
     }
+}
+
+/// Where a ray enters a line of cells.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    /// The cell.
+    cell: usize,
+    /// How far it is past the cell's near border, in cells times the length of the link.
+    rest: i64,
+    /// Cells beside it that the raster still has.
+    beside: i64,
+    /// A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
+    clear_below: i64,
+}
+
+/// How a ray goes from line to line.
+#[derive(Debug, Clone, Copy)]
+struct Steps<'a> {
+    tops: &'a [i32],
+    whole: i64,
+    growth: i64,
+    length: i64,
+    rise: i64,
+    stride: isize,
+    sideways: isize,
+}
+
+impl Steps<'_> {
+    /// The cells in which the ray enters and leaves a line, and where it enters the next one.
+    #[inline(always)]
+    fn over_one(&self, at: Entry) -> (usize, usize, Entry) {
+        let rest = at.rest + self.growth;
+        let over = rest >= self.whole;
+        let rest = rest - (self.whole & -i64::from(over));
+        let next = at.cell.wrapping_add_signed(self.sideways & -isize::from(over));
+        (at.cell, next, Entry {
+            cell: next.wrapping_add_signed(self.stride),
+            rest,
+            beside: at.beside - i64::from(over),
+            clear_below: at.clear_below + self.rise,
+        })
+    }
+
+    /// Where the ray is after `n` lines, all of whose cells are in the raster, and whether one of them may block it.
+    #[inline(always)]
+    fn over(&self, mut at: Entry, n: i64) -> (Entry, bool) {
+        let mut may_block = false;
+        for _ in 0..n {
+            let (first, second, after) = self.over_one(at);
+            let highest = self.tops[first].max(self.tops[second]);
+            may_block |= i64::from(highest) * self.length > at.clear_below;
+            at = after;
+        }
+        (at, may_block)
+    }
+}
+
+/// Quotient and remainder of a number below 2^62 by one of 2^10 to 2^36, the quotient below 2^27.
+#[inline(always)]
+fn quotient(number: i64, by: i64) -> (i64, i64) {
+    // PERF: integers of 64 bits are divided in three times the time. The guess is off by one at most.
+    let guess = (number as f64 / by as f64) as i64;
+    let rest = number - guess * by;
+    let off = i64::from(rest >= by) - i64::from(rest < 0);
+    (guess + off, rest - off * by)
 }
 
 /// What a ray passes sideways on its way over some lines.

@@ -24,10 +24,10 @@ pub(super) const PAD: usize = 128;
 /// The same among bins and cells, which are counted with a sign.
 const PAD_I64: i64 = 128;
 
-/// Relative width of the doubt around a comparison of two slopes: each is off by less than 2^-21 of itself.
-const DOUBT: f32 = 1.0 / (1 << 20) as f32;
+/// Relative width of the doubt around a bound: both slopes of a comparison are off by less than 2^-21 of themselves.
+const DOUBT: f32 = 1.0 / (1 << 19) as f32;
 
-/// Relative slack of slopes that tell which lines are worth asking `ray` about: wider than any doubt.
+/// Relative slack of slopes that tell which bins and tiles need not be looked at: wider than any doubt.
 pub(super) const SLACK: f32 = 1e-5;
 
 /// How the edges of bins lie over the cells of a line: edge `b` is at `(shift_of_uav + b·y) / 2^shift` cells.
@@ -98,8 +98,8 @@ impl<S: Simd> EdgeSteps<S> {
     }
 }
 
-/// Looks up the cells under the edges `first..first + count` at both distances: `highest` gets the larger of both heights of
-/// each edge, `exits` the height at the farther one; both from index 0 on.
+/// Looks up the heights of the cells under the edges `first..first + count`, where rays enter the line and where they
+/// exit it; both from index 0 on. On a border between cells entries take the cell before it if they are `before`.
 #[inline(always)]
 pub(super) fn look_up_edges<S: Simd>(
     simd: S,
@@ -107,17 +107,16 @@ pub(super) fn look_up_edges<S: Simd>(
     line: &[f32],
     (first, count): (i64, usize),
     steps: &EdgeSteps<S>,
-    (highest, exits): (&mut [f32], &mut [f32]),
+    is_before: bool,
+    (entries, exits): (&mut [f32], &mut [f32]),
 ) {
     let n = S::f32s::LEN;
     let EdgeSteps { a, e, steps_a, steps_e } = *steps;
     let lanes = i64::try_from(n).unwrap_or(16);
-    let (mut at_a, mut at_e) = (map.uav + first * a, map.uav + first * e);
+    let (mut at_a, mut at_e) = (map.uav + first * a - i64::from(is_before), map.uav + first * e);
     for i in (0..count).step_by(n) {
-        let near = look_up_cells(simd, map, line, at_a, steps_a);
-        let far = look_up_cells(simd, map, line, at_e, steps_e);
-        near.max(far).store_slice(&mut highest[i..i + n]);
-        far.store_slice(&mut exits[i..i + n]);
+        look_up_cells(simd, map, line, at_a, steps_a).store_slice(&mut entries[i..i + n]);
+        look_up_cells(simd, map, line, at_e, steps_e).store_slice(&mut exits[i..i + n]);
         at_a += lanes * a;
         at_e += lanes * e;
     }
@@ -180,26 +179,51 @@ fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32
     low.concat_swizzle_dyn(high, bytes.to_bytes())
 }
 
-/// One line as its bins see it.
+/// One line as its bins see it: one over the distances of its nearer and its farther edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineSlopes {
-    /// One over the distances of its nearer and its farther edge.
     pub(super) per_near: f32,
     pub(super) per_far: f32,
-    /// No receiver beyond this line has a lower slope.
-    pub(super) lowest: f32,
-    /// Its number.
-    pub(super) number: i32,
 }
 
-/// What is known of some bins, a value each.
+impl LineSlopes {
+    /// The highest slope of what is at most `high` above the UAV: below the UAV it binds at the far edge, above it at the
+    /// near one, and the larger of both is that slope. Bounds are put off by the doubt, so comparisons need not be.
+    fn above(self) -> (f32, f32) {
+        (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 - DOUBT))
+    }
+
+    /// The bounds that a line puts on a bin, whose edges have the heights `entries` and `exits`: its own `upper` and `lower`.
+    #[inline(always)]
+    pub(super) fn bounds(self, entries: (f32, f32), exits: (f32, f32)) -> (f32, f32) {
+        let max = |a: f32, b: f32| if a > b { a } else { b };
+        let min = |a: f32, b: f32| if a < b { a } else { b };
+        let above = self.above();
+        let high = max(max(entries.0, entries.1), max(exits.0, exits.1));
+        let proven = max(min(entries.0, entries.1) * self.per_near, min(exits.0, exits.1) * self.per_far);
+        (max(high * above.0, high * above.1), proven - proven.abs() * DOUBT)
+    }
+}
+
+/// What a line changes of some bins, a value each.
 #[derive(Debug)]
-pub(super) struct BinRows<'a> {
+pub(super) struct SlopeRows<'a> {
     pub(super) upper: &'a mut [f32],
     pub(super) lower: &'a mut [f32],
-    pub(super) first_line: &'a mut [i32],
-    pub(super) last_line: &'a mut [i32],
-    pub(super) steepest_line: &'a mut [i32],
+    pub(super) present: &'a mut [f32],
+}
+
+/// What the end of a group changes of `n_bins` bins, a value each and a vector more.
+#[derive(Debug)]
+pub(super) struct GroupRows<'a> {
+    pub(super) n_bins: usize,
+    pub(super) lower: &'a [f32],
+    pub(super) present: &'a mut [f32],
+    pub(super) steepest: &'a mut [f32],
+    pub(super) steepest_start: &'a mut [i32],
+    pub(super) others: &'a mut [f32],
+    pub(super) first_other: &'a mut [i32],
+    pub(super) last_other: &'a mut [i32],
 }
 
 /// Values `values[base + index]`.
@@ -244,41 +268,59 @@ enum BinsPerReceiver {
     Many,
 }
 
-/// Raises the bounds of bins by one line: `highest[i]`, `highest[i + 1]` belong to the edges of bin `i`. The number of
-/// bins is a multiple of the width.
+/// Raises the bounds of bins by one line: `entries[i]`, `entries[i + 1]` belong to the edges of bin `i`, and so do exits. The
+/// number of bins is a multiple of the width.
 #[inline(always)]
 pub(super) fn raise_bounds<S: Simd>(
     simd: S,
-    highest: &[f32],
-    exits: &[f32],
-    line: &LineSlopes,
-    bins: &mut BinRows<'_>,
+    (entries, exits): (&[f32], &[f32]),
+    line: LineSlopes,
+    bins: &mut SlopeRows<'_>,
 ) {
     let n = S::f32s::LEN;
-    let (per_a, per_e) = (S::f32s::splat(simd, line.per_near), S::f32s::splat(simd, line.per_far));
-    let (lowest, number) = (S::f32s::splat(simd, line.lowest), S::i32s::splat(simd, line.number));
-    let slack = S::f32s::splat(simd, SLACK);
-    let BinRows { upper, lower, first_line, last_line, steepest_line } = bins;
+    let splat = |value: f32| S::f32s::splat(simd, value);
+    let (per_near, per_far, doubt) = (splat(line.per_near), splat(line.per_far), splat(DOUBT));
+    let (above_near, above_far) = (splat(line.above().0), splat(line.above().1));
+    let SlopeRows { upper, lower, present } = bins;
     for i in (0..upper.len()).step_by(n) {
         let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
-        let load_line = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
-        let high = load(highest, i).max(load(highest, i + 1));
-        let low = load(exits, i).min(load(exits, i + 1));
-        // Below the UAV a height binds at the far end of the row, above it at the near end: the larger of both slopes.
-        let steepest = (high * per_a).max(high * per_e);
-        let before = load(upper, i);
-        before.max(steepest).store_slice(&mut upper[i..i + n]);
-        let is_steepest = steepest.simd_gt(before);
-        is_steepest.select(number, load_line(steepest_line)).store_slice(&mut steepest_line[i..i + n]);
-        let proven = load(lower, i).max(low * per_e);
-        proven.store_slice(&mut lower[i..i + n]);
-        // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so this line may hide it
-        // only if it is as steep as both, and no line before it can any more if none is.
-        let bar = lowest.max(proven - proven.abs() * slack);
-        let may_hide = steepest.simd_ge(bar);
-        let is_first = may_hide & before.simd_lt(bar);
-        is_first.select(number, load_line(first_line)).store_slice(&mut first_line[i..i + n]);
-        may_hide.select(number, load_line(last_line)).store_slice(&mut last_line[i..i + n]);
+        let (entry, next_entry) = (load(entries, i), load(entries, i + 1));
+        let (exit, next_exit) = (load(exits, i), load(exits, i + 1));
+        let high = entry.max(next_entry).max(exit.max(next_exit));
+        let steepest = (high * above_near).max(high * above_far);
+        load(upper, i).max(steepest).store_slice(&mut upper[i..i + n]);
+        load(present, i).max(steepest).store_slice(&mut present[i..i + n]);
+        let proven = (entry.min(next_entry) * per_near).max(exit.min(next_exit) * per_far);
+        load(lower, i).max(proven - proven.abs() * doubt).store_slice(&mut lower[i..i + n]);
+    }
+}
+
+/// Ends a group of lines, the first of which is number `start`: it is the steepest one from now on, or one of the others. No
+/// receiver that is still to come has a slope below `lowest`.
+#[inline(always)]
+pub(super) fn end_group<S: Simd>(simd: S, start: i32, lowest: f32, bins: &mut GroupRows<'_>) {
+    let n = S::f32s::LEN;
+    let (start, lowest) = (S::i32s::splat(simd, start), S::f32s::splat(simd, lowest));
+    let GroupRows { n_bins, lower, present, steepest, steepest_start, others, first_other, last_other } = bins;
+    for i in (0..*n_bins).step_by(n) {
+        let load = |values: &[f32]| S::f32s::from_slice(simd, &values[i..i + n]);
+        let load_start = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
+        let (new, before, before_start) = (load(present), load(steepest), load_start(steepest_start));
+        S::f32s::splat(simd, NOTHING).store_slice(&mut present[i..i + n]);
+        let is_steepest = new.simd_gt(before);
+        is_steepest.select(new, before).store_slice(&mut steepest[i..i + n]);
+        is_steepest.select(start, before_start).store_slice(&mut steepest_start[i..i + n]);
+        let (other, other_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
+        // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so the group may hide it only
+        // if it is as steep as both, and no other group can any more if none was.
+        let bar = lowest.max(load(lower));
+        let (may_hide, is_first) = (other.simd_ge(bar), load(others).simd_lt(bar));
+        let (first, last) = (load_start(first_other), load_start(last_other));
+        let earlier = is_first.select(other_start, first.min(other_start));
+        let later = is_first.select(other_start, last.max(other_start));
+        may_hide.select(earlier, first).store_slice(&mut first_other[i..i + n]);
+        may_hide.select(later, last).store_slice(&mut last_other[i..i + n]);
+        load(others).max(other).store_slice(&mut others[i..i + n]);
     }
 }
 
@@ -395,6 +437,14 @@ impl<S: Simd> ReceiverLanes<S> {
     }
 }
 
+impl<S: Simd> ReceiverLanes<S> {
+    /// One over the distance of the receivers.
+    #[inline(always)]
+    pub(super) fn per_distance(&self) -> f32 {
+        self.per_distance[0]
+    }
+}
+
 /// Decides the receivers `cells` of a line, calling `word(index, decided)` for each run of 64 that holds one.
 #[inline(always)]
 pub(super) fn decide_line<S: Simd>(
@@ -408,7 +458,6 @@ pub(super) fn decide_line<S: Simd>(
     let ReceiverLanes { map, bins_per_receiver, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
     let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
     let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
-    let doubt = S::f32s::splat(simd, DOUBT);
     let mut found = Decided::default();
     let mut c = cells.start.div_euclid(lanes) * lanes;
     // The bin of the first lane, and what is left over.
@@ -441,9 +490,7 @@ pub(super) fn decide_line<S: Simd>(
                 heights.to_float::<S::f32s>() * per_distance
             }
         };
-        let size = slope.abs();
-        let los = slope.simd_gt(upper + (size + upper.abs()) * doubt);
-        let nlos = slope.simd_lt(lower - (size + lower.abs()) * doubt);
+        let (los, nlos) = (slope.simd_gt(upper), slope.simd_lt(lower));
         let wanted = lane_range(cells.start - c, cells.end - c, lanes);
         let (los, nlos) = (los.to_bitmask() & wanted, nlos.to_bitmask() & wanted);
         let within = c.rem_euclid(64);

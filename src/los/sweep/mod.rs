@@ -64,6 +64,7 @@
 //!
 //! Cost: two to three look-ups per cell that is not in the dark, and a walk for each undecided receiver (0.02 to 3 % of all).
 
+mod bins;
 mod kernels;
 mod line_order;
 mod quadrant_pass;
@@ -401,8 +402,8 @@ impl Sweep<'_> {
             let (x, y) = self.columns.center(row, col);
             let own = row * self.columns.n_cols() + col;
             let receiver = LatticePoint { x, y, z: z(lateral) };
-            let SuspectLines { all, steepest } = suspects.of(as_i64(lateral));
-            let is_los = columns_los_over_lines(self.columns, self.uav, (own, receiver), across, [steepest, all]);
+            let SuspectLines { groups, others } = suspects.of(as_i64(lateral), receiver.z - self.uav.z);
+            let is_los = columns_los_over_lines(self.columns, self.uav, (own, receiver), across, (groups, others));
             los |= u64::from(is_los) << bit;
         }
         (los, asked)

@@ -300,7 +300,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                         StreamedHeights::Flat(z) => z,
                         StreamedHeights::Over { above, .. } => base[cells.start + lateral - lines.first] + above,
                     };
-                    let suspected = self.line_numbers(suspects.of(as_i64(lateral)).all);
+                    let suspected = self.line_numbers(suspects.of(as_i64(lateral), i64::from(z) - self.scene.uav.z).all());
                     match self.walk(lines, ((number, lateral), z), suspected) {
                         Walked::Seen => los |= 1 << bit,
                         Walked::Hidden => {}
@@ -313,7 +313,8 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
     }
 
     /// The numbers of the lines between two distances \[lattice steps\].
-    fn line_numbers(&self, (near, far): (i64, i64)) -> Range<usize> {
+    fn line_numbers(&self, lines: Option<(i64, i64)>) -> Range<usize> {
+        let Some((near, far)) = lines else { return 0..0 };
         let number = |distance: i64| usize::try_from((distance - self.far_of_line_0).div_euclid(CELL)).ok();
         let end = number(far).map_or(0, |last| last + 1);
         number(near).map_or(0, |first| first + 1).min(end)..end

@@ -2,9 +2,10 @@
 
 use fearless_simd::prelude::*;
 
+use super::bins::Bins;
 use super::kernels::{
-    BinRows, Bounds, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes, ReceiverMap,
-    SLACK, decide_line, heights_above_uav, look_up_edges, raise_bounds,
+    Bounds, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes, ReceiverMap, SLACK,
+    decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
 };
 use crate::height_field::TILE_BITS;
 use crate::quantity::STEPS_PER_UNIT;
@@ -22,6 +23,9 @@ pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 
 /// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
 pub(super) const NEAR: i64 = 16 * CELL;
+
+/// Lines of a group, at most: those of a line of tiles.
+const LINES_OF_GROUP: i32 = 1 << TILE_BITS;
 
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
@@ -106,23 +110,17 @@ pub(super) struct WedgeFrame {
 pub(super) struct Wedge {
     level: u32,
     first: i64,
-    len: usize,
-    /// Bounds of bin `i` at `i + PAD`.
-    upper: Vec<f32>,
-    lower: Vec<f32>,
-    /// Numbers of the first and of the last line that may hide a receiver from here on.
-    first_line: Vec<i32>,
-    last_line: Vec<i32>,
-    /// The number of the line that `upper` is of.
-    steepest_line: Vec<i32>,
+    bins: Bins,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
     /// Of these, intervals of bins that the next lines may change, or see a receiver of.
     awake: Vec<(usize, usize)>,
     line: Vec<f32>,
-    highest: Vec<f32>,
+    entries: Vec<f32>,
     exits: Vec<f32>,
     n_lines: i32,
+    /// The number of the first line of the present group.
+    group_start: i32,
 }
 
 /// A line as all bins see it that pass over it.
@@ -139,6 +137,7 @@ struct LineEdges<S: Simd> {
 pub(super) struct Suspects<'a> {
     wedge: &'a Wedge,
     map: ReceiverMap,
+    per_distance: f32,
     last_bin: i64,
     /// Distance of the farther edge of line 0 \[lattice steps\].
     far_of_line_0: i64,
@@ -147,12 +146,20 @@ pub(super) struct Suspects<'a> {
 }
 
 /// Lines that may hide a receiver, by the distances between which they lie \[lattice steps\].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SuspectLines {
+    /// Those of the present group and of the steepest one before it, the steeper of both foremost.
+    pub(super) groups: [Option<(i64, i64)>; 2],
+    /// Those of other groups, and all between.
+    pub(super) others: Option<(i64, i64)>,
+}
+
+impl SuspectLines {
     /// From the first to the last of them.
-    pub(super) all: (i64, i64),
-    /// The steepest: the likeliest to hide it.
-    pub(super) steepest: (i64, i64),
+    pub(super) fn all(&self) -> Option<(i64, i64)> {
+        let lines = self.groups.iter().chain([&self.others]).flatten();
+        lines.copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
 }
 
 impl Suspects<'_> {
@@ -162,18 +169,29 @@ impl Suspects<'_> {
         as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
     }
 
-    /// The lines that may hide the receiver of lateral cell `c`.
+    /// The lines that may hide the receiver of lateral cell `c`, which is `z` above the UAV \[1/1024 m\].
     #[inline]
-    pub(super) fn of(&self, c: i64) -> SuspectLines {
+    pub(super) fn of(&self, c: i64, z: i64) -> SuspectLines {
         let bin = self.map.bin(c).min(self.last_bin);
         let i = usize::try_from(bin - self.wedge.first).unwrap_or(0) + PAD;
-        let far = |lines: &[i32]| self.far_of_line_0 + i64::from(lines[i]) * CELL;
-        let near = |far: i64| (far - CELL).max(0);
-        let steepest = far(&self.wedge.steepest_line);
+        #[expect(clippy::cast_precision_loss, reason = "rounded as where it was compared with the bounds")]
+        let slope = z as f32 * self.per_distance;
+        let bins = &self.wedge.bins;
+        let group = |steepest: f32, start: i32| (steepest >= slope).then(|| self.between(start, start));
+        let present = group(bins.present[i], self.wedge.group_start);
+        let before = group(bins.steepest[i], bins.steepest_start[i]);
         SuspectLines {
-            all: (near(far(&self.wedge.first_line)), far(&self.wedge.last_line)),
-            steepest: (near(steepest), steepest),
+            groups: if bins.present[i] > bins.steepest[i] { [present, before] } else { [before, present] },
+            others: (bins.others[i] >= slope).then(|| self.between(bins.first_other[i], bins.last_other[i])),
         }
+    }
+
+    /// The distances between which some groups lie, given the numbers of the first lines of the first and of the last one.
+    fn between(&self, first: i32, last: i32) -> (i64, i64) {
+        // All before the receiver's own line, which is the present one.
+        let last = (last + LINES_OF_GROUP - 1).min(self.wedge.n_lines - 1);
+        let far = |line: i32| self.far_of_line_0 + i64::from(line) * CELL;
+        ((far(first) - CELL).max(0), far(last))
     }
 }
 
@@ -181,30 +199,19 @@ impl Wedge {
     /// Part `part` of `parts` (a power of two, at most [`MAX_PARTS`]) to one side of the axis; negative to the other side.
     pub(super) fn new(part: i64, parts: i64) -> Self {
         let len = (1_i64 << FIRST_LEVEL) / parts;
-        let mut wedge = Wedge {
+        let bins = Bins::new(usize::try_from(len).unwrap_or(1));
+        Wedge {
             level: FIRST_LEVEL,
             first: part * len,
-            len: usize::try_from(len).unwrap_or(1),
-            upper: Vec::new(),
-            lower: Vec::new(),
-            first_line: Vec::new(),
-            last_line: Vec::new(),
-            steepest_line: Vec::new(),
-            active: Vec::new(),
-            awake: Vec::new(),
+            active: vec![(0, bins.len())],
+            awake: vec![(0, bins.len())],
+            bins,
             line: Vec::new(),
-            highest: Vec::new(),
+            entries: Vec::new(),
             exits: Vec::new(),
             n_lines: 0,
-        };
-        wedge.upper = vec![NOTHING; wedge.len + 2 * PAD];
-        wedge.lower = wedge.upper.clone();
-        wedge.first_line = vec![0; wedge.upper.len()];
-        wedge.last_line = wedge.first_line.clone();
-        wedge.steepest_line = wedge.first_line.clone();
-        wedge.active.push((0, wedge.len));
-        wedge.awake.push((0, wedge.len));
-        wedge
+            group_start: 1,
+        }
     }
 
     /// Whether every bin is dark for good.
@@ -229,14 +236,9 @@ impl Wedge {
     fn refine(&mut self, far: i64) {
         let level = level_for(far).max(FIRST_LEVEL);
         while self.level < level {
-            self.upper = split(&self.upper, self.len, NOTHING);
-            self.lower = split(&self.lower, self.len, NOTHING);
-            self.first_line = split(&self.first_line, self.len, 0);
-            self.last_line = split(&self.last_line, self.len, 0);
-            self.steepest_line = split(&self.steepest_line, self.len, 0);
+            self.bins.split();
             self.level += 1;
             self.first *= 2;
-            self.len *= 2;
             let finer = self.active.iter_mut().chain(&mut self.awake);
             finer.for_each(|(a, b)| (*a, *b) = (2 * *a, 2 * *b));
         }
@@ -308,12 +310,7 @@ impl Wedge {
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
-        let slopes = LineSlopes {
-            per_near: per(y_a),
-            per_far: per(y_e),
-            lowest: self.lowest_slope(frame, line.center),
-            number: self.n_lines,
-        };
+        let slopes = LineSlopes { per_near: per(y_a), per_far: per(y_e) };
         LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
 
@@ -341,17 +338,18 @@ impl Wedge {
             return;
         }
         let bounds = Bounds {
-            upper: &self.upper,
-            lower: &self.lower,
+            upper: &self.bins.upper,
+            lower: &self.bins.lower,
             first_bin: self.first,
-            last_bin: self.first + as_i64(self.len) - 1,
+            last_bin: self.first + as_i64(self.bins.len()) - 1,
         };
         let suspects = Suspects {
             wedge: self,
             map,
+            per_distance: lanes.per_distance(),
             last_bin: bounds.last_bin,
             far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
-            ends: (first_from(self.first) >> 6, first_from(self.first + as_i64(self.len)) >> 6),
+            ends: (first_from(self.first) >> 6, first_from(self.first + as_i64(self.bins.len())) >> 6),
         };
         decide_line(simd, &bounds, lanes, receivers, cells.0..cells.1, &mut |index, decided| {
             word(index, decided, &suspects);
@@ -389,8 +387,8 @@ impl Wedge {
             self.line.resize(room, NOTHING);
         }
         let n_edges = n_bins + 1 + 2 * PAD;
-        if self.highest.len() < n_edges {
-            self.highest.resize(n_edges, NOTHING);
+        if self.entries.len() < n_edges {
+            self.entries.resize(n_edges, NOTHING);
             self.exits.resize(n_edges, NOTHING);
         }
         let inside = (low.clamp(line.first, end), high.clamp(line.first, end));
@@ -405,44 +403,24 @@ impl Wedge {
         );
         self.line[at(inside.1)..at(high)].fill(NOTHING);
 
-        let slopes = edges.slopes;
-        let looked_up = (&mut self.highest[..], &mut self.exits[..]);
-        look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, looked_up);
-        let start = usize::try_from(b0 - self.first).unwrap_or(0) + PAD;
+        let looked_up = (&mut self.entries[..], &mut self.exits[..]);
+        look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, self.first < 0, looked_up);
+        if b1 == 0 {
+            // Between both sides rays may go along a border of cells: the edge has the cell behind it.
+            self.entries[n_bins] = self.line[at(map.cell(0, y_a))];
+        }
+        let start = usize::try_from(b0 - self.first).unwrap_or(0);
         // Whole vectors first; what they would do past the last bin is done for it alone.
         let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
-        let whole = start..start + vectors;
-        raise_bounds(
-            simd,
-            &self.highest,
-            &self.exits,
-            &slopes,
-            &mut BinRows {
-                upper: &mut self.upper[whole.clone()],
-                lower: &mut self.lower[whole.clone()],
-                first_line: &mut self.first_line[whole.clone()],
-                last_line: &mut self.last_line[whole.clone()],
-                steepest_line: &mut self.steepest_line[whole],
-            },
-        );
+        let bins = &mut self.bins;
+        raise_bounds(simd, (&self.entries, &self.exits), edges.slopes, &mut bins.slopes_of(start..start + vectors));
         for i in vectors..n_bins {
-            let high = self.highest[i].max(self.highest[i + 1]);
-            let low = self.exits[i].min(self.exits[i + 1]);
-            let steepest = (high * slopes.per_near).max(high * slopes.per_far);
-            let bin = start + i;
-            let proven = self.lower[bin].max(low * slopes.per_far);
-            let bar = slopes.lowest.max(proven - proven.abs() * SLACK);
-            if steepest >= bar {
-                if self.upper[bin] < bar {
-                    self.first_line[bin] = slopes.number;
-                }
-                self.last_line[bin] = slopes.number;
-            }
-            if steepest > self.upper[bin] {
-                self.steepest_line[bin] = slopes.number;
-            }
-            self.upper[bin] = self.upper[bin].max(steepest);
-            self.lower[bin] = proven;
+            let edges_of = |values: &[f32]| (values[i], values[i + 1]);
+            let (steepest, proven) = edges.slopes.bounds(edges_of(&self.entries), edges_of(&self.exits));
+            let bin = PAD + start + i;
+            bins.upper[bin] = bins.upper[bin].max(steepest);
+            bins.present[bin] = bins.present[bin].max(steepest);
+            bins.lower[bin] = bins.lower[bin].max(proven);
         }
     }
 
@@ -479,12 +457,17 @@ impl Wedge {
                 let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
                 let tiles = tiles.filter(|tiles| tiles.near >= NEAR);
                 let map = self.edge_map(frame);
+                let lowest_slope = self.lowest_slope(frame, center);
+                for &(from, to) in &self.awake {
+                    end_group(simd, self.group_start, lowest_slope, &mut self.bins.groups_of(from..to));
+                }
+                self.group_start = self.n_lines + 1;
                 let active = std::mem::take(&mut self.active);
                 self.awake.clear();
                 for &(from, to) in &active {
                     for start in (from..to).step_by(SLEEPERS) {
                         let end = (start + SLEEPERS).min(to);
-                        let lowest = lowest_of(&self.lower[PAD + start..PAD + end]);
+                        let lowest = lowest_of(&self.bins.lower[PAD + start..PAD + end]);
                         if lowest > dark {
                             continue;
                         }
@@ -542,16 +525,6 @@ fn cells_between(map: &EdgeMap, (b0, b1): (i64, i64), (near, far): (i64, i64), f
 /// The least level at which bins are narrower than a cell at distance `far`.
 fn level_for(far: i64) -> u32 {
     (far.max(0) / CELL).checked_ilog2().map_or(0, |bits| bits + 1)
-}
-
-/// Values of bins for bins of half their width.
-fn split<T: Copy>(values: &[T], len: usize, padding: T) -> Vec<T> {
-    let mut finer = vec![padding; 2 * len + 2 * PAD];
-    for (i, value) in values[PAD..PAD + len].iter().enumerate() {
-        finer[PAD + 2 * i] = *value;
-        finer[PAD + 2 * i + 1] = *value;
-    }
-    finer
 }
 
 fn as_i64(n: usize) -> i64 {
