@@ -271,10 +271,11 @@ impl Steps<'_> {
     }
 }
 
-/// Quotient and remainder of a number below 2^62 by one of 2^10 to 2^36, the quotient below 2^27.
+/// Quotient, rounded down, and remainder of a number within ±2^62 by a positive one; the quotient is within ±2^40.
 #[inline(always)]
-fn quotient(number: i64, by: i64) -> (i64, i64) {
-    // PERF: integers of 64 bits are divided in three times the time. The guess is off by one at most.
+pub(super) fn quotient(number: i64, by: i64) -> (i64, i64) {
+    // PERF: integers of 64 bits are divided in three times the time. EXACT: the guess is off by one at most.
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
     let guess = (number as f64 / by as f64) as i64;
     let rest = number - guess * by;
     let off = i64::from(rest >= by) - i64::from(rest < 0);

@@ -13,6 +13,7 @@ use fearless_simd::prelude::*;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::{Level, f32x8, f32x16, u32x8, u32x16};
 
+use super::super::columns_lines::quotient;
 use crate::quantity::VOID;
 
 /// A height that blocks nothing, and a slope below every slope: far below −2^27, and finite so that no product with it
@@ -350,7 +351,7 @@ impl ReceiverMap {
     /// The bin of cell `c`, before the last one is given those on the axis.
     #[inline]
     pub(super) fn bin(&self, c: i64) -> i64 {
-        (c * self.pitch + self.offset).div_euclid(self.distance)
+        quotient(c * self.pitch + self.offset, self.distance).0
     }
 }
 
@@ -457,7 +458,7 @@ pub(super) fn decide_line<S: Simd>(
 ) {
     let ReceiverLanes { map, bins_per_receiver, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
     let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
-    let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
+    let (one, short) = (S::i32s::splat(simd, 1), S::f32s::splat(simd, 1e-4));
     let mut found = Decided::default();
     let mut c = cells.start.div_euclid(lanes) * lanes;
     // The bin of the first lane, and what is left over.
@@ -468,13 +469,11 @@ pub(super) fn decide_line<S: Simd>(
         // On the axis itself a receiver is one bin past the last.
         let past = (bin - bounds.last_bin).max(0);
         // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay below 2^31. The
-        // quotient is guessed in floats to within one and put right in integers.
+        // quotient, at most 31, is guessed in floats, too low by less than one, and put right in integers.
         #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
         let numerators = S::i32s::splat(simd, (left_over + past * map.distance) as i32) + rests;
-        let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance).to_int();
-        let left = numerators - guess * distances;
-        let guess = guess - left.simd_lt(zero).select(one, zero);
-        let guess = guess + left.simd_ge(distances).select(one, zero);
+        let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance - short).to_int();
+        let guess = (numerators - guess * distances).simd_ge(distances).select(guess + one, guess);
         let first_bin = bin - past;
         #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
         let last = S::i32s::splat(simd, (bounds.last_bin - first_bin).min(1 << 20) as i32);

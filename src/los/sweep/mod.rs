@@ -167,6 +167,7 @@ pub fn sweep_los(
         uav,
         receivers,
         wanted,
+        is_all_wanted: wanted.count() == as_i64(columns.tops().len()).unsigned_abs(),
         window,
         rows: SharedBits::new(columns.n_rows(), columns.n_cols()),
         cols: SharedBits::new(columns.n_cols(), columns.n_rows()),
@@ -214,6 +215,8 @@ struct Sweep<'a> {
     uav: LatticePoint,
     receivers: ReceiverHeights<'a>,
     wanted: &'a BitGrid,
+    /// Whether that is every cell.
+    is_all_wanted: bool,
     window: CellWindow,
     /// Line of sight by row, from the quadrants north and south.
     rows: SharedBits,
@@ -395,7 +398,8 @@ impl Sweep<'_> {
         for bit in set_bits(&[undecided]) {
             let lateral = first + bit;
             let (row, col) = cell(lateral);
-            if !self.wanted.contains(row, col) {
+            // PERF: one after another along a column, each bit asked for is in a line of the cache of its own.
+            if !self.is_all_wanted && !self.wanted.contains(row, col) {
                 continue;
             }
             asked += 1;
