@@ -180,11 +180,13 @@ fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32
     low.concat_swizzle_dyn(high, bytes.to_bytes())
 }
 
-/// One line as its bins see it: one over the distances of its nearer and its farther edge.
+/// One line as its bins see it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineSlopes {
+    /// One over the distances of its nearer and its farther edge.
     pub(super) per_near: f32,
     pub(super) per_far: f32,
+    pub(super) number: i32,
 }
 
 impl LineSlopes {
@@ -211,6 +213,7 @@ impl LineSlopes {
 pub(super) struct SlopeRows<'a> {
     pub(super) upper: &'a mut [f32],
     pub(super) lower: &'a mut [f32],
+    pub(super) steepest_line: &'a mut [i32],
     pub(super) present: &'a mut [f32],
 }
 
@@ -282,14 +285,18 @@ pub(super) fn raise_bounds<S: Simd>(
     let splat = |value: f32| S::f32s::splat(simd, value);
     let (per_near, per_far, doubt) = (splat(line.per_near), splat(line.per_far), splat(DOUBT));
     let (above_near, above_far) = (splat(line.above().0), splat(line.above().1));
-    let SlopeRows { upper, lower, present } = bins;
+    let number = S::i32s::splat(simd, line.number);
+    let SlopeRows { upper, lower, steepest_line, present } = bins;
     for i in (0..upper.len()).step_by(n) {
         let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
         let (entry, next_entry) = (load(entries, i), load(entries, i + 1));
         let (exit, next_exit) = (load(exits, i), load(exits, i + 1));
         let high = entry.max(next_entry).max(exit.max(next_exit));
         let steepest = (high * above_near).max(high * above_far);
-        load(upper, i).max(steepest).store_slice(&mut upper[i..i + n]);
+        let before = load(upper, i);
+        before.max(steepest).store_slice(&mut upper[i..i + n]);
+        let line_before = S::i32s::from_slice(simd, &steepest_line[i..i + n]);
+        steepest.simd_gt(before).select(number, line_before).store_slice(&mut steepest_line[i..i + n]);
         load(present, i).max(steepest).store_slice(&mut present[i..i + n]);
         let proven = (entry.min(next_entry) * per_near).max(exit.min(next_exit) * per_far);
         load(lower, i).max(proven - proven.abs() * doubt).store_slice(&mut lower[i..i + n]);

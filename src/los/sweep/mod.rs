@@ -70,6 +70,7 @@ mod line_order;
 mod quadrant_pass;
 mod shared_bits;
 mod streamed;
+mod verdicts;
 mod wedge;
 
 use std::borrow::Cow;
@@ -79,16 +80,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use self::kernels::{Decided, LineReceivers};
+use self::kernels::LineReceivers;
 use self::line_order::{STRIP, for_tile_lines, turn};
 use self::shared_bits::{SharedBits, rows_and_columns};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
-use self::wedge::{Line, MAX_PARTS, NEAR, SuspectLines, Suspects, TileLine, Wedge, WedgeFrame};
-use super::columns_lines::{Across, columns_los_over_lines};
+use self::verdicts::LineVerdicts;
+use self::wedge::{Line, MAX_PARTS, NEAR, TileLine, Wedge, WedgeFrame};
+use super::columns_lines::Across;
 use super::columns_los;
 use crate::height_field::{Columns, TileMaxima};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
-use crate::raster::{BitGrid, CellWindow, set_bits};
+use crate::raster::{BitGrid, CellWindow};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
@@ -284,14 +286,8 @@ impl Sweep<'_> {
                         LineReceivers::Over { base: &base[cells], first: 0, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
-                let wanted = self.wanted.row(row);
-                let z = |col: usize| receivers.height(col) + self.uav.z;
-                wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
-                    let open = decided.undecided & wanted[word];
-                    let (seen, n) = self.ask_each(open, 64 * word, suspects, Across::Row, |col| (row, col), z);
-                    asked += n;
-                    self.rows.add(row, word, decided.los | seen, suspects.is_shared(word));
-                });
+                let mut verdicts = LineVerdicts::new(self, (Across::Row, row, -outward), &line, &receivers, &mut asked);
+                wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()
         });
@@ -350,13 +346,8 @@ impl Sweep<'_> {
                         LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
-                let z = |row: usize| receivers.height(row) + self.uav.z;
-                wedge.pass(simd, &frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
-                    let open = decided.undecided;
-                    let (seen, n) = self.ask_each(open, 64 * word, suspects, Across::Column, |row| (row, col), z);
-                    asked += n;
-                    self.cols.add(col, word, decided.los | seen, suspects.is_shared(word));
-                });
+                let mut verdicts = LineVerdicts::new(self, (Across::Column, col, outward), &line, &receivers, &mut asked);
+                wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()
         });
@@ -379,38 +370,6 @@ impl Sweep<'_> {
             ),
         };
         TileLine { near, far, tops, bases, stride, above }
-    }
-
-    /// Of the undecided receivers from lateral cell `first` on, those that `ray` finds in line of sight, and how many it
-    /// was asked about. `cell` and `z` tell row and column and the height of a receiver by its lateral cell.
-    #[inline]
-    fn ask_each(
-        &self,
-        undecided: u64,
-        first: usize,
-        suspects: &Suspects<'_>,
-        across: Across,
-        cell: impl Fn(usize) -> (usize, usize),
-        z: impl Fn(usize) -> i64,
-    ) -> (u64, u64) {
-        let mut los = 0;
-        let mut asked = 0;
-        for bit in set_bits(&[undecided]) {
-            let lateral = first + bit;
-            let (row, col) = cell(lateral);
-            // PERF: one after another along a column, each bit asked for is in a line of the cache of its own.
-            if !self.is_all_wanted && !self.wanted.contains(row, col) {
-                continue;
-            }
-            asked += 1;
-            let (x, y) = self.columns.center(row, col);
-            let own = row * self.columns.n_cols() + col;
-            let receiver = LatticePoint { x, y, z: z(lateral) };
-            let SuspectLines { groups, others } = suspects.of(as_i64(lateral), receiver.z - self.uav.z);
-            let is_los = columns_los_over_lines(self.columns, self.uav, (own, receiver), across, (groups, others));
-            los |= u64::from(is_los) << bit;
-        }
-        (los, asked)
     }
 
     fn ask(&self, row: usize, col: usize) -> bool {

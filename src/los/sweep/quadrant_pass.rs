@@ -11,7 +11,7 @@ use super::kernels::{Decided, LineReceivers};
 use super::line_order::turn;
 use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
-use super::wedge::{Line, Suspects, Wedge, WedgeFrame};
+use super::wedge::{Line, Suspects, Verdicts, Wedge, WedgeFrame};
 use super::{CELL, Quadrant, as_i64, parts};
 use crate::error::Result;
 use crate::height_field::TILE;
@@ -285,30 +285,8 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                     LineReceivers::Over { base, first, above: above.wrapping_sub(self.frame.uav_z) }
                 }
             };
-            let row = number - lines.numbers.start;
-            wedge.pass(simd, &self.frame, &line, &receivers, &mut |word, decided: Decided, suspects: &Suspects<'_>| {
-                let mut los = decided.los;
-                for bit in set_bits(&[decided.undecided]) {
-                    let lateral = 64 * word + bit;
-                    let (row, col) = self.cell((number, lateral));
-                    if !self.scene.wanted.contains(row, col) {
-                        continue;
-                    }
-                    left.undecided += 1;
-                    let base = lines.bases.as_ref().unwrap_or(&lines.tops);
-                    let z = match self.scene.receivers {
-                        StreamedHeights::Flat(z) => z,
-                        StreamedHeights::Over { above, .. } => base[cells.start + lateral - lines.first] + above,
-                    };
-                    let suspected = self.line_numbers(suspects.of(as_i64(lateral), i64::from(z) - self.scene.uav.z).all());
-                    match self.walk(lines, ((number, lateral), z), suspected) {
-                        Walked::Seen => los |= 1 << bit,
-                        Walked::Hidden => {}
-                        Walked::Waits(waiting) => left.waiting.push(waiting),
-                    }
-                }
-                seen.add(row, word, los, suspects.is_shared(word));
-            });
+            let mut verdicts = StripVerdicts { pass: self, lines, number, receivers: &receivers, seen, left };
+            wedge.pass(simd, &self.frame, &line, &receivers, &mut verdicts);
         }
     }
 
@@ -455,6 +433,46 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                 }
             }
         });
+    }
+}
+
+/// The receivers of one line of a strip.
+struct StripVerdicts<'a, 'p, R> {
+    pass: &'a QuadrantPass<'p, R>,
+    lines: &'a StripLines,
+    number: usize,
+    receivers: &'a LineReceivers<'a>,
+    seen: &'a SharedBits,
+    left: &'a mut Left,
+}
+
+impl<R: ColumnsReader> Verdicts for StripVerdicts<'_, '_, R> {
+    #[inline(always)]
+    fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64 {
+        self.seen.add(self.number - self.lines.numbers.start, word, decided.los, is_shared);
+        let is_wanted = |bit: &usize| {
+            let (row, col) = self.pass.cell((self.number, 64 * word + bit));
+            self.pass.scene.wanted.contains(row, col)
+        };
+        set_bits(&[decided.undecided]).filter(is_wanted).fold(0, |bits, bit| bits | 1 << bit)
+    }
+
+    fn ask(&mut self, cells: &[u32], suspects: &Suspects<'_>) {
+        self.left.undecided += cells.len() as u64;
+        for cell in cells {
+            let (lateral, word) = (*cell as usize, *cell as usize / 64);
+            let above_uav = self.receivers.height(lateral);
+            let z = i32::try_from(self.pass.scene.uav.z + above_uav).unwrap_or(i32::MAX);
+            let suspected = self.pass.line_numbers(suspects.of(i64::from(*cell), above_uav).all());
+            match self.pass.walk(self.lines, ((self.number, lateral), z), suspected) {
+                Walked::Seen => {
+                    let row = self.number - self.lines.numbers.start;
+                    self.seen.add(row, word, 1 << (cell % 64), suspects.is_shared(word));
+                }
+                Walked::Hidden => {}
+                Walked::Waits(waiting) => self.left.waiting.push(waiting),
+            }
+        }
     }
 }
 

@@ -87,6 +87,16 @@ impl TileLine<'_> {
     }
 }
 
+/// Who is told of the receivers of a line.
+pub(super) trait Verdicts {
+    /// Takes what is known of the receivers of a word, which may hold some of another wedge if it is shared; says which of
+    /// those that are undecided it asks about.
+    fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64;
+
+    /// Finds out about the receivers of some lateral cells.
+    fn ask(&mut self, cells: &[u32], suspects: &Suspects<'_>);
+}
+
 /// What is the same for all lines of a wedge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WedgeFrame {
@@ -118,6 +128,8 @@ pub(super) struct Wedge {
     line: Vec<f32>,
     entries: Vec<f32>,
     exits: Vec<f32>,
+    /// The lateral cells of the line's receivers that are left to walks.
+    open: Vec<u32>,
     n_lines: i32,
     /// The number of the first line of the present group.
     group_start: i32,
@@ -169,11 +181,22 @@ impl Suspects<'_> {
         as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
     }
 
+    /// The bin of the receiver of lateral cell `c`.
+    #[inline(always)]
+    fn bin(&self, c: i64) -> usize {
+        usize::try_from(self.map.bin(c).min(self.last_bin) - self.wedge.first).unwrap_or(0) + PAD
+    }
+
+    /// How many lines before the receivers' own one the steepest one is, in the bin of lateral cell `c`.
+    #[inline(always)]
+    pub(super) fn steepest(&self, c: i64) -> i64 {
+        i64::from(self.wedge.n_lines - self.wedge.bins.steepest_line[self.bin(c)])
+    }
+
     /// The lines that may hide the receiver of lateral cell `c`, which is `z` above the UAV \[1/1024 m\].
     #[inline]
     pub(super) fn of(&self, c: i64, z: i64) -> SuspectLines {
-        let bin = self.map.bin(c).min(self.last_bin);
-        let i = usize::try_from(bin - self.wedge.first).unwrap_or(0) + PAD;
+        let i = self.bin(c);
         #[expect(clippy::cast_precision_loss, reason = "rounded as where it was compared with the bounds")]
         let slope = z as f32 * self.per_distance;
         let bins = &self.wedge.bins;
@@ -209,6 +232,7 @@ impl Wedge {
             line: Vec::new(),
             entries: Vec::new(),
             exits: Vec::new(),
+            open: Vec::new(),
             n_lines: 0,
             group_start: 1,
         }
@@ -255,7 +279,7 @@ impl Wedge {
         frame: &WedgeFrame,
         line: &Line<'_>,
         receivers: &LineReceivers<'_>,
-        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
+        verdicts: &mut impl Verdicts,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -266,18 +290,14 @@ impl Wedge {
                     self.refine(line.far);
                 }
                 self.n_lines += 1;
-                let lanes = ReceiverLanes::new(simd, self.receiver_map(frame, line), receivers);
-                let edges = self.edges_of_line(simd, frame, line);
-                let mut k = 0;
-                while k < self.awake.len() {
-                    let interval = self.awake[k];
-                    if line.far > NEAR {
-                        self.decide(simd, frame, line, (receivers, &lanes), interval, word);
+                if line.far > NEAR {
+                    self.decide(simd, frame, line, receivers, verdicts);
+                }
+                if !is_last {
+                    let edges = self.edges_of_line(simd, frame, line);
+                    for k in 0..self.awake.len() {
+                        self.advance(simd, frame, line, &edges, self.awake[k]);
                     }
-                    if !is_last {
-                        self.advance(simd, frame, line, &edges, interval);
-                    }
-                    k += 1;
                 }
             },
         );
@@ -310,50 +330,69 @@ impl Wedge {
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
-        let slopes = LineSlopes { per_near: per(y_a), per_far: per(y_e) };
+        let slopes = LineSlopes { per_near: per(y_a), per_far: per(y_e), number: self.n_lines };
         LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
 
     #[inline(always)]
     fn decide<S: Simd>(
-        &self,
+        &mut self,
         simd: S,
         frame: &WedgeFrame,
         line: &Line<'_>,
-        (receivers, lanes): (&LineReceivers<'_>, &ReceiverLanes<S>),
-        (from, to): (usize, usize),
-        word: &mut impl FnMut(usize, Decided, &Suspects<'_>),
+        receivers: &LineReceivers<'_>,
+        verdicts: &mut impl Verdicts,
     ) {
-        let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
         let map = self.receiver_map(frame, line);
+        let lanes = ReceiverLanes::new(simd, map, receivers);
         let per_pitch = CELL_BITS + self.level;
         let first_from = |b: i64| -((map.offset - b * line.center) >> per_pitch);
-        let mut cells = (first_from(b0).max(frame.window.0), first_from(b1).min(frame.window.1));
-        if b1 == 0 {
-            // The axis itself belongs to the last bin of this side as well.
-            cells.1 = (-map.offset >> per_pitch) + 1;
-            cells.1 = cells.1.min(frame.window.1);
-        }
-        if cells.0 >= cells.1 {
-            return;
-        }
+        let end = self.first + as_i64(self.bins.len());
         let bounds = Bounds {
             upper: &self.bins.upper,
             lower: &self.bins.lower,
             first_bin: self.first,
-            last_bin: self.first + as_i64(self.bins.len()) - 1,
+            last_bin: end - 1,
         };
-        let suspects = Suspects {
-            wedge: self,
-            map,
-            per_distance: lanes.per_distance(),
-            last_bin: bounds.last_bin,
-            far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
-            ends: (first_from(self.first) >> 6, first_from(self.first + as_i64(self.bins.len())) >> 6),
-        };
-        decide_line(simd, &bounds, lanes, receivers, cells.0..cells.1, &mut |index, decided| {
-            word(index, decided, &suspects);
-        });
+        // Words with receivers of another wedge.
+        let ends = (first_from(self.first) >> 6, first_from(end) >> 6);
+        let mut open = std::mem::take(&mut self.open);
+        open.clear();
+        for &(from, to) in &self.awake {
+            let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
+            let mut cells = (first_from(b0).max(frame.window.0), first_from(b1).min(frame.window.1));
+            if b1 == 0 {
+                // The axis itself belongs to the last bin of this side as well.
+                cells.1 = (-map.offset >> per_pitch) + 1;
+                cells.1 = cells.1.min(frame.window.1);
+            }
+            if cells.0 >= cells.1 {
+                continue;
+            }
+            decide_line(simd, &bounds, &lanes, receivers, cells.0..cells.1, &mut |word, decided| {
+                let is_shared = as_i64(word) <= ends.0 || as_i64(word) >= ends.1;
+                let mut left = verdicts.decided(word, decided, is_shared);
+                while left != 0 {
+                    #[expect(clippy::cast_possible_truncation, reason = "a side has at most 2^16 cells")]
+                    open.push(64 * word as u32 + left.trailing_zeros());
+                    left &= left - 1;
+                }
+            });
+        }
+        if !open.is_empty() {
+            verdicts.ask(
+                &open,
+                &Suspects {
+                    wedge: self,
+                    map,
+                    per_distance: lanes.per_distance(),
+                    last_bin: bounds.last_bin,
+                    far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
+                    ends,
+                },
+            );
+        }
+        self.open = open;
     }
 
     #[inline(always)]
@@ -418,7 +457,10 @@ impl Wedge {
             let edges_of = |values: &[f32]| (values[i], values[i + 1]);
             let (steepest, proven) = edges.slopes.bounds(edges_of(&self.entries), edges_of(&self.exits));
             let bin = PAD + start + i;
-            bins.upper[bin] = bins.upper[bin].max(steepest);
+            if steepest > bins.upper[bin] {
+                bins.steepest_line[bin] = edges.slopes.number;
+                bins.upper[bin] = steepest;
+            }
             bins.present[bin] = bins.present[bin].max(steepest);
             bins.lower[bin] = bins.lower[bin].max(proven);
         }
