@@ -67,6 +67,14 @@ impl Bins {
         *len *= 2;
     }
 
+    /// Gives the place after the last bin its bounds, for receivers on its farther edge.
+    pub(super) fn repeat_last(&mut self) {
+        let end = PAD + self.len;
+        for bounds in [&mut self.upper, &mut self.lower] {
+            bounds[end] = bounds[end - 1];
+        }
+    }
+
     /// The values of some bins that a line changes.
     #[inline(always)]
     pub(super) fn slopes_of(&mut self, bins: Range<usize>) -> SlopeRows<'_> {

@@ -115,9 +115,9 @@ pub(super) fn look_up_edges<S: Simd>(
     let EdgeSteps { a, e, steps_a, steps_e } = *steps;
     let lanes = i64::try_from(n).unwrap_or(16);
     let (mut at_a, mut at_e) = (map.uav + first * a - i64::from(is_before), map.uav + first * e);
-    for i in (0..count).step_by(n) {
-        look_up_cells(simd, map, line, at_a, steps_a).store_slice(&mut entries[i..i + n]);
-        look_up_cells(simd, map, line, at_e, steps_e).store_slice(&mut exits[i..i + n]);
+    for (entries, exits) in entries.chunks_exact_mut(n).zip(exits.chunks_exact_mut(n)).take(count.div_ceil(n)) {
+        look_up_cells(simd, map, line, at_a, steps_a).store_slice(entries);
+        look_up_cells(simd, map, line, at_e, steps_e).store_slice(exits);
         at_a += lanes * a;
         at_e += lanes * e;
     }
@@ -230,38 +230,34 @@ pub(super) struct GroupRows<'a> {
     pub(super) last_other: &'a mut [i32],
 }
 
-/// Values `values[base + index]`.
+/// Values `values[base + index]`, where the lanes of `index` are below `VECTORS` times the width, or anything if that is 0.
 #[inline(always)]
-fn look_up_bins<S: Simd>(
-    simd: S,
-    bins_per_receiver: BinsPerReceiver,
-    values: &[f32],
-    base: i64,
-    index: S::u32s,
-) -> S::f32s {
-    match bins_per_receiver {
-        BinsPerReceiver::Two => table(simd, values, to_index(base), index),
-        BinsPerReceiver::Four => {
-            let n = S::f32s::LEN;
+fn look_up_bins<S: Simd, const VECTORS: usize>(simd: S, values: &[f32], base: usize, index: S::u32s) -> S::f32s {
+    let n = S::f32s::LEN;
+    match VECTORS {
+        2 => table(simd, values, base, index),
+        4 => {
             #[expect(clippy::cast_possible_truncation, reason = "lanes ≤ 16")]
-            let (base, half) = (to_index(base), S::u32s::splat(simd, 2 * n as u32));
+            let half = S::u32s::splat(simd, 2 * n as u32);
             let (low, high) = (table(simd, values, base, index), table(simd, values, base + 2 * n, index - half));
             index.simd_lt(half).select(low, high)
         }
-        BinsPerReceiver::Many => gather(simd, values, base, index),
+        _ => gather(simd, values, base, index),
     }
 }
 
 /// Values `table[base + index]` for any lanes of `index`; anything for lanes outside.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, table: &[f32], base: i64, index: S::u32s) -> S::f32s {
+fn gather<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
     let index = index.as_slice();
-    S::f32s::from_fn(simd, |i| table.get(to_index(base + i64::from(index[i]))).copied().unwrap_or(NOTHING))
+    S::f32s::from_fn(simd, |i| table.get(base.wrapping_add(index[i] as usize)).copied().unwrap_or(NOTHING))
 }
 
+/// A place in a buffer; one before its beginning is far beyond its end.
 #[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps around to what no buffer has")]
 fn to_index(at: i64) -> usize {
-    usize::try_from(at).unwrap_or(usize::MAX)
+    at as usize
 }
 
 /// How many bins there are to a receiver, at most: as many vectors of bins hold those of a vector of receivers.
@@ -287,19 +283,25 @@ pub(super) fn raise_bounds<S: Simd>(
     let (above_near, above_far) = (splat(line.above().0), splat(line.above().1));
     let number = S::i32s::splat(simd, line.number);
     let SlopeRows { upper, lower, steepest_line, present } = bins;
-    for i in (0..upper.len()).step_by(n) {
-        let load = |values: &[f32], i: usize| S::f32s::from_slice(simd, &values[i..i + n]);
-        let (entry, next_entry) = (load(entries, i), load(entries, i + 1));
-        let (exit, next_exit) = (load(exits, i), load(exits, i + 1));
+    // PERF: of known lengths, so that nothing is checked within the loop.
+    let vectors = |values| <[f32]>::chunks_exact(values, n);
+    let edges = vectors(entries).zip(vectors(&entries[1..])).zip(vectors(exits).zip(vectors(&exits[1..])));
+    let bounds = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n));
+    let others = steepest_line.chunks_exact_mut(n).zip(present.chunks_exact_mut(n));
+    for ((((entry, next_entry), (exit, next_exit)), (upper, lower)), (steepest_line, present)) in
+        edges.zip(bounds).zip(others)
+    {
+        let load = |values: &[f32]| S::f32s::from_slice(simd, values);
+        let (entry, next_entry, exit, next_exit) = (load(entry), load(next_entry), load(exit), load(next_exit));
         let high = entry.max(next_entry).max(exit.max(next_exit));
         let steepest = (high * above_near).max(high * above_far);
-        let before = load(upper, i);
-        before.max(steepest).store_slice(&mut upper[i..i + n]);
-        let line_before = S::i32s::from_slice(simd, &steepest_line[i..i + n]);
-        steepest.simd_gt(before).select(number, line_before).store_slice(&mut steepest_line[i..i + n]);
-        load(present, i).max(steepest).store_slice(&mut present[i..i + n]);
+        let before = load(upper);
+        before.max(steepest).store_slice(upper);
+        let line_before = S::i32s::from_slice(simd, steepest_line);
+        steepest.simd_gt(before).select(number, line_before).store_slice(steepest_line);
+        load(present).max(steepest).store_slice(present);
         let proven = (entry.min(next_entry) * per_near).max(exit.min(next_exit) * per_far);
-        load(lower, i).max(proven - proven.abs() * doubt).store_slice(&mut lower[i..i + n]);
+        load(lower).max(proven - proven.abs() * doubt).store_slice(lower);
     }
 }
 
@@ -338,8 +340,6 @@ pub(super) struct Bounds<'a> {
     pub(super) upper: &'a [f32],
     pub(super) lower: &'a [f32],
     pub(super) first_bin: i64,
-    /// The last bin that a receiver may be given.
-    pub(super) last_bin: i64,
 }
 
 /// Receivers of one line: cell `c` is `c·pitch + offset` bins·distance from the UAV, so its bin is
@@ -460,80 +460,84 @@ pub(super) fn decide_line<S: Simd>(
     bounds: &Bounds<'_>,
     lanes_of: &ReceiverLanes<S>,
     receivers: &LineReceivers<'_>,
-    cells: std::ops::Range<i64>,
+    cells: std::ops::Range<usize>,
     word: &mut impl FnMut(usize, Decided),
 ) {
-    let ReceiverLanes { map, bins_per_receiver, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
-    let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
+    match lanes_of.bins_per_receiver {
+        BinsPerReceiver::Two => decide_words::<S, 2>(simd, bounds, lanes_of, receivers, cells, word),
+        BinsPerReceiver::Four => decide_words::<S, 4>(simd, bounds, lanes_of, receivers, cells, word),
+        BinsPerReceiver::Many => decide_words::<S, 0>(simd, bounds, lanes_of, receivers, cells, word),
+    }
+}
+
+/// The same, with the bins of a vector of receivers in so many vectors, or in any if that is 0.
+#[inline(always)]
+fn decide_words<S: Simd, const VECTORS: usize>(
+    simd: S,
+    bounds: &Bounds<'_>,
+    lanes_of: &ReceiverLanes<S>,
+    receivers: &LineReceivers<'_>,
+    cells: std::ops::Range<usize>,
+    word: &mut impl FnMut(usize, Decided),
+) {
+    let ReceiverLanes { map, wholes, rests, distances, per_distance, step, flat, .. } = *lanes_of;
+    let lanes = S::f32s::LEN;
     let (one, short) = (S::i32s::splat(simd, 1), S::f32s::splat(simd, 1e-4));
-    let mut found = Decided::default();
-    let mut c = cells.start.div_euclid(lanes) * lanes;
+    let start = cells.start / lanes * lanes;
     // The bin of the first lane, and what is left over.
-    let numerator = c * map.pitch + map.offset;
-    let mut bin = numerator.div_euclid(map.distance);
-    let mut left_over = numerator - bin * map.distance;
-    while c < cells.end {
-        // On the axis itself a receiver is one bin past the last.
-        let past = (bin - bounds.last_bin).max(0);
-        // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay below 2^31. The
-        // quotient, at most 31, is guessed in floats, too low by less than one, and put right in integers.
-        #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
-        let numerators = S::i32s::splat(simd, (left_over + past * map.distance) as i32) + rests;
-        let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance - short).to_int();
-        let guess = (numerators - guess * distances).simd_ge(distances).select(guess + one, guess);
-        let first_bin = bin - past;
-        #[expect(clippy::cast_possible_truncation, reason = "clamped to a few bins past the last")]
-        let last = S::i32s::splat(simd, (bounds.last_bin - first_bin).min(1 << 20) as i32);
-        let index: S::u32s = (guess + wholes).min(last).bitcast();
-        let base = first_bin - bounds.first_bin + PAD_I64;
-        let upper = look_up_bins(simd, bins_per_receiver, bounds.upper, base, index);
-        let lower = look_up_bins(simd, bins_per_receiver, bounds.lower, base, index);
-
-        let slope = match receivers {
-            LineReceivers::Flat(_) => flat,
-            LineReceivers::Over { base, first, above } => {
-                let heights = load_or_pad::<S>(simd, base, c - first) + S::i32s::splat(simd, *above);
-                heights.to_float::<S::f32s>() * per_distance
-            }
+    let (mut bin, mut left_over) = quotient(as_i64(start) * map.pitch + map.offset, map.distance);
+    bin += PAD_I64 - bounds.first_bin;
+    let mut padded = [0; 64];
+    for index in cells.start / 64..cells.end.div_ceil(64) {
+        let (from, to) = (cells.start.max(64 * index) - 64 * index, cells.end.min(64 * index + 64) - 64 * index);
+        let (heights, above) = match receivers {
+            LineReceivers::Flat(_) => (&padded, 0),
+            LineReceivers::Over { base, first, above } => (word_of(base, as_i64(64 * index) - first, &mut padded), *above),
         };
-        let (los, nlos) = (slope.simd_gt(upper), slope.simd_lt(lower));
-        let wanted = lane_range(cells.start - c, cells.end - c, lanes);
-        let (los, nlos) = (los.to_bitmask() & wanted, nlos.to_bitmask() & wanted);
-        let within = c.rem_euclid(64);
-        found.los |= los << within;
-        found.undecided |= (wanted & !los & !nlos) << within;
-        c += lanes;
-        if c.rem_euclid(64) == 0 || c >= cells.end {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cells of the raster")]
-            word(((c - lanes) / 64) as usize, found);
-            found = Decided::default();
+        let above = S::i32s::splat(simd, above);
+        let (mut los, mut nlos) = (0, 0);
+        for (v, heights) in heights.chunks_exact(lanes).enumerate().take(to.div_ceil(lanes)).skip(from / lanes) {
+            // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay below 2^31. The
+            // quotient, at most 15, is guessed in floats, too low by less than one, and put right in integers.
+            #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
+            let numerators = S::i32s::splat(simd, left_over as i32) + rests;
+            let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance - short).to_int();
+            let guess = (numerators - guess * distances).simd_ge(distances).select(guess + one, guess);
+            let in_table: S::u32s = (guess + wholes).bitcast();
+            let base = to_index(bin);
+            let upper = look_up_bins::<S, VECTORS>(simd, bounds.upper, base, in_table);
+            let lower = look_up_bins::<S, VECTORS>(simd, bounds.lower, base, in_table);
+            let slope = match receivers {
+                LineReceivers::Flat(_) => flat,
+                LineReceivers::Over { .. } => {
+                    (S::i32s::from_slice(simd, heights) + above).to_float::<S::f32s>() * per_distance
+                }
+            };
+            los |= slope.simd_gt(upper).to_bitmask() << (v * lanes);
+            nlos |= slope.simd_lt(lower).to_bitmask() << (v * lanes);
+            bin += step.0;
+            left_over += step.1;
+            let carries = left_over >= map.distance;
+            bin += i64::from(carries);
+            left_over -= if carries { map.distance } else { 0 };
         }
-        bin += step.0;
-        left_over += step.1;
-        if left_over >= map.distance {
-            bin += 1;
-            left_over -= map.distance;
-        }
+        let within = (u64::MAX << from) & (u64::MAX >> (64 - to));
+        word(index, Decided { los: los & within, undecided: within & !los & !nlos });
     }
 }
 
-/// Bits `from..to` of a vector of `lanes`, where either may lie outside.
+/// The 64 values from `at` on, in `padded` if some of them lie outside; these are 0.
 #[inline(always)]
-fn lane_range(from: i64, to: i64, lanes: i64) -> u64 {
-    let below = |end: i64| (1_u64 << end.clamp(0, lanes)) - 1;
-    below(to) & !below(from)
+fn word_of<'a>(values: &'a [i32], at: i64, padded: &'a mut [i32; 64]) -> &'a [i32; 64] {
+    let whole = usize::try_from(at).ok().and_then(|at| values.get(at..)?.first_chunk());
+    whole.unwrap_or_else(|| {
+        for (value, at) in padded.iter_mut().zip(at..) {
+            *value = usize::try_from(at).ok().and_then(|at| values.get(at)).copied().unwrap_or(0);
+        }
+        padded
+    })
 }
 
-/// A vector of `values` from `at` on; lanes outside are 0.
-#[inline(always)]
-fn load_or_pad<S: Simd>(simd: S, values: &[i32], at: i64) -> S::i32s {
-    let n = S::i32s::LEN;
-    let whole = usize::try_from(at).ok().and_then(|at| values.get(at..at + n));
-    match whole {
-        Some(whole) => S::i32s::from_slice(simd, whole),
-        None => S::i32s::from_fn(simd, |i| {
-            let index = usize::try_from(at + i64::try_from(i).unwrap_or(0)).ok();
-            index.and_then(|index| values.get(index)).copied().unwrap_or(0)
-        }),
-    }
+fn as_i64(n: usize) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
 }

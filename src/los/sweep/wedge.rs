@@ -348,12 +348,8 @@ impl Wedge {
         let per_pitch = CELL_BITS + self.level;
         let first_from = |b: i64| -((map.offset - b * line.center) >> per_pitch);
         let end = self.first + as_i64(self.bins.len());
-        let bounds = Bounds {
-            upper: &self.bins.upper,
-            lower: &self.bins.lower,
-            first_bin: self.first,
-            last_bin: end - 1,
-        };
+        self.bins.repeat_last();
+        let bounds = Bounds { upper: &self.bins.upper, lower: &self.bins.lower, first_bin: self.first };
         // Words with receivers of another wedge.
         let ends = (first_from(self.first) >> 6, first_from(end) >> 6);
         let mut open = std::mem::take(&mut self.open);
@@ -369,7 +365,9 @@ impl Wedge {
             if cells.0 >= cells.1 {
                 continue;
             }
-            decide_line(simd, &bounds, &lanes, receivers, cells.0..cells.1, &mut |word, decided| {
+            let as_usize = |cell: i64| usize::try_from(cell).unwrap_or(0);
+            let cells = as_usize(cells.0)..as_usize(cells.1);
+            decide_line(simd, &bounds, &lanes, receivers, cells, &mut |word, decided| {
                 let is_shared = as_i64(word) <= ends.0 || as_i64(word) >= ends.1;
                 let mut left = verdicts.decided(word, decided, is_shared);
                 while left != 0 {
@@ -386,7 +384,7 @@ impl Wedge {
                     wedge: self,
                     map,
                     per_distance: lanes.per_distance(),
-                    last_bin: bounds.last_bin,
+                    last_bin: end - 1,
                     far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
                     ends,
                 },
