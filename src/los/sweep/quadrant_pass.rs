@@ -457,9 +457,9 @@ impl<R: ColumnsReader> Verdicts for StripVerdicts<'_, '_, R> {
         set_bits(&[decided.undecided]).filter(is_wanted).fold(0, |bits, bit| bits | 1 << bit)
     }
 
-    fn ask(&mut self, cells: &[u32], suspects: &Suspects<'_>) {
+    fn ask(&mut self, cells: &mut Vec<u32>, suspects: &Suspects<'_>) {
         self.left.undecided += cells.len() as u64;
-        for cell in cells {
+        for cell in cells.iter() {
             let (lateral, word) = (*cell as usize, *cell as usize / 64);
             let above_uav = self.receivers.height(lateral);
             let z = i32::try_from(self.pass.scene.uav.z + above_uav).unwrap_or(i32::MAX);

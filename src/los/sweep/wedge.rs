@@ -93,8 +93,8 @@ pub(super) trait Verdicts {
     /// those that are undecided it asks about.
     fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64;
 
-    /// Finds out about the receivers of some lateral cells.
-    fn ask(&mut self, cells: &[u32], suspects: &Suspects<'_>);
+    /// Finds out about the receivers of some lateral cells; leaves any of them behind.
+    fn ask(&mut self, cells: &mut Vec<u32>, suspects: &Suspects<'_>);
 }
 
 /// What is the same for all lines of a wedge.
@@ -189,7 +189,7 @@ impl Suspects<'_> {
 
     /// How many lines before the receivers' own one the steepest one is, in the bin of lateral cell `c`.
     #[inline(always)]
-    pub(super) fn steepest(&self, c: i64) -> i64 {
+    pub(super) fn lines_to_steepest(&self, c: i64) -> i64 {
         i64::from(self.wedge.n_lines - self.wedge.bins.steepest_line[self.bin(c)])
     }
 
@@ -379,7 +379,7 @@ impl Wedge {
         }
         if !open.is_empty() {
             verdicts.ask(
-                &open,
+                &mut open,
                 &Suspects {
                     wedge: self,
                     map,
