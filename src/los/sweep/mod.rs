@@ -327,9 +327,9 @@ impl Sweep<'_> {
                 let reach = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
                 let rows = usize::try_from(reach.0).unwrap_or(0)..usize::try_from(reach.1).unwrap_or(0);
                 (low, width) = (reach.0, rows.len());
-                turn(self.columns.tops(), n_cols, &turned, &rows, &mut tops);
+                turn(simd, self.columns.tops(), n_cols, &turned, &rows, &mut tops);
                 if let Some(base) = own_base {
-                    turn(base, n_cols, &turned, &rows, &mut bases);
+                    turn(simd, base, n_cols, &turned, &rows, &mut bases);
                 }
             }
             of_tile.each(|col| {

@@ -178,7 +178,8 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
             true => cells,
             false => {
                 let mut turned = Vec::new();
-                turn(&cells, window.n_cols, &(0..window.n_cols), &(0..window.n_rows), &mut turned);
+                let (cols, rows) = (0..window.n_cols, 0..window.n_rows);
+                dispatch!(self.scene.level, simd => turn(simd, &cells, window.n_cols, &cols, &rows, &mut turned));
                 turned
             }
         };
