@@ -6,7 +6,7 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
     __m256, __m256i, __m512, __m512i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_permutevar8x32_ps,
-    _mm256_slli_epi32, _mm512_permutex2var_ps,
+    _mm256_slli_epi32, _mm512_permutex2var_ps, _mm512_permutexvar_ps,
 };
 
 use fearless_simd::prelude::*;
@@ -114,23 +114,25 @@ pub(super) fn look_up_edges<S: Simd>(
     let n = S::f32s::LEN;
     let EdgeSteps { a, e, steps_a, steps_e } = *steps;
     let lanes = i64::try_from(n).unwrap_or(16);
-    let (mut at_a, mut at_e) = (map.uav + first * a - i64::from(is_before), map.uav + first * e);
+    let start = (map.first_cell - PAD_I64) << map.shift;
+    let (mut at_a, mut at_e) = (map.uav + first * a - i64::from(is_before) - start, map.uav + first * e - start);
     for (entries, exits) in entries.chunks_exact_mut(n).zip(exits.chunks_exact_mut(n)).take(count.div_ceil(n)) {
-        look_up_cells(simd, map, line, at_a, steps_a).store_slice(entries);
-        look_up_cells(simd, map, line, at_e, steps_e).store_slice(exits);
+        look_up_cells(simd, map.shift, line, at_a, steps_a).store_slice(entries);
+        look_up_cells(simd, map.shift, line, at_e, steps_e).store_slice(exits);
         at_a += lanes * a;
         at_e += lanes * e;
     }
 }
 
-/// Values of the cells under edges, the first of them at `at` and each a step farther.
+/// Values of the cells under edges, the first of them at `at` from the first value of `line`, and each a step farther.
 #[inline(always)]
-fn look_up_cells<S: Simd>(simd: S, map: EdgeMap, line: &[f32], at: i64, steps: S::u32s) -> S::f32s {
-    let base = (at >> map.shift) - map.first_cell + PAD_I64;
-    // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27 and all lanes stay below 2^31.
+fn look_up_cells<S: Simd>(simd: S, shift: u32, line: &[f32], at: i64, steps: S::u32s) -> S::f32s {
+    // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27, all lanes stay below 2^31, and as many edges
+    // as there are lanes lie over as many cells.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
-    let within = (at & ((1_i64 << map.shift) - 1)) as u32;
-    table(simd, line, to_index(base), (S::u32s::splat(simd, within) + steps) >> map.shift)
+    let within = (at & ((1_i64 << shift) - 1)) as u32;
+    let cells = &line[to_index(at >> shift)..][..S::f32s::LEN];
+    permuted(simd, cells, (S::u32s::splat(simd, within) + steps) >> shift)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -145,6 +147,24 @@ fearless_simd::kernel!(
 
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
+    /// The lanes of a vector that `index` names.
+    #[inline(always)]
+    fn permute_one_avx2(avx2: Avx2, values: __m256, index: __m256i) -> __m256 {
+        _mm256_permutevar8x32_ps(values, index)
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// The lanes of a vector that `index` names.
+    #[inline(always)]
+    fn permute_one_avx512(avx512: Avx512, values: __m512, index: __m512i) -> __m512 {
+        _mm512_permutexvar_ps(index, values)
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
     /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
     #[inline(always)]
     fn permute_avx512(avx512: Avx512, low: __m512, high: __m512, index: __m512i) -> __m512 {
@@ -152,12 +172,34 @@ fearless_simd::kernel!(
     }
 );
 
+/// Values `values[index]`, of as many as there are lanes.
+#[inline(always)]
+fn permuted<S: Simd>(simd: S, values: &[f32], index: S::u32s) -> S::f32s {
+    // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
+    #[cfg(target_arch = "x86_64")]
+    match simd.level() {
+        Level::Avx2(avx2) => {
+            let index = u32x8::from_slice(avx2, index.as_slice());
+            let found: f32x8<_> =
+                permute_one_avx2(avx2, f32x8::from_slice(avx2, values).into(), index.into()).simd_into(avx2);
+            return S::f32s::from_slice(simd, found.as_slice());
+        }
+        Level::Avx512(avx512) => {
+            let index = u32x16::from_slice(avx512, index.as_slice());
+            let found: f32x16<_> =
+                permute_one_avx512(avx512, f32x16::from_slice(avx512, values).into(), index.into()).simd_into(avx512);
+            return S::f32s::from_slice(simd, found.as_slice());
+        }
+        _ => {}
+    }
+    S::f32s::from_slice(simd, values).swizzle_dyn(bytes_of::<S>(index))
+}
+
 /// Values `table[base + index]` for lanes of `index` below twice the width.
 #[inline(always)]
 fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
     let n = S::f32s::LEN;
-    let window = &table[base..base + 2 * n];
-    // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
+    let window = &table[base..][..2 * n];
     #[cfg(target_arch = "x86_64")]
     match simd.level() {
         Level::Avx2(avx2) => {
@@ -175,9 +217,13 @@ fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32
         _ => {}
     }
     let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
-    // Each lane index becomes the indices of its four bytes.
-    let bytes = index * 0x0404_0404 + 0x0302_0100;
-    low.concat_swizzle_dyn(high, bytes.to_bytes())
+    low.concat_swizzle_dyn(high, bytes_of::<S>(index))
+}
+
+/// The indices of the four bytes of each lane that is named.
+#[inline(always)]
+fn bytes_of<S: Simd>(index: S::u32s) -> <S::u32s as Bytes>::Bytes {
+    (index * 0x0404_0404 + 0x0302_0100).to_bytes()
 }
 
 /// One line as its bins see it.
@@ -482,7 +528,8 @@ fn decide_words<S: Simd, const VECTORS: usize>(
 ) {
     let ReceiverLanes { map, wholes, rests, distances, per_distance, step, flat, .. } = *lanes_of;
     let lanes = S::f32s::LEN;
-    let (one, short) = (S::i32s::splat(simd, 1), S::f32s::splat(simd, 1e-4));
+    let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
+    let short_of_per_distance = per_distance * (1.0 - 1e-5);
     let start = cells.start / lanes * lanes;
     // The bin of the first lane, and what is left over.
     let (mut bin, mut left_over) = quotient(as_i64(start) * map.pitch + map.offset, map.distance);
@@ -501,8 +548,8 @@ fn decide_words<S: Simd, const VECTORS: usize>(
             // quotient, at most 15, is guessed in floats, too low by less than one, and put right in integers.
             #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
             let numerators = S::i32s::splat(simd, left_over as i32) + rests;
-            let guess: S::i32s = (numerators.to_float::<S::f32s>() * per_distance - short).to_int();
-            let guess = (numerators - guess * distances).simd_ge(distances).select(guess + one, guess);
+            let guess: S::i32s = (numerators.to_float::<S::f32s>() * short_of_per_distance).to_int();
+            let guess = guess + (numerators - guess * distances).simd_ge(distances).select(one, zero);
             let in_table: S::u32s = (guess + wholes).bitcast();
             let base = to_index(bin);
             let upper = look_up_bins::<S, VECTORS>(simd, bounds.upper, base, in_table);
