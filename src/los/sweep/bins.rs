@@ -16,6 +16,8 @@ pub(super) struct Bins {
     pub(super) upper: Vec<f32>,
     /// Every ray of the bin is obstructed up to this slope.
     pub(super) lower: Vec<f32>,
+    /// As `upper`, by all lines but that one.
+    pub(super) second: Vec<f32>,
     /// The number of the line that `upper` is of.
     pub(super) steepest_line: Vec<i32>,
     /// As `upper`, by the lines of the present group alone.
@@ -39,6 +41,7 @@ impl Bins {
             len,
             upper: slopes(),
             lower: slopes(),
+            second: slopes(),
             steepest_line: numbers(),
             present: slopes(),
             steepest: slopes(),
@@ -56,9 +59,9 @@ impl Bins {
 
     /// Makes two bins of each, which both know what it knew.
     pub(super) fn split(&mut self) {
-        let Bins { len, upper, lower, steepest_line, present, steepest, steepest_start, others, first_other, last_other } =
+        let Bins { len, upper, second, lower, steepest_line, present, steepest, steepest_start, others, first_other, last_other } =
             self;
-        for slopes in [upper, lower, present, steepest, others] {
+        for slopes in [upper, second, lower, present, steepest, others] {
             *slopes = split(slopes, *len, NOTHING);
         }
         for numbers in [steepest_line, steepest_start, first_other, last_other] {
@@ -82,6 +85,7 @@ impl Bins {
         SlopeRows {
             upper: &mut self.upper[at.clone()],
             lower: &mut self.lower[at.clone()],
+            second: &mut self.second[at.clone()],
             steepest_line: &mut self.steepest_line[at.clone()],
             present: &mut self.present[at],
         }

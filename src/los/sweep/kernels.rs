@@ -259,6 +259,7 @@ impl LineSlopes {
 pub(super) struct SlopeRows<'a> {
     pub(super) upper: &'a mut [f32],
     pub(super) lower: &'a mut [f32],
+    pub(super) second: &'a mut [f32],
     pub(super) steepest_line: &'a mut [i32],
     pub(super) present: &'a mut [f32],
 }
@@ -328,13 +329,13 @@ pub(super) fn raise_bounds<S: Simd>(
     let (per_near, per_far, doubt) = (splat(line.per_near), splat(line.per_far), splat(DOUBT));
     let (above_near, above_far) = (splat(line.above().0), splat(line.above().1));
     let number = S::i32s::splat(simd, line.number);
-    let SlopeRows { upper, lower, steepest_line, present } = bins;
+    let SlopeRows { upper, lower, second, steepest_line, present } = bins;
     // PERF: of known lengths, so that nothing is checked within the loop.
     let vectors = |values| <[f32]>::chunks_exact(values, n);
     let edges = vectors(entries).zip(vectors(&entries[1..])).zip(vectors(exits).zip(vectors(&exits[1..])));
-    let bounds = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n));
+    let bounds = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n).zip(second.chunks_exact_mut(n)));
     let others = steepest_line.chunks_exact_mut(n).zip(present.chunks_exact_mut(n));
-    for ((((entry, next_entry), (exit, next_exit)), (upper, lower)), (steepest_line, present)) in
+    for ((((entry, next_entry), (exit, next_exit)), (upper, (lower, second))), (steepest_line, present)) in
         edges.zip(bounds).zip(others)
     {
         let load = |values: &[f32]| S::f32s::from_slice(simd, values);
@@ -343,6 +344,7 @@ pub(super) fn raise_bounds<S: Simd>(
         let steepest = (high * above_near).max(high * above_far);
         let before = load(upper);
         before.max(steepest).store_slice(upper);
+        load(second).max(before.min(steepest)).store_slice(second);
         let line_before = S::i32s::from_slice(simd, steepest_line);
         steepest.simd_gt(before).select(number, line_before).store_slice(steepest_line);
         load(present).max(steepest).store_slice(present);

@@ -70,6 +70,7 @@ mod line_order;
 mod quadrant_pass;
 mod shared_bits;
 mod streamed;
+mod suspects;
 mod verdicts;
 mod wedge;
 
@@ -265,7 +266,7 @@ impl Sweep<'_> {
         let last = if quadrant == Quadrant::North { rows.start } else { rows.end.saturating_sub(1) };
         let frame = self.frame(self.uav.x, (window.col, window.col + window.n_cols), n_cols, distances(last).1);
         let per_row = self.columns.tiles().per_row();
-        let mut asked = 0;
+        let (mut asked, mut seen) = (0, Vec::new());
         for_tile_lines(rows, outward < 0, |rows| {
             let (first, last) = (distances(rows.first), distances(rows.last));
             if last.2 <= 0 {
@@ -286,7 +287,7 @@ impl Sweep<'_> {
                         LineReceivers::Over { base: &base[cells], first: 0, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
-                let mut verdicts = LineVerdicts::new(self, (Across::Row, row, -outward), &line, &receivers, &mut asked);
+                let mut verdicts = LineVerdicts::new(self, (Across::Row, row, -outward), &line, &receivers, (&mut asked, &mut seen));
                 wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()
@@ -312,7 +313,7 @@ impl Sweep<'_> {
             ReceiverHeights::Over { base, .. } if self.bases.is_some() => Some(base),
             _ => None,
         };
-        let mut asked = 0;
+        let (mut asked, mut seen) = (0, Vec::new());
         for_tile_lines(cols.clone(), outward > 0, |of_tile| {
             let (first, last) = (distances(of_tile.first), distances(of_tile.last));
             if last.2 <= 0 {
@@ -346,7 +347,7 @@ impl Sweep<'_> {
                         LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
-                let mut verdicts = LineVerdicts::new(self, (Across::Column, col, outward), &line, &receivers, &mut asked);
+                let mut verdicts = LineVerdicts::new(self, (Across::Column, col, outward), &line, &receivers, (&mut asked, &mut seen));
                 wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()

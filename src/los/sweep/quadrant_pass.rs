@@ -11,7 +11,8 @@ use super::kernels::{Decided, LineReceivers};
 use super::line_order::turn;
 use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
-use super::wedge::{Line, Suspects, Verdicts, Wedge, WedgeFrame};
+use super::suspects::Suspects;
+use super::wedge::{Line, Verdicts, Wedge, WedgeFrame};
 use super::{CELL, Quadrant, as_i64, parts};
 use crate::error::Result;
 use crate::height_field::TILE;
@@ -291,14 +292,6 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         }
     }
 
-    /// The numbers of the lines between two distances \[lattice steps\].
-    fn line_numbers(&self, lines: Option<(i64, i64)>) -> Range<usize> {
-        let Some((near, far)) = lines else { return 0..0 };
-        let number = |distance: i64| usize::try_from((distance - self.far_of_line_0).div_euclid(CELL)).ok();
-        let end = number(far).map_or(0, |last| last + 1);
-        number(near).map_or(0, |first| first + 1).min(end)..end
-    }
-
     /// Walks a receiver over those of its suspected lines that are in memory.
     fn walk(&self, lines: &StripLines, ((line, lateral), z): ((usize, usize), i32), suspected: Range<usize>) -> Walked {
         let here = suspected.start.max(lines.numbers.start)..suspected.end.min(lines.numbers.end);
@@ -464,7 +457,10 @@ impl<R: ColumnsReader> Verdicts for StripVerdicts<'_, '_, R> {
             let (lateral, word) = (*cell as usize, *cell as usize / 64);
             let above_uav = self.receivers.height(lateral);
             let z = i32::try_from(self.pass.scene.uav.z + above_uav).unwrap_or(i32::MAX);
-            let suspected = self.pass.line_numbers(suspects.of(i64::from(*cell), above_uav).all());
+            // All bins passed over every line from number 0 on.
+            let number = |back: i64| usize::try_from(as_i64(self.number) - back).unwrap_or(0);
+            let range = suspects.of(i64::from(*cell), above_uav).range();
+            let suspected = range.map_or(0..0, |(first, last)| number(first)..number(last) + 1);
             match self.pass.walk(self.lines, ((self.number, lateral), z), suspected) {
                 Walked::Seen => {
                     let row = self.number - self.lines.numbers.start;

@@ -7,6 +7,7 @@ use super::kernels::{
     Bounds, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes, ReceiverMap, SLACK,
     decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
 };
+use super::suspects::Suspects;
 use crate::height_field::TILE_BITS;
 use crate::quantity::STEPS_PER_UNIT;
 
@@ -23,9 +24,6 @@ pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 
 /// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
 pub(super) const NEAR: i64 = 16 * CELL;
-
-/// Lines of a group, at most: those of a line of tiles.
-const LINES_OF_GROUP: i32 = 1 << TILE_BITS;
 
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
@@ -142,80 +140,6 @@ struct LineEdges<S: Simd> {
     met: (i64, i64),
     slopes: LineSlopes,
     steps: EdgeSteps<S>,
-}
-
-/// The lines that may hide a receiver which the bounds leave undecided.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Suspects<'a> {
-    wedge: &'a Wedge,
-    map: ReceiverMap,
-    per_distance: f32,
-    last_bin: i64,
-    /// Distance of the farther edge of line 0 \[lattice steps\].
-    far_of_line_0: i64,
-    /// The words of the first and of the last receiver of the wedge in the line.
-    ends: (i64, i64),
-}
-
-/// Lines that may hide a receiver, by the distances between which they lie \[lattice steps\].
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SuspectLines {
-    /// Those of the present group and of the steepest one before it, the steeper of both foremost.
-    pub(super) groups: [Option<(i64, i64)>; 2],
-    /// Those of other groups, and all between.
-    pub(super) others: Option<(i64, i64)>,
-}
-
-impl SuspectLines {
-    /// From the first to the last of them.
-    pub(super) fn all(&self) -> Option<(i64, i64)> {
-        let lines = self.groups.iter().chain([&self.others]).flatten();
-        lines.copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-    }
-}
-
-impl Suspects<'_> {
-    /// Whether a word of 64 receivers may hold some of another wedge.
-    #[inline]
-    pub(super) fn is_shared(&self, word: usize) -> bool {
-        as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
-    }
-
-    /// The bin of the receiver of lateral cell `c`.
-    #[inline(always)]
-    fn bin(&self, c: i64) -> usize {
-        usize::try_from(self.map.bin(c).min(self.last_bin) - self.wedge.first).unwrap_or(0) + PAD
-    }
-
-    /// How many lines before the receivers' own one the steepest one is, in the bin of lateral cell `c`.
-    #[inline(always)]
-    pub(super) fn lines_to_steepest(&self, c: i64) -> i64 {
-        i64::from(self.wedge.n_lines - self.wedge.bins.steepest_line[self.bin(c)])
-    }
-
-    /// The lines that may hide the receiver of lateral cell `c`, which is `z` above the UAV \[1/1024 m\].
-    #[inline]
-    pub(super) fn of(&self, c: i64, z: i64) -> SuspectLines {
-        let i = self.bin(c);
-        #[expect(clippy::cast_precision_loss, reason = "rounded as where it was compared with the bounds")]
-        let slope = z as f32 * self.per_distance;
-        let bins = &self.wedge.bins;
-        let group = |steepest: f32, start: i32| (steepest >= slope).then(|| self.between(start, start));
-        let present = group(bins.present[i], self.wedge.group_start);
-        let before = group(bins.steepest[i], bins.steepest_start[i]);
-        SuspectLines {
-            groups: if bins.present[i] > bins.steepest[i] { [present, before] } else { [before, present] },
-            others: (bins.others[i] >= slope).then(|| self.between(bins.first_other[i], bins.last_other[i])),
-        }
-    }
-
-    /// The distances between which some groups lie, given the numbers of the first lines of the first and of the last one.
-    fn between(&self, first: i32, last: i32) -> (i64, i64) {
-        // All before the receiver's own line, which is the present one.
-        let last = (last + LINES_OF_GROUP - 1).min(self.wedge.n_lines - 1);
-        let far = |line: i32| self.far_of_line_0 + i64::from(line) * CELL;
-        ((far(first) - CELL).max(0), far(last))
-    }
 }
 
 impl Wedge {
@@ -381,11 +305,13 @@ impl Wedge {
             verdicts.ask(
                 &mut open,
                 &Suspects {
-                    wedge: self,
+                    bins: &self.bins,
+                    first_bin: self.first,
+                    last_bin: end - 1,
                     map,
                     per_distance: lanes.per_distance(),
-                    last_bin: end - 1,
-                    far_of_line_0: line.far - i64::from(self.n_lines) * CELL,
+                    number: self.n_lines,
+                    group_start: self.group_start,
                     ends,
                 },
             );
@@ -455,6 +381,7 @@ impl Wedge {
             let edges_of = |values: &[f32]| (values[i], values[i + 1]);
             let (steepest, proven) = edges.slopes.bounds(edges_of(&self.entries), edges_of(&self.exits));
             let bin = PAD + start + i;
+            bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(steepest));
             if steepest > bins.upper[bin] {
                 bins.steepest_line[bin] = edges.slopes.number;
                 bins.upper[bin] = steepest;
