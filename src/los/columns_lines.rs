@@ -159,7 +159,8 @@ impl LinkOverLines {
                         at.rest -= if carries { whole } else { 0 };
                         let borders = over.borders + i64::from(carries);
                         at.beside -= borders;
-                        at.cell = at.cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
+                        at.cell =
+                            at.cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
                         at.clear_below += n * CELL * climb;
                         continue;
                     }
@@ -249,12 +250,16 @@ impl Steps<'_> {
         let over = rest >= self.whole;
         let rest = rest - (self.whole & -i64::from(over));
         let next = at.cell.wrapping_add_signed(self.sideways & -isize::from(over));
-        (at.cell, next, Entry {
-            cell: next.wrapping_add_signed(self.stride),
-            rest,
-            beside: at.beside - i64::from(over),
-            clear_below: at.clear_below + self.rise,
-        })
+        (
+            at.cell,
+            next,
+            Entry {
+                cell: next.wrapping_add_signed(self.stride),
+                rest,
+                beside: at.beside - i64::from(over),
+                clear_below: at.clear_below + self.rise,
+            },
+        )
     }
 
     /// Where the ray is after `n` lines, all of whose cells are in the raster, and whether one of them may block it.

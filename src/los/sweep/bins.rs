@@ -6,9 +6,8 @@ use super::kernels::{GroupRows, NOTHING, PAD, SlopeRows};
 
 /// Values of bins, of bin `i` at `i + PAD`.
 ///
-/// Lines count in *groups*: those between two looks ahead, at most a tile of them. For each bin the steepest line is known
-/// of the present group, of the steepest group before it, and of all other groups; and, instead of the lines that may hide
-/// a receiver, the groups that hold them.
+/// Lines come in *groups*: those between two looks ahead, no more than a tile has. Of the lines that may hide a receiver each
+/// bin knows the steepest, how steep the second is, and the groups that hold the others.
 #[derive(Debug)]
 pub(super) struct Bins {
     len: usize,
@@ -16,18 +15,17 @@ pub(super) struct Bins {
     pub(super) upper: Vec<f32>,
     /// Every ray of the bin is obstructed up to this slope.
     pub(super) lower: Vec<f32>,
-    /// As `upper`, by all lines but that one.
-    pub(super) second: Vec<f32>,
-    /// The number of the line that `upper` is of.
+    /// The number of the line that `upper` is of, and the same bound by all other lines.
     pub(super) steepest_line: Vec<i32>,
-    /// As `upper`, by the lines of the present group alone.
+    pub(super) second: Vec<f32>,
+    /// The same bound by the lines of the present group alone.
     pub(super) present: Vec<f32>,
-    /// As `upper`, by the lines of the steepest group before the present one, and the number of its first line.
+    /// The same by those of the steepest group before the present one, and the number of its first line.
     pub(super) steepest: Vec<f32>,
     pub(super) steepest_start: Vec<i32>,
-    /// As `upper`, by the lines of all other groups.
+    /// The same by those of all other groups, and the first lines of the first and of the last of these that may hide a
+    /// receiver from here on.
     pub(super) others: Vec<f32>,
-    /// Of those among the others that may hide a receiver from here on, the first lines of the first and of the last one.
     pub(super) first_other: Vec<i32>,
     pub(super) last_other: Vec<i32>,
 }
@@ -59,15 +57,22 @@ impl Bins {
 
     /// Makes two bins of each, which both know what it knew.
     pub(super) fn split(&mut self) {
-        let Bins { len, upper, second, lower, steepest_line, present, steepest, steepest_start, others, first_other, last_other } =
-            self;
-        for slopes in [upper, second, lower, present, steepest, others] {
-            *slopes = split(slopes, *len, NOTHING);
+        let Bins { len, .. } = *self;
+        for slopes in [
+            &mut self.upper,
+            &mut self.lower,
+            &mut self.second,
+            &mut self.present,
+            &mut self.steepest,
+            &mut self.others,
+        ] {
+            *slopes = split(slopes, len, NOTHING);
         }
-        for numbers in [steepest_line, steepest_start, first_other, last_other] {
-            *numbers = split(numbers, *len, 0);
+        for numbers in [&mut self.steepest_line, &mut self.steepest_start, &mut self.first_other, &mut self.last_other]
+        {
+            *numbers = split(numbers, len, 0);
         }
-        *len *= 2;
+        self.len *= 2;
     }
 
     /// Gives the place after the last bin its bounds, for receivers on its farther edge.

@@ -541,7 +541,9 @@ fn decide_words<S: Simd, const VECTORS: usize>(
         let (from, to) = (cells.start.max(64 * index) - 64 * index, cells.end.min(64 * index + 64) - 64 * index);
         let (heights, above) = match receivers {
             LineReceivers::Flat(_) => (&padded, 0),
-            LineReceivers::Over { base, first, above } => (word_of(base, as_i64(64 * index) - first, &mut padded), *above),
+            LineReceivers::Over { base, first, above } => {
+                (word_of(base, as_i64(64 * index) - first, &mut padded), *above)
+            }
         };
         let above = S::i32s::splat(simd, above);
         let (mut los, mut nlos) = (0, 0);

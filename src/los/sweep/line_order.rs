@@ -78,9 +78,8 @@ pub(super) fn turn<S: Simd>(
                     // PERF: squares of four cells a side, in registers.
                     while done + 4 <= cols.len() {
                         for k in (0..BLOCK).step_by(4) {
-                            let square = std::array::from_fn(|i| {
-                                i32x4::from_slice(simd, &sources[k + i][done..done + 4])
-                            });
+                            let square =
+                                std::array::from_fn(|i| i32x4::from_slice(simd, &sources[k + i][done..done + 4]));
                             for (i, column) in transposed(square).into_iter().enumerate() {
                                 let at = (done + i) * width + start + k;
                                 column.store_slice(&mut lines[at..at + 4]);

@@ -82,9 +82,7 @@ impl Suspected<'_> {
     #[inline(always)]
     pub(super) fn lines(&self) -> ([Option<Lines>; 2], Option<Lines>) {
         let (Suspects { bins, .. }, i) = (self.suspects, self.bin);
-        let group = |steepest: f32, start: i32| {
-            (steepest >= self.slope).then(|| self.suspects.groups(start, start))
-        };
+        let group = |steepest: f32, start: i32| (steepest >= self.slope).then(|| self.suspects.groups(start, start));
         let present = group(bins.present[i], self.suspects.group_start);
         let before = group(bins.steepest[i], bins.steepest_start[i]);
         let groups = if bins.present[i] > bins.steepest[i] { [present, before] } else { [before, present] };

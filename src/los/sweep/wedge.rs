@@ -368,10 +368,6 @@ impl Wedge {
 
         let looked_up = (&mut self.entries[..], &mut self.exits[..]);
         look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, self.first < 0, looked_up);
-        if b1 == 0 {
-            // Between both sides rays may go along a border of cells: the edge has the cell behind it.
-            self.entries[n_bins] = self.line[at(map.cell(0, y_a))];
-        }
         let start = usize::try_from(b0 - self.first).unwrap_or(0);
         // Whole vectors first; what they would do past the last bin is done for it alone.
         let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
