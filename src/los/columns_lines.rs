@@ -21,8 +21,8 @@ pub(super) enum Across {
     Column,
 }
 
-/// Lines between two distances \[lattice steps from the UAV\].
-type Lines = (i64, i64);
+/// The distances between which some lines lie \[lattice steps from the UAV\].
+type Distances = (i64, i64);
 
 /// Whether a link is clear, given that only some lines of cells can block it: a few of `groups`, each within a tile, and
 /// those of `others`, which may be many.
@@ -34,7 +34,7 @@ pub(super) fn columns_los_over_lines(
     uav: LatticePoint,
     (own, receiver): (usize, LatticePoint),
     across: Across,
-    (groups, others): ([Option<Lines>; 2], Option<Lines>),
+    (groups, others): ([Option<Distances>; 2], Option<Distances>),
 ) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
@@ -276,10 +276,12 @@ impl Steps<'_> {
     }
 }
 
-/// Quotient, rounded down, and remainder of a number within ±2^62 by a positive one; the quotient is within ±2^40.
+/// Quotient, rounded down, and remainder of a number within ±2^53 by a positive one.
 #[inline(always)]
 pub(super) fn quotient(number: i64, by: i64) -> (i64, i64) {
-    // PERF: integers of 64 bits are divided in three times the time. EXACT: the guess is off by one at most.
+    debug_assert!(number.unsigned_abs() <= 1 << 53 && (1..=1 << 53).contains(&by));
+    // PERF: integers of 64 bits are divided in three times the time. EXACT: both are doubles as they are, and so are multiples
+    // of `by` up to the number, which a rounded quotient is on the right side of: the guess is off by one at most.
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
     let guess = (number as f64 / by as f64) as i64;
     let rest = number - guess * by;

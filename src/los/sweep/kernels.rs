@@ -31,7 +31,7 @@ const DOUBT: f32 = 1.0 / (1 << 19) as f32;
 /// Relative slack of slopes that tell which bins and tiles need not be looked at: wider than any doubt.
 pub(super) const SLACK: f32 = 1e-5;
 
-/// How the edges of bins lie over the cells of a line: edge `b` is at `(shift_of_uav + b·y) / 2^shift` cells.
+/// How the edges of bins lie over the cells of a line: edge `b` is at `(uav + b·y) / 2^shift` cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeMap {
     /// Lateral position of the UAV, times 2^level \[lattice steps\].
@@ -236,9 +236,10 @@ pub(super) struct LineSlopes {
 }
 
 impl LineSlopes {
-    /// The highest slope of what is at most `high` above the UAV: below the UAV it binds at the far edge, above it at the
-    /// near one, and the larger of both is that slope. Bounds are put off by the doubt, so comparisons need not be.
-    fn above(self) -> (f32, f32) {
+    /// What a height above the UAV is multiplied by for its slope at the nearer and at the farther edge. The larger product is
+    /// `upper`: below the UAV a height binds at the farther edge, above it at the nearer one. Bounds are put off by the doubt,
+    /// so comparisons need not be.
+    fn upper_factors(self) -> (f32, f32) {
         (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 - DOUBT))
     }
 
@@ -247,10 +248,10 @@ impl LineSlopes {
     pub(super) fn bounds(self, entries: (f32, f32), exits: (f32, f32)) -> (f32, f32) {
         let max = |a: f32, b: f32| if a > b { a } else { b };
         let min = |a: f32, b: f32| if a < b { a } else { b };
-        let above = self.above();
+        let factors = self.upper_factors();
         let high = max(max(entries.0, entries.1), max(exits.0, exits.1));
         let proven = max(min(entries.0, entries.1) * self.per_near, min(exits.0, exits.1) * self.per_far);
-        (max(high * above.0, high * above.1), proven - proven.abs() * DOUBT)
+        (max(high * factors.0, high * factors.1), proven - proven.abs() * DOUBT)
     }
 }
 
@@ -277,42 +278,11 @@ pub(super) struct GroupRows<'a> {
     pub(super) last_other: &'a mut [i32],
 }
 
-/// Values `values[base + index]`, where the lanes of `index` are below `VECTORS` times the width, or anything if that is 0.
-#[inline(always)]
-fn look_up_bins<S: Simd, const VECTORS: usize>(simd: S, values: &[f32], base: usize, index: S::u32s) -> S::f32s {
-    let n = S::f32s::LEN;
-    match VECTORS {
-        2 => table(simd, values, base, index),
-        4 => {
-            #[expect(clippy::cast_possible_truncation, reason = "lanes ≤ 16")]
-            let half = S::u32s::splat(simd, 2 * n as u32);
-            let (low, high) = (table(simd, values, base, index), table(simd, values, base + 2 * n, index - half));
-            index.simd_lt(half).select(low, high)
-        }
-        _ => gather(simd, values, base, index),
-    }
-}
-
-/// Values `table[base + index]` for any lanes of `index`; anything for lanes outside.
-#[inline(always)]
-fn gather<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
-    let index = index.as_slice();
-    S::f32s::from_fn(simd, |i| table.get(base.wrapping_add(index[i] as usize)).copied().unwrap_or(NOTHING))
-}
-
 /// A place in a buffer; one before its beginning is far beyond its end.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps around to what no buffer has")]
 fn to_index(at: i64) -> usize {
     at as usize
-}
-
-/// How many bins there are to a receiver, at most: as many vectors of bins hold those of a vector of receivers.
-#[derive(Debug, Clone, Copy)]
-enum BinsPerReceiver {
-    Two,
-    Four,
-    Many,
 }
 
 /// Raises the bounds of bins by one line: `entries[i]`, `entries[i + 1]` belong to the edges of bin `i`, and so do exits. The
@@ -327,27 +297,27 @@ pub(super) fn raise_bounds<S: Simd>(
     let n = S::f32s::LEN;
     let splat = |value: f32| S::f32s::splat(simd, value);
     let (per_near, per_far, doubt) = (splat(line.per_near), splat(line.per_far), splat(DOUBT));
-    let (above_near, above_far) = (splat(line.above().0), splat(line.above().1));
+    let (upper_near, upper_far) = (splat(line.upper_factors().0), splat(line.upper_factors().1));
     let number = S::i32s::splat(simd, line.number);
     let SlopeRows { upper, lower, second, steepest_line, present } = bins;
     // PERF: of known lengths, so that nothing is checked within the loop.
     let vectors = |values| <[f32]>::chunks_exact(values, n);
     let edges = vectors(entries).zip(vectors(&entries[1..])).zip(vectors(exits).zip(vectors(&exits[1..])));
     let bounds = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n).zip(second.chunks_exact_mut(n)));
-    let others = steepest_line.chunks_exact_mut(n).zip(present.chunks_exact_mut(n));
+    let lines = steepest_line.chunks_exact_mut(n).zip(present.chunks_exact_mut(n));
     for ((((entry, next_entry), (exit, next_exit)), (upper, (lower, second))), (steepest_line, present)) in
-        edges.zip(bounds).zip(others)
+        edges.zip(bounds).zip(lines)
     {
         let load = |values: &[f32]| S::f32s::from_slice(simd, values);
         let (entry, next_entry, exit, next_exit) = (load(entry), load(next_entry), load(exit), load(next_exit));
         let high = entry.max(next_entry).max(exit.max(next_exit));
-        let steepest = (high * above_near).max(high * above_far);
+        let slope = (high * upper_near).max(high * upper_far);
         let before = load(upper);
-        before.max(steepest).store_slice(upper);
-        load(second).max(before.min(steepest)).store_slice(second);
+        before.max(slope).store_slice(upper);
+        load(second).max(before.min(slope)).store_slice(second);
         let line_before = S::i32s::from_slice(simd, steepest_line);
-        steepest.simd_gt(before).select(number, line_before).store_slice(steepest_line);
-        load(present).max(steepest).store_slice(present);
+        slope.simd_gt(before).select(number, line_before).store_slice(steepest_line);
+        load(present).max(slope).store_slice(present);
         let proven = (entry.min(next_entry) * per_near).max(exit.min(next_exit) * per_far);
         load(lower).max(proven - proven.abs() * doubt).store_slice(lower);
     }
@@ -391,7 +361,7 @@ pub(super) struct Bounds<'a> {
 }
 
 /// Receivers of one line: cell `c` is `c·pitch + offset` bins·distance from the UAV, so its bin is
-/// `⌊(c·pitch + offset − bias) / distance⌋`.
+/// `⌊(c·pitch + offset) / distance⌋`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverMap {
     /// `1024 · 2^level`.
@@ -443,7 +413,6 @@ pub(super) struct Decided {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverLanes<S: Simd> {
     map: ReceiverMap,
-    bins_per_receiver: BinsPerReceiver,
     /// What the place of a receiver among the bins grows by from lane to lane: whole bins, and `distance`-ths of one.
     wholes: S::i32s,
     rests: S::i32s,
@@ -460,13 +429,9 @@ impl<S: Simd> ReceiverLanes<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, map: ReceiverMap, receivers: &LineReceivers<'_>) -> Self {
         let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
-        let bins_per_receiver = if map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1) {
-            BinsPerReceiver::Two
-        } else if map.pitch * (lanes - 1) < map.distance * (4 * lanes - 1) {
-            BinsPerReceiver::Four
-        } else {
-            BinsPerReceiver::Many
-        };
+        // At most 2^level = 2·far bins lie over the distance of a line's centers, which is half a cell less, so from as many
+        // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
+        debug_assert!(map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1));
         let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
         let carried = lanes * rest / map.distance;
         let step = (lanes * whole + carried, lanes * rest - carried * map.distance);
@@ -482,7 +447,6 @@ impl<S: Simd> ReceiverLanes<S> {
         };
         ReceiverLanes {
             map,
-            bins_per_receiver,
             wholes: numbers * S::i32s::splat(simd, whole),
             rests: numbers * S::i32s::splat(simd, rest),
             distances: S::i32s::splat(simd, distance),
@@ -511,24 +475,7 @@ pub(super) fn decide_line<S: Simd>(
     cells: std::ops::Range<usize>,
     word: &mut impl FnMut(usize, Decided),
 ) {
-    match lanes_of.bins_per_receiver {
-        BinsPerReceiver::Two => decide_words::<S, 2>(simd, bounds, lanes_of, receivers, cells, word),
-        BinsPerReceiver::Four => decide_words::<S, 4>(simd, bounds, lanes_of, receivers, cells, word),
-        BinsPerReceiver::Many => decide_words::<S, 0>(simd, bounds, lanes_of, receivers, cells, word),
-    }
-}
-
-/// The same, with the bins of a vector of receivers in so many vectors, or in any if that is 0.
-#[inline(always)]
-fn decide_words<S: Simd, const VECTORS: usize>(
-    simd: S,
-    bounds: &Bounds<'_>,
-    lanes_of: &ReceiverLanes<S>,
-    receivers: &LineReceivers<'_>,
-    cells: std::ops::Range<usize>,
-    word: &mut impl FnMut(usize, Decided),
-) {
-    let ReceiverLanes { map, wholes, rests, distances, per_distance, step, flat, .. } = *lanes_of;
+    let ReceiverLanes { map, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
     let lanes = S::f32s::LEN;
     let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
     let short_of_per_distance = per_distance * (1.0 - 1e-5);
@@ -556,8 +503,8 @@ fn decide_words<S: Simd, const VECTORS: usize>(
             let guess = guess + (numerators - guess * distances).simd_ge(distances).select(one, zero);
             let in_table: S::u32s = (guess + wholes).bitcast();
             let base = to_index(bin);
-            let upper = look_up_bins::<S, VECTORS>(simd, bounds.upper, base, in_table);
-            let lower = look_up_bins::<S, VECTORS>(simd, bounds.lower, base, in_table);
+            let upper = table(simd, bounds.upper, base, in_table);
+            let lower = table(simd, bounds.lower, base, in_table);
             let slope = match receivers {
                 LineReceivers::Flat(_) => flat,
                 LineReceivers::Over { .. } => {

@@ -25,13 +25,14 @@
 //!   surfaces this proves a fifth of what would be in doubt, since half of all cells that rays touch are left sideways.
 //!
 //! A receiver is compared with the lines *before* its own: from a cell center, |t| ≤ 1 crosses no other cell of the own
-//! line. If its slope is above `upper` it is LoS, below `lower` NLoS, both proven; the few between go to a walk along
-//! their ray ([`super::columns_lines`]), in exact integers. So the outcome is that of `ray`, cell for cell.
+//! line. If its slope is above `upper` it is LoS, below `lower` NLoS, both proven; the few between are settled by the lines
+//! that may hide them, the last of them by a walk along their ray ([`super::columns_lines`]), in exact integers. So the
+//! outcome is that of `ray`, cell for cell.
 //!
 //! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
 //! problem: where the ray meets e exactly on a border between cells, look-ups take the cell to the right, and the ray may
-//! have come through the left one (t > 0) or through the right one (t < 0); t = 0 is never on a border, since it is there
-//! for a receiver at the center of a cell. For t > 0 the bin to the left of the edge has both cells; for t < 0 the one to the
+//! have come through the left one (t > 0) or through the right one (t < 0). A ray with t = 0 leads to the center of a cell,
+//! so that it is never on a border. For t > 0 the bin to the left of the edge has both cells; for t < 0 the one to the
 //! right has the cell that counts. So receivers on an edge belong to the bin towards the axis, and on the axis to the left
 //! one. Where such a ray enters a line exactly on a border at a, it goes on into the right cell (t > 0), which the left bin
 //! has, or into the left one (t < 0). For t < 0 look-ups at a take the cell to the left of a border, so that the right bin has
@@ -154,7 +155,7 @@ impl ReceiverHeights<'_> {
 pub struct Swept {
     /// The wanted cells in line of sight.
     pub los: BitGrid,
-    /// How many of the wanted cells the bounds left to `ray`.
+    /// How many of the wanted cells the bounds left undecided.
     pub undecided: u64,
 }
 

@@ -157,8 +157,8 @@ impl<'a> RasterLines<'a> {
     /// and where it exits the line, unless that is next to a border of cells.
     #[inline(always)]
     fn meet(&self, lateral: i64, above_uav: i64, back: i64) -> Met {
-        // EXACT: a ray goes no farther sideways than outward, which is rounded to 2^-36 of a distance of at most 2^26: no place is
-        // off by a lattice step. Heights are below 2^30, and rounded to 2^-50 of themselves.
+        // EXACT: a ray goes no farther sideways than outward. That is rounded to 2^-36 of a distance of at most 2^26, and places
+        // are rounded down: they are off by a lattice step at most. Heights are below 2^31, and rounded to 2^-50 of that.
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "as above")]
         let side = ((lateral * CELL + CELL / 2 - self.uav_lateral) as f64
             * self.per_distance

@@ -22,8 +22,12 @@ const FIRST_LEVEL: u32 = 4;
 /// The most wedges that one side of a quadrant can be cut into.
 pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 
-/// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell.
+/// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell. As many
+/// cells as a vector has lanes, so that those of a vector of receivers lie in two vectors.
 pub(super) const NEAR: i64 = 16 * CELL;
+
+/// One over no distance: so much that any height is too steep for all receivers, and any height's slope finite.
+const PER_NOTHING: f32 = 1e25;
 
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
@@ -214,6 +218,7 @@ impl Wedge {
                     self.refine(line.far);
                 }
                 self.n_lines += 1;
+                debug_assert!(self.n_lines - self.group_start < 1 << TILE_BITS);
                 if line.far > NEAR {
                     self.decide(simd, frame, line, receivers, verdicts);
                 }
@@ -233,8 +238,7 @@ impl Wedge {
         // to each lattice line from inside (see the module).
         let bias = i64::from(self.first >= 0);
         let offset = ((CELL / 2 - frame.uav_lateral) << self.level) - bias;
-        // Receivers of the lines around the UAV are decided otherwise.
-        ReceiverMap { pitch: CELL << self.level, offset, distance: line.center.max(1) }
+        ReceiverMap { pitch: CELL << self.level, offset, distance: line.center }
     }
 
     /// What all intervals of bins share when they pass over a line.
@@ -253,7 +257,7 @@ impl Wedge {
             ),
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-        let per = |y: i64| if y == 0 { -NOTHING * 1e-5 } else { 1.0 / y as f32 };
+        let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
         let slopes = LineSlopes { per_near: per(y_a), per_far: per(y_e), number: self.n_lines };
         LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
@@ -369,20 +373,20 @@ impl Wedge {
         let looked_up = (&mut self.entries[..], &mut self.exits[..]);
         look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, self.first < 0, looked_up);
         let start = usize::try_from(b0 - self.first).unwrap_or(0);
-        // Whole vectors first; what they would do past the last bin is done for it alone.
+        // Whole vectors first, then one by one: bins past the last may sleep, and must not remember this line.
         let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
         let bins = &mut self.bins;
         raise_bounds(simd, (&self.entries, &self.exits), edges.slopes, &mut bins.slopes_of(start..start + vectors));
         for i in vectors..n_bins {
-            let edges_of = |values: &[f32]| (values[i], values[i + 1]);
-            let (steepest, proven) = edges.slopes.bounds(edges_of(&self.entries), edges_of(&self.exits));
+            let at_edges = |values: &[f32]| (values[i], values[i + 1]);
+            let (slope, proven) = edges.slopes.bounds(at_edges(&self.entries), at_edges(&self.exits));
             let bin = PAD + start + i;
-            bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(steepest));
-            if steepest > bins.upper[bin] {
+            bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(slope));
+            if slope > bins.upper[bin] {
                 bins.steepest_line[bin] = edges.slopes.number;
-                bins.upper[bin] = steepest;
+                bins.upper[bin] = slope;
             }
-            bins.present[bin] = bins.present[bin].max(steepest);
+            bins.present[bin] = bins.present[bin].max(slope);
             bins.lower[bin] = bins.lower[bin].max(proven);
         }
     }
@@ -400,8 +404,8 @@ impl Wedge {
     }
 
     /// Looks ahead from distance `center`: drops the bins in which no receiver from there on can be in line of sight, and
-    /// finds those that need not be looked at in the next lines, if the tiles are known that these lie in. Call it
-    /// every few lines, and before the first of any tiles.
+    /// finds those that need not be looked at in the next lines, if the tiles are known that these lie in. Begins a group
+    /// of lines: call it before the first of any tiles, and never after more lines than a tile has.
     pub(super) fn look_ahead<S: Simd>(
         &mut self,
         simd: S,
