@@ -100,7 +100,7 @@ impl<S: Simd> EdgeSteps<S> {
 }
 
 /// Looks up the heights of the cells under the edges `first..first + count`, where rays enter the line and where they
-/// exit it; both from index 0 on. On a border between cells entries take the cell before it if they are `before`.
+/// exit it; both from index 0 on. On a border between cells entries take the cell before it if `is_before`.
 #[inline(always)]
 pub(super) fn look_up_edges<S: Simd>(
     simd: S,
