@@ -135,6 +135,13 @@ fn look_up_cells<S: Simd>(simd: S, shift: u32, line: &[f32], at: i64, steps: S::
     permuted(simd, cells, (S::u32s::splat(simd, within) + steps) >> shift)
 }
 
+/// A place in a buffer; one before its beginning is far beyond its end.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps around to what no buffer has")]
+fn to_index(at: i64) -> usize {
+    at as usize
+}
+
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
     /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
@@ -276,13 +283,6 @@ pub(super) struct GroupRows<'a> {
     pub(super) others: &'a mut [f32],
     pub(super) first_other: &'a mut [i32],
     pub(super) last_other: &'a mut [i32],
-}
-
-/// A place in a buffer; one before its beginning is far beyond its end.
-#[inline(always)]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps around to what no buffer has")]
-fn to_index(at: i64) -> usize {
-    at as usize
 }
 
 /// Raises the bounds of bins by one line: `entries[i]`, `entries[i + 1]` belong to the edges of bin `i`, and so do exits. The

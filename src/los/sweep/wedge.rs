@@ -278,26 +278,30 @@ impl Wedge {
         let end = self.first + as_i64(self.bins.len());
         self.bins.repeat_last();
         let bounds = Bounds { upper: &self.bins.upper, lower: &self.bins.lower, first_bin: self.first };
-        // Words with receivers of another wedge.
-        let ends = (first_from(self.first) >> 6, first_from(end) >> 6);
+        let suspects = Suspects {
+            bins: &self.bins,
+            first_bin: self.first,
+            last_bin: end - 1,
+            map,
+            per_distance: lanes.per_distance(),
+            number: self.n_lines,
+            group_start: self.group_start,
+            ends: (first_from(self.first) >> 6, first_from(end) >> 6),
+        };
         let mut open = std::mem::take(&mut self.open);
         open.clear();
         for &(from, to) in &self.awake {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
-            let mut cells = (first_from(b0).max(frame.window.0), first_from(b1).min(frame.window.1));
-            if b1 == 0 {
-                // The axis itself belongs to the last bin of this side as well.
-                cells.1 = (-map.offset >> per_pitch) + 1;
-                cells.1 = cells.1.min(frame.window.1);
-            }
+            // The axis itself belongs to the last bin of the side before it as well.
+            let after = if b1 == 0 { (-map.offset >> per_pitch) + 1 } else { first_from(b1) };
+            let cells = (first_from(b0).max(frame.window.0), after.min(frame.window.1));
             if cells.0 >= cells.1 {
                 continue;
             }
             let as_usize = |cell: i64| usize::try_from(cell).unwrap_or(0);
             let cells = as_usize(cells.0)..as_usize(cells.1);
             decide_line(simd, &bounds, &lanes, receivers, cells, &mut |word, decided| {
-                let is_shared = as_i64(word) <= ends.0 || as_i64(word) >= ends.1;
-                let mut left = verdicts.decided(word, decided, is_shared);
+                let mut left = verdicts.decided(word, decided, suspects.is_shared(word));
                 while left != 0 {
                     #[expect(clippy::cast_possible_truncation, reason = "a side has at most 2^16 cells")]
                     open.push(64 * word as u32 + left.trailing_zeros());
@@ -306,19 +310,7 @@ impl Wedge {
             });
         }
         if !open.is_empty() {
-            verdicts.ask(
-                &mut open,
-                &Suspects {
-                    bins: &self.bins,
-                    first_bin: self.first,
-                    last_bin: end - 1,
-                    map,
-                    per_distance: lanes.per_distance(),
-                    number: self.n_lines,
-                    group_start: self.group_start,
-                    ends,
-                },
-            );
+            verdicts.ask(&mut open, &suspects);
         }
         self.open = open;
     }
