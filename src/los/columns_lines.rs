@@ -278,7 +278,7 @@ impl Steps<'_> {
 
 /// Quotient, rounded down, and remainder of a number within ±2^53 by a positive one.
 #[inline(always)]
-pub(super) fn quotient(number: i64, by: i64) -> (i64, i64) {
+fn quotient(number: i64, by: i64) -> (i64, i64) {
     debug_assert!(number.unsigned_abs() <= 1 << 53 && (1..=1 << 53).contains(&by));
     // PERF: integers of 64 bits are divided in three times the time. EXACT: both are doubles as they are, and so are multiples
     // of `by` up to the number, which a rounded quotient is on the right side of: the guess is off by one at most.

@@ -5,15 +5,15 @@
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
-    __m256, __m256i, __m512, __m512i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_permutevar8x32_ps,
-    _mm256_slli_epi32, _mm512_permutex2var_ps, _mm512_permutexvar_ps,
+    __m256, __m256i, __m512, __m512i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmpgt_epi32,
+    _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm512_permutex2var_ps, _mm512_permutexvar_ps,
 };
 
 use fearless_simd::prelude::*;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::{Level, f32x8, f32x16, u32x8, u32x16};
 
-use super::super::columns_lines::quotient;
+use super::{CELL, as_i64};
 use crate::quantity::VOID;
 
 /// A height that blocks nothing, and a slope below every slope: far below −2^27, and finite so that no product with it
@@ -24,6 +24,9 @@ pub(super) const NOTHING: f32 = -1e30;
 pub(super) const PAD: usize = 128;
 /// The same among bins and cells, which are counted with a sign.
 const PAD_I64: i64 = 128;
+
+/// Bits of an azimuth in fixed point.
+pub(super) const AZIMUTH_BITS: u32 = 36;
 
 /// Relative width of the doubt around a bound: both slopes of a comparison are off by less than 2^-21 of themselves.
 const DOUBT: f32 = 1.0 / (1 << 19) as f32;
@@ -144,11 +147,14 @@ fn to_index(at: i64) -> usize {
 
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
-    /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
+    /// Of the lanes of two vectors, those of the first foremost, the ones that `index` names: of two such pairs.
     #[inline(always)]
-    fn permute_avx2(avx2: Avx2, low: __m256, high: __m256, index: __m256i) -> __m256 {
-        let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index));
-        _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index), is_high)
+    fn permute_pairs_avx2(avx2: Avx2, a: (__m256, __m256), b: (__m256, __m256), index: __m256i) -> (__m256, __m256) {
+        let is_high = _mm256_castsi256_ps(_mm256_cmpgt_epi32(index, _mm256_set1_epi32(7)));
+        let of = |(low, high)| {
+            _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index), is_high)
+        };
+        (of(a), of(b))
     }
 );
 
@@ -202,29 +208,40 @@ fn permuted<S: Simd>(simd: S, values: &[f32], index: S::u32s) -> S::f32s {
     S::f32s::from_slice(simd, values).swizzle_dyn(bytes_of::<S>(index))
 }
 
-/// Values `table[base + index]` for lanes of `index` below twice the width.
+/// Values `table[base + index]` of two tables for lanes of `index` below twice the width.
 #[inline(always)]
-fn table<S: Simd>(simd: S, table: &[f32], base: usize, index: S::u32s) -> S::f32s {
+fn tables<S: Simd>(simd: S, tables: [&[f32]; 2], base: usize, index: S::u32s) -> [S::f32s; 2] {
     let n = S::f32s::LEN;
-    let window = &table[base..][..2 * n];
+    let windows = tables.map(|table| &table[base..][..2 * n]);
     #[cfg(target_arch = "x86_64")]
     match simd.level() {
         Level::Avx2(avx2) => {
             let index = u32x8::from_slice(avx2, index.as_slice());
-            let (low, high) = (f32x8::from_slice(avx2, &window[..8]), f32x8::from_slice(avx2, &window[8..]));
-            let found: f32x8<_> = permute_avx2(avx2, low.into(), high.into(), index.into()).simd_into(avx2);
-            return S::f32s::from_slice(simd, found.as_slice());
+            let [a, b] = windows.map(|window| {
+                let half = |values| f32x8::from_slice(avx2, values).into();
+                (half(&window[..8]), half(&window[8..]))
+            });
+            let found = permute_pairs_avx2(avx2, a, b, index.into());
+            return [found.0, found.1].map(|found| {
+                let found: f32x8<_> = found.simd_into(avx2);
+                S::f32s::from_slice(simd, found.as_slice())
+            });
         }
         Level::Avx512(avx512) => {
             let index = u32x16::from_slice(avx512, index.as_slice());
-            let (low, high) = (f32x16::from_slice(avx512, &window[..16]), f32x16::from_slice(avx512, &window[16..]));
-            let found: f32x16<_> = permute_avx512(avx512, low.into(), high.into(), index.into()).simd_into(avx512);
-            return S::f32s::from_slice(simd, found.as_slice());
+            return windows.map(|window| {
+                let half = |values| f32x16::from_slice(avx512, values).into();
+                let found = permute_avx512(avx512, half(&window[..16]), half(&window[16..]), index.into());
+                let found: f32x16<_> = found.simd_into(avx512);
+                S::f32s::from_slice(simd, found.as_slice())
+            });
         }
         _ => {}
     }
-    let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
-    low.concat_swizzle_dyn(high, bytes_of::<S>(index))
+    windows.map(|window| {
+        let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
+        low.concat_swizzle_dyn(high, bytes_of::<S>(index))
+    })
 }
 
 /// The indices of the four bytes of each lane that is named.
@@ -360,23 +377,67 @@ pub(super) struct Bounds<'a> {
     pub(super) first_bin: i64,
 }
 
-/// Receivers of one line: cell `c` is `c·pitch + offset` bins·distance from the UAV, so its bin is
-/// `⌊(c·pitch + offset) / distance⌋`.
+/// Bits of a lattice position below the cell.
+pub(super) const CELL_BITS: u32 = CELL.trailing_zeros();
+
+/// Bits of a receiver's place among the bins below the bin.
+const PLACE_BITS: u32 = 44;
+/// Bits below the bin that are left in 32 bits, beside a carry.
+const LANE_BITS: u32 = 31;
+
+/// Where the receivers of one line are among its bins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverMap {
-    /// `1024 · 2^level`.
-    pub(super) pitch: i64,
-    /// Of the center of cell 0 from the UAV, times 2^level; less 1 where a receiver on an edge belongs to the bin before.
-    pub(super) offset: i64,
+    level: u32,
+    /// Of the center of cell 0 from the UAV, times 2^level \[lattice steps\]; less 1 where a receiver on an edge belongs to the
+    /// bin before it.
+    offset: i64,
     /// Of the line's cell centers from the UAV \[lattice steps\].
-    pub(super) distance: i64,
+    distance: i64,
+    /// The place of cell 0, and how far the places of neighbors are apart \[2^-44 bins\].
+    origin: i64,
+    step: i64,
 }
 
 impl ReceiverMap {
+    /// For receivers at `distance` from the UAV among bins of 1 / 2^level. The center of cell 0 is `lateral` from the UAV
+    /// \[lattice steps\]; a receiver on an edge belongs to the bin before it if `is_before`, or else to the one after it.
+    pub(super) fn new(level: u32, lateral: i64, distance: i64, is_before: bool) -> Self {
+        debug_assert!((1 << 13..1 << 26).contains(&distance) && lateral.abs() << level <= distance << 18);
+        // EXACT: cell c is (lateral + 1024·c)·2^level / distance bins from the UAV, so that it is on an edge or at least one
+        // `distance`-th of a bin from it. Half of that is taken from all places or added to them: then they are 2^-27 of a
+        // bin or more from any edge, and stay on their side of it, since they are off by far less. A step is off by 0.51
+        // units and so are 2^16 of them by 2^-28 of a bin, the origin, which is below 2^18 bins, by 2^-33.
+        let halves = (lateral << (level + 1)) - if is_before { 1 } else { -1 };
+        #[expect(clippy::cast_precision_loss, reason = "all are below 2^53, or powers of two")]
+        let (halves, per_distance, half, cell) =
+            (halves as f64, 1.0 / distance as f64, (1_i64 << (PLACE_BITS - 1)) as f64, ((2 * CELL) << level) as f64);
+        #[expect(clippy::cast_possible_truncation, reason = "below 2^63")]
+        let (origin, step) = ((halves * half * per_distance) as i64, (cell * half * per_distance + 0.5) as i64);
+        ReceiverMap { level, offset: (lateral << level) - i64::from(is_before), distance, origin, step }
+    }
+
+    /// Where the receiver of cell `c` is \[2^-44 bins\].
+    #[inline(always)]
+    fn place(&self, c: i64) -> i64 {
+        self.origin + c * self.step
+    }
+
     /// The bin of cell `c`, before the last one is given those on the axis.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bin(&self, c: i64) -> i64 {
-        quotient(c * self.pitch + self.offset, self.distance).0
+        self.place(c) >> PLACE_BITS
+    }
+
+    /// The azimuth of cell `c` \[2^-36\], off by less than a lattice step at its distance.
+    #[inline(always)]
+    pub(super) fn azimuth(&self, c: i64) -> i64 {
+        self.place(c) >> (PLACE_BITS + self.level - AZIMUTH_BITS)
+    }
+
+    /// The first cell whose receiver is in bin `b` or after it.
+    pub(super) fn first_from(&self, b: i64) -> i64 {
+        -((self.offset - b * self.distance) >> (CELL_BITS + self.level))
     }
 }
 
@@ -413,48 +474,48 @@ pub(super) struct Decided {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverLanes<S: Simd> {
     map: ReceiverMap,
-    /// What the place of a receiver among the bins grows by from lane to lane: whole bins, and `distance`-ths of one.
-    wholes: S::i32s,
-    rests: S::i32s,
-    distances: S::i32s,
+    /// How far the place of each lane is from that of the first: whole bins, and the rest \[2^-31 bins\].
+    wholes: S::u32s,
+    rests: S::u32s,
     per_distance: S::f32s,
-    /// The same from vector to vector.
-    step: (i64, i64),
     /// The slope of receivers that are all alike.
     flat: S::f32s,
 }
 
 impl<S: Simd> ReceiverLanes<S> {
-    /// For the receivers of one line.
+    /// For the receivers of one line at `distance` from the UAV.
     #[inline(always)]
-    pub(super) fn new(simd: S, map: ReceiverMap, receivers: &LineReceivers<'_>) -> Self {
-        let lanes = i64::try_from(S::f32s::LEN).unwrap_or(16);
+    pub(super) fn new(simd: S, map: ReceiverMap, distance: i64, receivers: &LineReceivers<'_>) -> Self {
         // At most 2^level = 2·far bins lie over the distance of a line's centers, which is half a cell less, so from as many
         // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
-        debug_assert!(map.pitch * (lanes - 1) < map.distance * (2 * lanes - 1));
-        let (whole, rest) = (map.pitch / map.distance, map.pitch % map.distance);
-        let carried = lanes * rest / map.distance;
-        let step = (lanes * whole + carried, lanes * rest - carried * map.distance);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "distances are at most 2^26")]
-        let (distance, rest, whole, per_distance) =
-            (map.distance as i32, rest as i32, whole as i32, 1.0 / map.distance as f32);
-        let numbers = lane_numbers(simd);
-        let per_distance = S::f32s::splat(simd, per_distance);
+        debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
+        let of_lanes = |part: fn(i64) -> u32| {
+            let values: [u32; 16] = std::array::from_fn(|lane| part(as_i64(lane) * map.step));
+            S::u32s::from_slice(simd, &values[..S::u32s::LEN])
+        };
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let per_distance = S::f32s::splat(simd, 1.0 / distance as f32);
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let flat = match receivers {
             LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
             LineReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
         };
-        ReceiverLanes {
-            map,
-            wholes: numbers * S::i32s::splat(simd, whole),
-            rests: numbers * S::i32s::splat(simd, rest),
-            distances: S::i32s::splat(simd, distance),
-            per_distance,
-            step,
-            flat,
-        }
+        ReceiverLanes { map, wholes: of_lanes(whole), rests: of_lanes(rest), per_distance, flat }
     }
+}
+
+/// The whole bins of a place, of which there are few.
+#[inline(always)]
+#[expect(clippy::cast_sign_loss, reason = "at most 31 from lane to lane")]
+fn whole(place: i64) -> u32 {
+    (place >> PLACE_BITS) as u32
+}
+
+/// What is left over of a place beside whole bins \[2^-31 bins\].
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to 31 bits")]
+fn rest(place: i64) -> u32 {
+    (place >> (PLACE_BITS - LANE_BITS)) as u32 & ((1 << LANE_BITS) - 1)
 }
 
 impl<S: Simd> ReceiverLanes<S> {
@@ -475,14 +536,11 @@ pub(super) fn decide_line<S: Simd>(
     cells: std::ops::Range<usize>,
     word: &mut impl FnMut(usize, Decided),
 ) {
-    let ReceiverLanes { map, wholes, rests, distances, per_distance, step, flat } = *lanes_of;
+    let ReceiverLanes { map, wholes, rests, per_distance, flat } = *lanes_of;
     let lanes = S::f32s::LEN;
-    let (one, zero) = (S::i32s::splat(simd, 1), S::i32s::splat(simd, 0));
-    let short_of_per_distance = per_distance * (1.0 - 1e-5);
     let start = cells.start / lanes * lanes;
-    // The bin of the first lane, and what is left over.
-    let (mut bin, mut left_over) = quotient(as_i64(start) * map.pitch + map.offset, map.distance);
-    bin += PAD_I64 - bounds.first_bin;
+    let mut place = map.place(as_i64(start)) + ((PAD_I64 - bounds.first_bin) << PLACE_BITS);
+    let step = as_i64(lanes) * map.step;
     let mut padded = [0; 64];
     for index in cells.start / 64..cells.end.div_ceil(64) {
         let (from, to) = (cells.start.max(64 * index) - 64 * index, cells.end.min(64 * index + 64) - 64 * index);
@@ -495,16 +553,10 @@ pub(super) fn decide_line<S: Simd>(
         let above = S::i32s::splat(simd, above);
         let (mut los, mut nlos) = (0, 0);
         for (v, heights) in heights.chunks_exact(lanes).enumerate().take(to.div_ceil(lanes)).skip(from / lanes) {
-            // EXACT: the remainder is at most 2^26 and so is each of at most 15 steps, so all lanes stay below 2^31. The
-            // quotient, at most 15, is guessed in floats, too low by less than one, and put right in integers.
-            #[expect(clippy::cast_possible_truncation, reason = "a remainder of at most 2^26")]
-            let numerators = S::i32s::splat(simd, left_over as i32) + rests;
-            let guess: S::i32s = (numerators.to_float::<S::f32s>() * short_of_per_distance).to_int();
-            let guess = guess + (numerators - guess * distances).simd_ge(distances).select(one, zero);
-            let in_table: S::u32s = (guess + wholes).bitcast();
-            let base = to_index(bin);
-            let upper = table(simd, bounds.upper, base, in_table);
-            let lower = table(simd, bounds.lower, base, in_table);
+            // EXACT: both rests are below 2^31, and each is rounded down by less than 2^-31 of a bin.
+            let carries: S::u32s = (S::u32s::splat(simd, rest(place)) + rests) >> LANE_BITS;
+            let [upper, lower] =
+                tables(simd, [bounds.upper, bounds.lower], to_index(place >> PLACE_BITS), wholes + carries);
             let slope = match receivers {
                 LineReceivers::Flat(_) => flat,
                 LineReceivers::Over { .. } => {
@@ -513,11 +565,7 @@ pub(super) fn decide_line<S: Simd>(
             };
             los |= slope.simd_gt(upper).to_bitmask() << (v * lanes);
             nlos |= slope.simd_lt(lower).to_bitmask() << (v * lanes);
-            bin += step.0;
-            left_over += step.1;
-            let carries = left_over >= map.distance;
-            bin += i64::from(carries);
-            left_over -= if carries { map.distance } else { 0 };
+            place += step;
         }
         let within = (u64::MAX << from) & (u64::MAX >> (64 - to));
         word(index, Decided { los: los & within, undecided: within & !los & !nlos });
@@ -534,8 +582,4 @@ fn word_of<'a>(values: &'a [i32], at: i64, padded: &'a mut [i32; 64]) -> &'a [i3
         }
         padded
     })
-}
-
-fn as_i64(n: usize) -> i64 {
-    i64::try_from(n).unwrap_or(i64::MAX)
 }

@@ -40,9 +40,10 @@
 //!
 //! # Rounding
 //!
-//! Which cell is under an edge and which bin a receiver is in are decided in integers: an edge is at
-//! (u·2^k + b·y)/2^(k+10) cells, a receiver in bin ⌊dx·2^k/y⌋. In a vector of lanes only a remainder below 2^31 is left to
-//! add to; nothing is rounded. Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse
+//! Which cell is under an edge is decided in integers: an edge is at (u·2^k + b·y)/2^(k+10) cells. Which bin a receiver is in
+//! is decided in fixed point: where it is among the bins, dx·2^k/y, is a multiple of 1/y, so half of that is room enough for
+//! rounding once none of them is on an edge any more ([`kernels`]). In a vector of lanes only a remainder below 2^31 is left to
+//! add to; nothing is rounded there. Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse
 //! distance twice, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
 //! two slopes compare as they would exactly wherever they differ by more than 2^-20 of either. Both bounds are put off by
 //! 2^-19 of themselves, `upper` up and `lower` down, and what lies between is left undecided ([`kernels`]). No distance is
@@ -64,7 +65,7 @@
 //!   any bound is put off by. About half of all bins sleep in an urban city of 4096² cells, fewer in suburbs, more among
 //!   high-rises.
 //! * An undecided receiver need only be asked about the lines that can matter ([`suspects`]). Each bin knows its steepest line
-//!   and how steep the second is. Looked at in fixed point, the steepest line hides four of ten, and three of ten are seen
+//!   and how steep the second is. Looked at where the ray, in fixed point, enters and leaves it, the steepest line hides four of ten, and three of ten are seen
 //!   because no other is as steep as they are. For the rest each bin knows the steepest of the present group of up to eight
 //!   lines, the steepest group before it, and the first and the last of all other groups that are as steep as any receiver in
 //!   doubt can be, that is neither below the lowest possible receiver nor below `lower`. Over laser scans one in four of the

@@ -29,7 +29,8 @@ pub(super) type Lines = (i64, i64);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Suspected<'a> {
     suspects: &'a Suspects<'a>,
-    /// Where the values of its bin are, and its slope.
+    /// Its azimuth \[2^-36\], where the values of its bin are, and its slope.
+    azimuth: i64,
     bin: usize,
     slope: f32,
 }
@@ -47,7 +48,7 @@ impl<'a> Suspects<'a> {
         let bin = self.map.bin(c).min(self.last_bin) - self.first_bin;
         #[expect(clippy::cast_precision_loss, reason = "rounded as where it was compared with the bounds")]
         let slope = z as f32 * self.per_distance;
-        Suspected { suspects: self, bin: usize::try_from(bin).unwrap_or(0) + PAD, slope }
+        Suspected { suspects: self, azimuth: self.map.azimuth(c), bin: usize::try_from(bin).unwrap_or(0) + PAD, slope }
     }
 
     /// A line by its number.
@@ -65,6 +66,12 @@ impl<'a> Suspects<'a> {
 }
 
 impl Suspected<'_> {
+    /// The azimuth of its ray \[2^-36\], off by less than a lattice step at its distance.
+    #[inline(always)]
+    pub(super) fn azimuth(&self) -> i64 {
+        self.azimuth
+    }
+
     /// The steepest line.
     #[inline(always)]
     pub(super) fn steepest_line(&self) -> i64 {

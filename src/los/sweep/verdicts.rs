@@ -1,7 +1,7 @@
 //! What becomes of the receivers of a line over columns in memory: bits, and walks for those that bounds leave undecided.
 
 use super::super::columns_lines::columns_los_over_lines;
-use super::kernels::{Decided, LineReceivers};
+use super::kernels::{AZIMUTH_BITS, Decided, LineReceivers};
 use super::shared_bits::SharedBits;
 use super::suspects::{Lines, Suspects, edges_of};
 use super::wedge::{Line, Verdicts};
@@ -79,7 +79,7 @@ impl Verdicts for LineVerdicts<'_> {
             let cell = cells[k];
             let above_uav = self.receivers.height(cell as usize);
             let known = suspects.of(i64::from(cell), above_uav);
-            let met = lines.meet(i64::from(cell), above_uav, known.steepest_line());
+            let met = lines.meet(known.azimuth(), above_uav, known.steepest_line());
             let is_seen = met.is_clear & known.is_steepest_alone();
             self.seen[n_seen] = cell;
             n_seen += usize::from(is_seen);
@@ -114,9 +114,6 @@ impl LineVerdicts<'_> {
     }
 }
 
-/// Bits of a fraction of a distance.
-const FRACTION: u32 = 36;
-
 /// The lines before that of some receivers, in the raster.
 struct RasterLines<'a> {
     tops: &'a [i32],
@@ -127,9 +124,9 @@ struct RasterLines<'a> {
     start: i64,
     outward: i64,
     sideways: i64,
-    /// Distance of the farther edge of the receivers' line \[lattice steps\], and one over that of its centers.
+    /// Distances of the farther edge of the receivers' line and of its centers \[lattice steps\].
     far: i64,
-    per_distance: f64,
+    center: i64,
 }
 
 /// What a line does to a link, where that is sure.
@@ -147,42 +144,32 @@ impl<'a> RasterLines<'a> {
             Across::Row => (uav.x, n_cols, own * n_cols, of.outward * n_cols, 1),
             Across::Column => (n_rows * CELL - uav.y, n_rows, own, of.outward, n_cols),
         };
-        #[expect(clippy::cast_precision_loss, reason = "at most 2^26")]
-        let per_distance = 1.0 / of.line.center as f64;
-        let (tops, far) = (columns.tops(), of.line.far);
-        RasterLines { tops, uav_z: uav.z, uav_lateral, n_lateral, start, outward, sideways, far, per_distance }
+        let (tops, Line { far, center, .. }) = (columns.tops(), *of.line);
+        RasterLines { tops, uav_z: uav.z, uav_lateral, n_lateral, start, outward, sideways, far, center }
     }
 
-    /// What line `back`, counted back, does to the link to the receiver of a lateral cell: the ray is looked at where it enters
-    /// and where it exits the line, unless that is next to a border of cells.
+    /// What line `back`, counted back, does to the link to a receiver: the ray is looked at where it enters and where it exits
+    /// the line, unless that is next to a border of cells.
     #[inline(always)]
-    fn meet(&self, lateral: i64, above_uav: i64, back: i64) -> Met {
-        // EXACT: a ray goes no farther sideways than outward. That is rounded to 2^-36 of a distance of at most 2^26, and places
-        // are rounded down: they are off by a lattice step at most. Heights are below 2^31, and rounded to 2^-50 of that.
-        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "as above")]
-        let side = ((lateral * CELL + CELL / 2 - self.uav_lateral) as f64
-            * self.per_distance
-            * (1_i64 << FRACTION) as f64) as i64;
-        #[expect(clippy::cast_precision_loss, reason = "as above")]
-        let slope = above_uav as f64 * self.per_distance;
+    fn meet(&self, azimuth: i64, above_uav: i64, back: i64) -> Met {
         let (near, far) = edges_of(self.far, (back, back));
-        let start = self.start - back * self.outward;
-        // How far the top of the cell that the ray is in is above the UAV, the same of the ray, and whether the cell is certain.
+        // Heights are compared times the distance of the receiver: how far the top of the cell that the ray is in is above
+        // the UAV, the same of the ray, and whether the cell is certain.
         let look = |distance: i64| {
-            let at = self.uav_lateral + ((side * distance) >> FRACTION);
+            // EXACT: an azimuth is off by less than a lattice step at the receiver, the product rounded down by one at most.
+            let at = self.uav_lateral + ((azimuth * distance) >> AZIMUTH_BITS);
             let (cell, within) = (at.div_euclid(CELL), at.rem_euclid(CELL));
             let is_certain = (0..self.n_lateral).contains(&cell) & (2..CELL - 2).contains(&within);
-            let index = if is_certain { start + cell * self.sideways } else { 0 };
+            let index = if is_certain { self.start - back * self.outward + cell * self.sideways } else { 0 };
             let top = usize::try_from(index).map_or(0, |index| i64::from(self.tops[index]) - self.uav_z);
-            #[expect(clippy::cast_precision_loss, reason = "as above")]
-            (top as f64, slope * distance as f64, is_certain)
+            // EXACT: heights are below 2^31, distances at most 2^26.
+            (top * self.center, above_uav * distance, is_certain)
         };
         let ((top, height, is_certain), (far_top, far_height, is_far_certain)) = (look(near), look(far));
-        const MARGIN: f64 = 1e-3;
         Met {
-            is_hidden: is_certain & (top > height + MARGIN) | is_far_certain & (far_top > far_height + MARGIN),
+            is_hidden: is_certain & (top > height) | is_far_certain & (far_top > far_height),
             // Between both the ray is in these two cells alone.
-            is_clear: is_certain & is_far_certain & (top.max(far_top) < height.min(far_height) - MARGIN),
+            is_clear: is_certain & is_far_certain & (top.max(far_top) <= height.min(far_height)),
         }
     }
 }

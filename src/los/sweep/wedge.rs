@@ -4,17 +4,14 @@ use fearless_simd::prelude::*;
 
 use super::bins::Bins;
 use super::kernels::{
-    Bounds, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes, ReceiverMap, SLACK,
-    decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
+    Bounds, CELL_BITS, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes,
+    ReceiverMap, SLACK, decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
 };
 use super::suspects::Suspects;
 use crate::height_field::TILE_BITS;
 use crate::quantity::STEPS_PER_UNIT;
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
-
-/// Bits of a lattice position below the cell.
-const CELL_BITS: u32 = 10;
 
 /// There are `2^level` bins to each side of the axis; this many at least.
 const FIRST_LEVEL: u32 = 4;
@@ -236,9 +233,7 @@ impl Wedge {
     fn receiver_map(&self, frame: &WedgeFrame, line: &Line<'_>) -> ReceiverMap {
         // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
         // to each lattice line from inside (see the module).
-        let bias = i64::from(self.first >= 0);
-        let offset = ((CELL / 2 - frame.uav_lateral) << self.level) - bias;
-        ReceiverMap { pitch: CELL << self.level, offset, distance: line.center }
+        ReceiverMap::new(self.level, CELL / 2 - frame.uav_lateral, line.center, self.first >= 0)
     }
 
     /// What all intervals of bins share when they pass over a line.
@@ -272,9 +267,8 @@ impl Wedge {
         verdicts: &mut impl Verdicts,
     ) {
         let map = self.receiver_map(frame, line);
-        let lanes = ReceiverLanes::new(simd, map, receivers);
-        let per_pitch = CELL_BITS + self.level;
-        let first_from = |b: i64| -((map.offset - b * line.center) >> per_pitch);
+        let lanes = ReceiverLanes::new(simd, map, line.center, receivers);
+        let after_axis = ((frame.uav_lateral - CELL / 2) >> CELL_BITS) + 1;
         let end = self.first + as_i64(self.bins.len());
         self.bins.repeat_last();
         let bounds = Bounds { upper: &self.bins.upper, lower: &self.bins.lower, first_bin: self.first };
@@ -286,15 +280,15 @@ impl Wedge {
             per_distance: lanes.per_distance(),
             number: self.n_lines,
             group_start: self.group_start,
-            ends: (first_from(self.first) >> 6, first_from(end) >> 6),
+            ends: (map.first_from(self.first) >> 6, map.first_from(end) >> 6),
         };
         let mut open = std::mem::take(&mut self.open);
         open.clear();
         for &(from, to) in &self.awake {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
             // The axis itself belongs to the last bin of the side before it as well.
-            let after = if b1 == 0 { (-map.offset >> per_pitch) + 1 } else { first_from(b1) };
-            let cells = (first_from(b0).max(frame.window.0), after.min(frame.window.1));
+            let after = if b1 == 0 { after_axis } else { map.first_from(b1) };
+            let cells = (map.first_from(b0).max(frame.window.0), after.min(frame.window.1));
             if cells.0 >= cells.1 {
                 continue;
             }
