@@ -257,14 +257,21 @@ pub(super) struct LineSlopes {
     pub(super) per_near: f32,
     pub(super) per_far: f32,
     pub(super) number: i32,
+    /// Whether no height is above the UAV.
+    pub(super) is_below: bool,
 }
 
 impl LineSlopes {
-    /// What a height above the UAV is multiplied by for its slope at the nearer and at the farther edge. The larger product is
-    /// `upper`: below the UAV a height binds at the farther edge, above it at the nearer one. Bounds are put off by the doubt,
-    /// so comparisons need not be.
+    /// What a height above the UAV is multiplied by at the nearer and at the farther edge for the least slope that `upper` may
+    /// have, put off by the doubt. The larger product counts: below the UAV a height binds at the farther edge, above it at
+    /// the nearer one.
     fn upper_factors(self) -> (f32, f32) {
         (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 - DOUBT))
+    }
+
+    /// The same for the largest slope that `lower` may have where no height is above the UAV.
+    fn lower_factors(self) -> (f32, f32) {
+        (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 + DOUBT))
     }
 
     /// The bounds that a line puts on a bin, whose edges have the heights `entries` and `exits`: its own `upper` and `lower`.
@@ -272,10 +279,16 @@ impl LineSlopes {
     pub(super) fn bounds(self, entries: (f32, f32), exits: (f32, f32)) -> (f32, f32) {
         let max = |a: f32, b: f32| if a > b { a } else { b };
         let min = |a: f32, b: f32| if a < b { a } else { b };
-        let factors = self.upper_factors();
+        let (upper_near, upper_far) = self.upper_factors();
         let high = max(max(entries.0, entries.1), max(exits.0, exits.1));
-        let proven = max(min(entries.0, entries.1) * self.per_near, min(exits.0, exits.1) * self.per_far);
-        (max(high * factors.0, high * factors.1), proven - proven.abs() * DOUBT)
+        let (entry, exit) = (min(entries.0, entries.1), min(exits.0, exits.1));
+        if self.is_below {
+            let (lower_near, lower_far) = self.lower_factors();
+            (high * upper_far, max(entry * lower_near, exit * lower_far))
+        } else {
+            let proven = max(entry * self.per_near, exit * self.per_far);
+            (max(high * upper_near, high * upper_far), proven - proven.abs() * DOUBT)
+        }
     }
 }
 
@@ -305,38 +318,57 @@ pub(super) struct GroupRows<'a> {
 /// Raises the bounds of bins by one line: `entries[i]`, `entries[i + 1]` belong to the edges of bin `i`, and so do exits. The
 /// number of bins is a multiple of the width.
 #[inline(always)]
-pub(super) fn raise_bounds<S: Simd>(
+pub(super) fn raise_bounds<S: Simd>(simd: S, edges: (&[f32], &[f32]), line: LineSlopes, bins: &mut SlopeRows<'_>) {
+    let splat = |(near, far): (f32, f32)| (S::f32s::splat(simd, near), S::f32s::splat(simd, far));
+    let (upper_near, upper_far) = splat(line.upper_factors());
+    // PERF: where nothing is above the UAV, and that is most often, a quarter of the operations can be left out.
+    if line.is_below {
+        let (lower_near, lower_far) = splat(line.lower_factors());
+        raise_each(simd, edges, line.number, bins, |high, entry, exit| {
+            (high * upper_far, (entry * lower_near).max(exit * lower_far))
+        });
+    } else {
+        let (per_near, per_far) = splat((line.per_near, line.per_far));
+        let doubt = S::f32s::splat(simd, DOUBT);
+        raise_each(simd, edges, line.number, bins, |high, entry, exit| {
+            let proven = (entry * per_near).max(exit * per_far);
+            ((high * upper_near).max(high * upper_far), proven - proven.abs() * doubt)
+        });
+    }
+}
+
+/// Raises the bounds of bins by those of one line: `bounds` finds them, given the highest cell under the edges of a bin, the
+/// lower one of those where rays enter the line, and the lower one of those where they exit it.
+#[inline(always)]
+fn raise_each<S: Simd>(
     simd: S,
     (entries, exits): (&[f32], &[f32]),
-    line: LineSlopes,
+    number: i32,
     bins: &mut SlopeRows<'_>,
+    bounds: impl Fn(S::f32s, S::f32s, S::f32s) -> (S::f32s, S::f32s),
 ) {
     let n = S::f32s::LEN;
-    let splat = |value: f32| S::f32s::splat(simd, value);
-    let (per_near, per_far, doubt) = (splat(line.per_near), splat(line.per_far), splat(DOUBT));
-    let (upper_near, upper_far) = (splat(line.upper_factors().0), splat(line.upper_factors().1));
-    let number = S::i32s::splat(simd, line.number);
+    let number = S::i32s::splat(simd, number);
     let SlopeRows { upper, lower, second, steepest_line, present } = bins;
     // PERF: of known lengths, so that nothing is checked within the loop.
     let vectors = |values| <[f32]>::chunks_exact(values, n);
     let edges = vectors(entries).zip(vectors(&entries[1..])).zip(vectors(exits).zip(vectors(&exits[1..])));
-    let bounds = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n).zip(second.chunks_exact_mut(n)));
+    let rows = upper.chunks_exact_mut(n).zip(lower.chunks_exact_mut(n).zip(second.chunks_exact_mut(n)));
     let lines = steepest_line.chunks_exact_mut(n).zip(present.chunks_exact_mut(n));
     for ((((entry, next_entry), (exit, next_exit)), (upper, (lower, second))), (steepest_line, present)) in
-        edges.zip(bounds).zip(lines)
+        edges.zip(rows).zip(lines)
     {
         let load = |values: &[f32]| S::f32s::from_slice(simd, values);
         let (entry, next_entry, exit, next_exit) = (load(entry), load(next_entry), load(exit), load(next_exit));
         let high = entry.max(next_entry).max(exit.max(next_exit));
-        let slope = (high * upper_near).max(high * upper_far);
+        let (slope, proven) = bounds(high, entry.min(next_entry), exit.min(next_exit));
         let before = load(upper);
         before.max(slope).store_slice(upper);
         load(second).max(before.min(slope)).store_slice(second);
         let line_before = S::i32s::from_slice(simd, steepest_line);
         slope.simd_gt(before).select(number, line_before).store_slice(steepest_line);
         load(present).max(slope).store_slice(present);
-        let proven = (entry.min(next_entry) * per_near).max(exit.min(next_exit) * per_far);
-        load(lower).max(proven - proven.abs() * doubt).store_slice(lower);
+        load(lower).max(proven).store_slice(lower);
     }
 }
 

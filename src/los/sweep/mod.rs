@@ -260,6 +260,7 @@ impl Sweep<'_> {
     fn frame(&self, uav_lateral: i64, window: (usize, usize), n_lateral: usize, last_center: i64) -> WedgeFrame {
         WedgeFrame {
             uav_z: i32::try_from(self.uav.z).unwrap_or(i32::MAX),
+            is_below_uav: i64::from(self.columns.max_top()) <= self.uav.z,
             uav_lateral,
             window: (as_i64(window.0), as_i64(window.1)),
             n_lateral: as_i64(n_lateral),

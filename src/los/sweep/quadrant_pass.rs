@@ -98,6 +98,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
             n_lateral,
             frame: WedgeFrame {
                 uav_z: i32::try_from(uav.z).unwrap_or(i32::MAX),
+                is_below_uav: i64::from(scene.max_top) <= uav.z,
                 uav_lateral,
                 window: (as_i64(along.start), as_i64(along.end)),
                 n_lateral: as_i64(n_lateral),

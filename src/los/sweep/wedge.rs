@@ -101,6 +101,8 @@ pub(super) trait Verdicts {
 pub(super) struct WedgeFrame {
     /// Height of the UAV \[1/1024 m\].
     pub(super) uav_z: i32,
+    /// Whether no top is above it.
+    pub(super) is_below_uav: bool,
     /// Lateral position of the UAV \[lattice steps\].
     pub(super) uav_lateral: i64,
     /// Lateral indices of the receivers.
@@ -253,7 +255,8 @@ impl Wedge {
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
-        let slopes = LineSlopes { per_near: per(y_a), per_far: per(y_e), number: self.n_lines };
+        let slopes =
+            LineSlopes { per_near: per(y_a), per_far: per(y_e), number: self.n_lines, is_below: frame.is_below_uav };
         LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
 
