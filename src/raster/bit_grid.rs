@@ -20,6 +20,16 @@ impl BitGrid {
         BitGrid { n_rows, n_cols, words_per_row, words: vec![0; n_rows * words_per_row] }
     }
 
+    /// The set of these words, row by row from the north. Bits beyond the last column must be 0.
+    ///
+    /// # Panics
+    /// If they are not whole rows.
+    pub fn from_words(n_cols: usize, words: Vec<u64>) -> Self {
+        let words_per_row = n_cols.div_ceil(64);
+        assert!(words.len().is_multiple_of(words_per_row), "whole rows");
+        BitGrid { n_rows: words.len() / words_per_row, n_cols, words_per_row, words }
+    }
+
     /// All cells.
     pub fn full(n_rows: usize, n_cols: usize) -> Self {
         let mut all = BitGrid::new(n_rows, n_cols);

@@ -95,9 +95,9 @@ use rayon::prelude::*;
 
 use self::kernels::LineReceivers;
 use self::line_order::{STRIP, for_tile_lines, turn};
-use self::shared_bits::{SharedBits, rows_and_columns};
+use self::shared_bits::{SharedBits, StripBits};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
-use self::verdicts::LineVerdicts;
+use self::verdicts::{LineBits, LineVerdicts};
 use self::wedge::{Line, MAX_PARTS, NEAR, TileLine, Wedge, WedgeFrame};
 use super::columns_lines::Across;
 use super::columns_los;
@@ -185,7 +185,6 @@ pub fn sweep_los(
         is_all_wanted: wanted.count() == as_i64(columns.tops().len()).unsigned_abs(),
         window,
         rows: SharedBits::new(columns.n_rows(), columns.n_cols()),
-        cols: SharedBits::new(columns.n_cols(), columns.n_rows()),
         undecided: AtomicU64::new(0),
         bases: match receivers {
             ReceiverHeights::Over { base, tiles, .. } if !std::ptr::eq(base, columns.tops()) => {
@@ -203,7 +202,9 @@ pub fn sweep_los(
     });
     sweep.near_box();
     let undecided = sweep.undecided.load(Ordering::Relaxed);
-    Swept { los: rows_and_columns(&sweep.rows, &sweep.cols, wanted), undecided }
+    let is_all_wanted = sweep.is_all_wanted;
+    let los = sweep.rows.into_grid(columns.n_cols());
+    Swept { los: if is_all_wanted { los } else { los.and(wanted) }, undecided }
 }
 
 /// Cells across a raster beyond which its quadrants are cut once more.
@@ -233,10 +234,8 @@ struct Sweep<'a> {
     /// Whether that is every cell.
     is_all_wanted: bool,
     window: CellWindow,
-    /// Line of sight by row, from the quadrants north and south.
+    /// Line of sight by row.
     rows: SharedBits,
-    /// Line of sight by column, from the quadrants east and west.
-    cols: SharedBits,
     undecided: AtomicU64,
     /// The highest of what receivers stand on, tile by tile, where that is not the tops.
     bases: Option<Cow<'a, TileMaxima>>,
@@ -300,8 +299,9 @@ impl Sweep<'_> {
                         LineReceivers::Over { base: &base[cells], first: 0, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
+                let bits = LineBits::Row(&self.rows);
                 let mut verdicts =
-                    LineVerdicts::new(self, (Across::Row, row, -outward), &line, &receivers, (&mut asked, &mut seen));
+                    LineVerdicts::new(self, bits, (row, -outward), &line, &receivers, (&mut asked, &mut seen));
                 wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()
@@ -322,7 +322,9 @@ impl Sweep<'_> {
         let per_row = self.columns.tiles().per_row();
         // Columns of tops and bases as lines, of which those cells are there that can be looked at.
         let (mut tops, mut bases) = (Vec::new(), Vec::new());
-        let (mut strip, mut low, mut width) = (usize::MAX, 0, 0);
+        let (mut strip, mut low, mut width) = (0..0, 0, 0);
+        // Line of sight in that strip.
+        let mut found = StripBits::new(n_rows);
         let own_base = match self.receivers {
             ReceiverHeights::Over { base, .. } if self.bases.is_some() => Some(base),
             _ => None,
@@ -336,8 +338,9 @@ impl Sweep<'_> {
             let tiles = self.tile_line(of_tile.tile, (first.0, last.2), (1, per_row));
             wedge.look_ahead(simd, &frame, first.1, Some(&tiles));
             let turned = of_tile.first / STRIP * STRIP..((of_tile.first / STRIP + 1) * STRIP).min(n_cols);
-            if strip != turned.start {
-                strip = turned.start;
+            if strip != turned {
+                found.move_to(&self.rows, strip.start / STRIP);
+                strip = turned.clone();
                 let (a, b) = (distances(turned.start), distances(turned.end - 1));
                 let reach = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
                 let rows = usize::try_from(reach.0).unwrap_or(0)..usize::try_from(reach.1).unwrap_or(0);
@@ -361,12 +364,14 @@ impl Sweep<'_> {
                         LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
+                let bits = LineBits::Column(&mut found, col % STRIP);
                 let mut verdicts =
-                    LineVerdicts::new(self, (Across::Column, col, outward), &line, &receivers, (&mut asked, &mut seen));
+                    LineVerdicts::new(self, bits, (col, outward), &line, &receivers, (&mut asked, &mut seen));
                 wedge.pass(simd, &frame, &line, &receivers, &mut verdicts);
             });
             !wedge.is_done()
         });
+        found.move_to(&self.rows, strip.start / STRIP);
         self.undecided.fetch_add(asked, Ordering::Relaxed);
     }
 

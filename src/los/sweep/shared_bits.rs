@@ -1,8 +1,6 @@
-//! Bits of a sweep, written by several threads: those of two quadrants by row, those of the others by column.
+//! Bits of a sweep, written by several threads row by row; those of columns are turned into rows strip by strip.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-
-use rayon::prelude::*;
 
 use crate::raster::BitGrid;
 
@@ -41,31 +39,45 @@ impl SharedBits {
     }
 }
 
-/// Rows that several threads found, and columns that they found, together: the bits of either in cells of `wanted`.
-pub(super) fn rows_and_columns(rows: &SharedBits, cols: &SharedBits, wanted: &BitGrid) -> BitGrid {
-    let n_cols = wanted.n_cols();
-    let mut los = BitGrid::new(wanted.n_rows(), n_cols);
-    let per_row = los.words_per_row();
-    los.words_mut().par_chunks_mut(64 * per_row).enumerate().for_each(|(band, out)| {
-        let n_band = out.len() / per_row;
-        for word in 0..per_row {
-            let mut block = [0_u64; 64];
-            let n_here = (n_cols - 64 * word).min(64);
-            let mut any = 0;
-            for (k, bits) in block.iter_mut().enumerate().take(n_here) {
-                *bits = cols.line(64 * word + k)[band].load(Ordering::Relaxed);
-                any |= *bits;
+impl SharedBits {
+    /// The bits as a set of cells, of `n_cols` to a line.
+    pub(super) fn into_grid(self, n_cols: usize) -> BitGrid {
+        BitGrid::from_words(n_cols, self.words.into_iter().map(AtomicU64::into_inner).collect())
+    }
+}
+
+/// Bits of a strip of 64 columns, written by one thread column by column.
+pub(super) struct StripBits {
+    /// Of each column 64 rows to a word, all columns of the same rows together.
+    blocks: Vec<[u64; 64]>,
+}
+
+impl StripBits {
+    /// None of them set.
+    pub(super) fn new(n_rows: usize) -> Self {
+        StripBits { blocks: vec![[0; 64]; n_rows.div_ceil(64)] }
+    }
+
+    /// Adds bits to word `word` of a column of the strip.
+    #[inline]
+    pub(super) fn add(&mut self, column: usize, word: usize, bits: u64) {
+        self.blocks[word][column] |= bits;
+    }
+
+    /// Moves all bits to `rows`, of which the strip is word `word`.
+    pub(super) fn move_to(&mut self, rows: &SharedBits, word: usize) {
+        for (band, block) in self.blocks.iter_mut().enumerate() {
+            if block.iter().fold(0, |any, bits| any | bits) == 0 {
+                continue;
             }
-            if any != 0 {
-                transpose(&mut block);
-            }
-            for k in 0..n_band {
-                let own = rows.line(64 * band + k)[word].load(Ordering::Relaxed);
-                out[k * per_row + word] = (own | block[k]) & wanted.row(64 * band + k)[word];
+            transpose(block);
+            for (k, bits) in block.iter_mut().enumerate() {
+                if *bits != 0 {
+                    rows.add(64 * band + k, word, std::mem::take(bits), true);
+                }
             }
         }
-    });
-    los
+    }
 }
 
 /// Turns a block of bits over: bit `c` of word `r` becomes bit `r` of word `c` (Warren, Hacker's Delight, 7-3).

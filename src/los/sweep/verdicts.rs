@@ -2,16 +2,25 @@
 
 use super::super::columns_lines::columns_los_over_lines;
 use super::kernels::{AZIMUTH_BITS, Decided, LineReceivers};
-use super::shared_bits::SharedBits;
+use super::shared_bits::{SharedBits, StripBits};
 use super::suspects::{Lines, Suspects, edges_of};
 use super::wedge::{Line, Verdicts};
 use super::{Across, CELL, Sweep, as_i64};
 use crate::quantity::LatticePoint;
 use crate::raster::set_bits;
 
+/// Where the bits of a line go.
+pub(super) enum LineBits<'a> {
+    /// Of a row: to its words.
+    Row(&'a SharedBits),
+    /// Of a column: to that of this number in a strip.
+    Column(&'a mut StripBits, usize),
+}
+
 /// The receivers of one line.
 pub(super) struct LineVerdicts<'a> {
     sweep: &'a Sweep<'a>,
+    bits: LineBits<'a>,
     across: Across,
     /// The row or column that the line is, and 1 if rows or columns have rising numbers on the way out, else −1.
     index: usize,
@@ -27,20 +36,25 @@ pub(super) struct LineVerdicts<'a> {
 impl<'a> LineVerdicts<'a> {
     pub(super) fn new(
         sweep: &'a Sweep<'a>,
-        (across, index, outward): (Across, usize, i64),
+        bits: LineBits<'a>,
+        (index, outward): (usize, i64),
         line: &'a Line<'a>,
         receivers: &'a LineReceivers<'a>,
         (asked, seen): (&'a mut u64, &'a mut Vec<u32>),
     ) -> Self {
-        LineVerdicts { sweep, across, index, outward, line, receivers, asked, seen }
+        let across = match bits {
+            LineBits::Row(_) => Across::Row,
+            LineBits::Column(..) => Across::Column,
+        };
+        LineVerdicts { sweep, bits, across, index, outward, line, receivers, asked, seen }
     }
 
-    /// The bits of lines of this kind.
+    /// Adds bits to a word of the line, which may hold some of another wedge if it is shared.
     #[inline(always)]
-    fn bits(&self) -> &SharedBits {
-        match self.across {
-            Across::Row => &self.sweep.rows,
-            Across::Column => &self.sweep.cols,
+    fn add(&mut self, word: usize, bits: u64, is_shared: bool) {
+        match &mut self.bits {
+            LineBits::Row(rows) => rows.add(self.index, word, bits, is_shared),
+            LineBits::Column(strip, column) => strip.add(*column, word, bits),
         }
     }
 
@@ -57,7 +71,7 @@ impl<'a> LineVerdicts<'a> {
 impl Verdicts for LineVerdicts<'_> {
     #[inline(always)]
     fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64 {
-        self.bits().add(self.index, word, decided.los, is_shared);
+        self.add(word, decided.los, is_shared);
         match self.across {
             _ if self.sweep.is_all_wanted => decided.undecided,
             Across::Row => decided.undecided & self.sweep.wanted.row(self.index)[word],
@@ -92,9 +106,9 @@ impl Verdicts for LineVerdicts<'_> {
                 n_seen += 1;
             }
         }
-        for cell in &self.seen[..n_seen] {
-            let word = *cell as usize / 64;
-            self.bits().add(self.index, word, 1 << (cell % 64), suspects.is_shared(word));
+        for k in 0..n_seen {
+            let (word, bit) = (self.seen[k] as usize / 64, self.seen[k] % 64);
+            self.add(word, 1 << bit, suspects.is_shared(word));
         }
     }
 }
