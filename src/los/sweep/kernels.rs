@@ -23,7 +23,7 @@ pub(super) const NOTHING: f32 = -1e30;
 /// Room that vectors may read or write before and after the part of a buffer that is in use.
 pub(super) const PAD: usize = 128;
 /// The same among bins and cells, which are counted with a sign.
-const PAD_I64: i64 = 128;
+pub(super) const PAD_I64: i64 = 128;
 
 /// Bits of an azimuth in fixed point.
 pub(super) const AZIMUTH_BITS: u32 = 36;
@@ -41,8 +41,6 @@ pub(super) struct EdgeMap {
     pub(super) uav: i64,
     /// Bits below the cell index: those of the lattice and of the level of the bins.
     pub(super) shift: u32,
-    /// Lateral index of the first cell of the line buffer, which lies at [`PAD`] there.
-    pub(super) first_cell: i64,
 }
 
 impl EdgeMap {
@@ -82,60 +80,59 @@ fn lane_numbers<S: Simd>(simd: S) -> S::i32s {
     S::i32s::from_slice(simd, &NUMBERS[..S::i32s::LEN])
 }
 
-/// How far the edges of bins are apart at the two distances between which a line lies, lane by lane.
+/// How far the edges of bins are apart at a distance, lane by lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeSteps<S: Simd> {
-    a: i64,
-    e: i64,
-    steps_a: S::u32s,
-    steps_e: S::u32s,
+    y: i64,
+    steps: S::u32s,
 }
 
 impl<S: Simd> EdgeSteps<S> {
-    /// For a line from distance `a` to `e`.
+    /// At distance `y`.
     #[inline(always)]
-    pub(super) fn new(simd: S, (a, e): (i64, i64)) -> Self {
-        // EXACT: 0 ≤ a < e ≤ 2^26, and at most 16 lanes.
+    pub(super) fn new(simd: S, y: i64) -> Self {
+        // EXACT: 0 ≤ y ≤ 2^26, and at most 16 lanes.
         #[expect(clippy::cast_possible_truncation, reason = "at most 2^26")]
-        let steps = |y: i64| -> S::u32s { (lane_numbers(simd) * S::i32s::splat(simd, y as i32)).bitcast() };
-        EdgeSteps { a, e, steps_a: steps(a), steps_e: steps(e) }
+        let steps: S::u32s = (lane_numbers(simd) * S::i32s::splat(simd, y as i32)).bitcast();
+        EdgeSteps { y, steps }
     }
 }
 
-/// Looks up the heights of the cells under the edges `first..first + count`, where rays enter the line and where they
-/// exit it; both from index 0 on. On a border between cells entries take the cell before it if `is_before`.
+/// Looks up the heights of the cells under the edges `first..first + count` in some lines, the first of them at index 0: of
+/// lateral cell `c` they are at `c + PAD` of each line. On a border between cells that is the cell before it if `is_before`.
 #[inline(always)]
-pub(super) fn look_up_edges<S: Simd>(
+pub(super) fn look_up_edges<S: Simd, const N: usize>(
     simd: S,
     map: EdgeMap,
-    line: &[f32],
+    lines: [&[f32]; N],
     (first, count): (i64, usize),
-    steps: &EdgeSteps<S>,
+    edges: &EdgeSteps<S>,
     is_before: bool,
-    (entries, exits): (&mut [f32], &mut [f32]),
+    found: [&mut [f32]; N],
 ) {
     let n = S::f32s::LEN;
-    let EdgeSteps { a, e, steps_a, steps_e } = *steps;
-    let lanes = i64::try_from(n).unwrap_or(16);
-    let start = (map.first_cell - PAD_I64) << map.shift;
-    let (mut at_a, mut at_e) = (map.uav + first * a - i64::from(is_before) - start, map.uav + first * e - start);
-    for (entries, exits) in entries.chunks_exact_mut(n).zip(exits.chunks_exact_mut(n)).take(count.div_ceil(n)) {
-        look_up_cells(simd, map.shift, line, at_a, steps_a).store_slice(entries);
-        look_up_cells(simd, map.shift, line, at_e, steps_e).store_slice(exits);
-        at_a += lanes * a;
-        at_e += lanes * e;
+    let EdgeSteps { y, steps } = *edges;
+    let step = as_i64(n) * y;
+    let mut at = map.uav + first * y - i64::from(is_before) + (PAD_I64 << map.shift);
+    // PERF: of one length, so that little is checked within the loop.
+    let (len, n_found) = (lines[0].len(), count.next_multiple_of(n));
+    assert!(len >= n);
+    let lines = lines.map(|line| &line[..len]);
+    let found = found.map(|found| &mut found[..n_found]);
+    // Beside the raster all cells are alike.
+    let last = len - n;
+    for i in (0..n_found).step_by(n) {
+        // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27, all lanes stay below 2^31, and as many edges
+        // as there are lanes lie over as many cells.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
+        let within = (at & ((1_i64 << map.shift) - 1)) as u32;
+        let index = (S::u32s::splat(simd, within) + steps) >> map.shift;
+        let start = usize::try_from(at >> map.shift).unwrap_or(0).min(last);
+        for k in 0..N {
+            permuted(simd, &lines[k][start..start + n], index).store_slice(&mut found[k][i..i + n]);
+        }
+        at += step;
     }
-}
-
-/// Values of the cells under edges, the first of them at `at` from the first value of `line`, and each a step farther.
-#[inline(always)]
-fn look_up_cells<S: Simd>(simd: S, shift: u32, line: &[f32], at: i64, steps: S::u32s) -> S::f32s {
-    // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27, all lanes stay below 2^31, and as many edges
-    // as there are lanes lie over as many cells.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
-    let within = (at & ((1_i64 << shift) - 1)) as u32;
-    let cells = &line[to_index(at >> shift)..][..S::f32s::LEN];
-    permuted(simd, cells, (S::u32s::splat(simd, within) + steps) >> shift)
 }
 
 /// A place in a buffer; one before its beginning is far beyond its end.
@@ -568,35 +565,49 @@ pub(super) fn decide_line<S: Simd>(
     cells: std::ops::Range<usize>,
     word: &mut impl FnMut(usize, Decided),
 ) {
+    // PERF: a loop for each, not a choice in every vector.
+    match receivers {
+        LineReceivers::Flat(_) => decide_words::<S, true>(simd, bounds, lanes_of, (&[], 0, 0), cells, word),
+        LineReceivers::Over { base, first, above } => {
+            decide_words::<S, false>(simd, bounds, lanes_of, (base, *first, *above), cells, word);
+        }
+    }
+}
+
+/// Decides receivers that are all alike, or those of [`LineReceivers::Over`].
+#[inline(always)]
+fn decide_words<S: Simd, const IS_FLAT: bool>(
+    simd: S,
+    bounds: &Bounds<'_>,
+    lanes_of: &ReceiverLanes<S>,
+    (base, first, above): (&[i32], i64, i32),
+    cells: std::ops::Range<usize>,
+    word: &mut impl FnMut(usize, Decided),
+) {
     let ReceiverLanes { map, wholes, rests, per_distance, flat } = *lanes_of;
     let lanes = S::f32s::LEN;
+    let above = S::i32s::splat(simd, above);
     let start = cells.start / lanes * lanes;
     let mut place = map.place(as_i64(start)) + ((PAD_I64 - bounds.first_bin) << PLACE_BITS);
     let step = as_i64(lanes) * map.step;
+    let bounds = [bounds.upper, &bounds.lower[..bounds.upper.len()]];
     let mut padded = [0; 64];
     for index in cells.start / 64..cells.end.div_ceil(64) {
         let (from, to) = (cells.start.max(64 * index) - 64 * index, cells.end.min(64 * index + 64) - 64 * index);
-        let (heights, above) = match receivers {
-            LineReceivers::Flat(_) => (&padded, 0),
-            LineReceivers::Over { base, first, above } => {
-                (word_of(base, as_i64(64 * index) - first, &mut padded), *above)
-            }
-        };
-        let above = S::i32s::splat(simd, above);
+        let heights = if IS_FLAT { &padded } else { word_of(base, as_i64(64 * index) - first, &mut padded) };
+        let vectors = from / lanes * lanes..to.next_multiple_of(lanes);
         let (mut los, mut nlos) = (0, 0);
-        for (v, heights) in heights.chunks_exact(lanes).enumerate().take(to.div_ceil(lanes)).skip(from / lanes) {
+        for (bit, heights) in vectors.clone().step_by(lanes).zip(heights[vectors].chunks_exact(lanes)) {
             // EXACT: both rests are below 2^31, and each is rounded down by less than 2^-31 of a bin.
             let carries: S::u32s = (S::u32s::splat(simd, rest(place)) + rests) >> LANE_BITS;
-            let [upper, lower] =
-                tables(simd, [bounds.upper, bounds.lower], to_index(place >> PLACE_BITS), wholes + carries);
-            let slope = match receivers {
-                LineReceivers::Flat(_) => flat,
-                LineReceivers::Over { .. } => {
-                    (S::i32s::from_slice(simd, heights) + above).to_float::<S::f32s>() * per_distance
-                }
+            let [upper, lower] = tables(simd, bounds, to_index(place >> PLACE_BITS), wholes + carries);
+            let slope = if IS_FLAT {
+                flat
+            } else {
+                (S::i32s::from_slice(simd, heights) + above).to_float::<S::f32s>() * per_distance
             };
-            los |= slope.simd_gt(upper).to_bitmask() << (v * lanes);
-            nlos |= slope.simd_lt(lower).to_bitmask() << (v * lanes);
+            los |= slope.simd_gt(upper).to_bitmask() << bit;
+            nlos |= slope.simd_lt(lower).to_bitmask() << bit;
             place += step;
         }
         let within = (u64::MAX << from) & (u64::MAX >> (64 - to));

@@ -30,13 +30,12 @@
 //! outcome is that of `ray`, cell for cell.
 //!
 //! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
-//! problem: where the ray meets e exactly on a border between cells, look-ups take the cell to the right, and the ray may
-//! have come through the left one (t > 0) or through the right one (t < 0). A ray with t = 0 leads to the center of a cell,
-//! so that it is never on a border. For t > 0 the bin to the left of the edge has both cells; for t < 0 the one to the
-//! right has the cell that counts. So receivers on an edge belong to the bin towards the axis, and on the axis to the left
-//! one. Where such a ray enters a line exactly on a border at a, it goes on into the right cell (t > 0), which the left bin
-//! has, or into the left one (t < 0). For t < 0 look-ups at a take the cell to the left of a border, so that the right bin has
-//! it; `upper` misses nothing by that, since all other rays of either bin are to one side of the edge.
+//! problem: where the ray meets a or e exactly on a border between cells, a look-up takes one of them, and the ray is in the
+//! other one before or after. For t > 0 the ray comes out of the left cell and goes on into the right one, and look-ups take
+//! the right one: the bin to the left of the edge has both, since its other edge is less than a cell away. For t < 0 all is
+//! mirrored: look-ups take the left cell, and the bin to the right of the edge has both. So receivers on an edge belong to
+//! the bin towards the axis, and on the axis to the left one: a ray with t = 0 leads to the center of a cell, so that it is
+//! never on a border. All other rays of either bin are to one side of the edge, where the bin has the cell.
 //!
 //! # Rounding
 //!
@@ -55,6 +54,8 @@
 //! * Cells under edges are looked up with a permutation of one vector, since neighbors are less than a cell apart, and the
 //!   bounds of receivers with one of two. All instruction sets do the same operations in the same order: the bits are the
 //!   same.
+//! * Rays exit a line where they enter the next one, so a line raises the bounds when the next one is entered, and cells are
+//!   looked up in both by one reckoning of places.
 //! * Near lines need few bins: a bin splits in two, which inherit its bounds, when the next line asks for narrower ones.
 //!   Bins twice as fine leave fewer receivers undecided, by a sixth to a quarter, but cost as much as these walks do.
 //! * Bins in which no later receiver can be LoS retire, 32 at a time; in dense cities nearly all do.
@@ -98,7 +99,7 @@ use self::line_order::{STRIP, for_tile_lines, turn};
 use self::shared_bits::{SharedBits, StripBits};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
 use self::verdicts::{LineBits, LineVerdicts};
-use self::wedge::{Line, MAX_PARTS, NEAR, TileLine, Wedge, WedgeFrame};
+use self::wedge::{Ahead, Line, MAX_PARTS, NEAR, TileLine, Wedge, WedgeFrame};
 use super::columns_lines::Across;
 use super::columns_los;
 use crate::height_field::{Columns, TileMaxima};
@@ -284,8 +285,8 @@ impl Sweep<'_> {
             if last.2 <= 0 {
                 return true;
             }
-            let tiles = self.tile_line(rows.tile, (first.0, last.2), (per_row, 1));
-            wedge.look_ahead(simd, &frame, first.1, Some(&tiles));
+            let tiles = Some(self.tile_line(rows.tile, (per_row, 1)));
+            wedge.look_ahead(simd, &frame, &Ahead { near: first.0, center: first.1, far: last.2, tiles });
             rows.each(|row| {
                 let (near, center, far) = distances(row);
                 if far <= 0 {
@@ -335,8 +336,8 @@ impl Sweep<'_> {
             if last.2 <= 0 {
                 return true;
             }
-            let tiles = self.tile_line(of_tile.tile, (first.0, last.2), (1, per_row));
-            wedge.look_ahead(simd, &frame, first.1, Some(&tiles));
+            let tiles = Some(self.tile_line(of_tile.tile, (1, per_row)));
+            wedge.look_ahead(simd, &frame, &Ahead { near: first.0, center: first.1, far: last.2, tiles });
             let turned = of_tile.first / STRIP * STRIP..((of_tile.first / STRIP + 1) * STRIP).min(n_cols);
             if strip != turned {
                 found.move_to(&self.rows, strip.start / STRIP);
@@ -375,9 +376,8 @@ impl Sweep<'_> {
         self.undecided.fetch_add(asked, Ordering::Relaxed);
     }
 
-    /// The tiles of some rows or columns of cells, which lie between two distances; tiles have `strides` to the next
-    /// lines of tiles and along them.
-    fn tile_line(&self, number: usize, (near, far): (i64, i64), (across, stride): (usize, usize)) -> TileLine<'_> {
+    /// The tiles of some rows or columns of cells; tiles have `strides` to the next lines of tiles and along them.
+    fn tile_line(&self, number: usize, (across, stride): (usize, usize)) -> TileLine<'_> {
         fn from(tiles: &TileMaxima, first: usize) -> &[i32] {
             &tiles.maxima()[first..]
         }
@@ -390,7 +390,7 @@ impl Sweep<'_> {
                 above.wrapping_sub(uav_z),
             ),
         };
-        TileLine { near, far, tops, bases, stride, above }
+        TileLine { tops, bases, stride, above }
     }
 
     fn ask(&self, row: usize, col: usize) -> bool {

@@ -12,7 +12,7 @@ use super::line_order::turn;
 use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
 use super::suspects::Suspects;
-use super::wedge::{Line, Verdicts, Wedge, WedgeFrame};
+use super::wedge::{Ahead, Line, Verdicts, Wedge, WedgeFrame};
 use super::{CELL, Quadrant, as_i64, parts};
 use crate::error::Result;
 use crate::height_field::TILE;
@@ -270,7 +270,9 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
             }
             let far = self.far_of(number);
             if number % TILE == 0 {
-                wedge.look_ahead(simd, &self.frame, far - CELL / 2, None);
+                let last = self.far_of(number + TILE - 1);
+                let ahead = Ahead { near: (far - CELL).max(0), center: far - CELL / 2, far: last, tiles: None };
+                wedge.look_ahead(simd, &self.frame, &ahead);
             }
             let cells = lines.start(number)..lines.start(number) + lines.width;
             let first = as_i64(lines.first);

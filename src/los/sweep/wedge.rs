@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 
 use super::bins::Bins;
 use super::kernels::{
-    Bounds, CELL_BITS, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, ReceiverLanes,
+    Bounds, CELL_BITS, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, PAD_I64, ReceiverLanes,
     ReceiverMap, SLACK, decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
 };
 use super::suspects::Suspects;
@@ -43,11 +43,39 @@ pub(super) struct Line<'a> {
     pub(super) far: i64,
 }
 
-/// The tiles that a line lies in, and between which distances from the UAV they do \[lattice steps\].
+/// The lines that a wedge comes to next, no more than a tile has.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ahead<'a> {
+    /// Distances from the UAV of the nearer edge of the first of them, of its centers, and of the farther edge of the last one
+    /// \[lattice steps\].
+    pub(super) near: i64,
+    pub(super) center: i64,
+    pub(super) far: i64,
+    /// The tiles that they lie in, if they are known.
+    pub(super) tiles: Option<TileLine<'a>>,
+}
+
+impl Ahead<'_> {
+    /// Whether these lines may change bounds of some bins, all of whose lower bounds are at least `lowest`, or hold a receiver
+    /// there that is not hidden: they have cells there, and if their tiles are known, a top or a receiver is as steep as that.
+    #[inline(always)]
+    fn may_matter(&self, frame: &WedgeFrame, map: &EdgeMap, (b0, b1): (i64, i64), lowest: f32) -> bool {
+        // On a border look-ups may take the cell before it.
+        let (low, high) = cells_between(map, (b0 - 1, b1), (self.near, self.far), frame);
+        if low >= high {
+            return false;
+        }
+        let Some(tiles) = self.tiles.as_ref().filter(|_| self.near >= NEAR) else { return true };
+        #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
+        let (highest, per_near, per_far) =
+            (tiles.highest((low, high), frame.uav_z) as f32, 1.0 / self.near as f32, 1.0 / self.far as f32);
+        (highest * per_near).max(highest * per_far) >= lowest - lowest.abs() * SLACK
+    }
+}
+
+/// A line of tiles across the direction of the sweep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileLine<'a> {
-    pub(super) near: i64,
-    pub(super) far: i64,
     /// The highest tops, the first tile of the line foremost, the next one `stride` farther.
     pub(super) tops: &'a [i32],
     /// The same of what receivers stand on, if they do not all have one height.
@@ -58,20 +86,6 @@ pub(super) struct TileLine<'a> {
 }
 
 impl TileLine<'_> {
-    /// Whether the tiles may change bounds of some bins, all of whose lower bounds are at least `lowest`, or hold a receiver
-    /// there that is not hidden: a top or a receiver is as steep as that.
-    #[inline(always)]
-    fn may_matter(&self, frame: &WedgeFrame, map: &EdgeMap, (b0, b1): (i64, i64), lowest: f32) -> bool {
-        let (low, high) = cells_between(map, (b0, b1), (self.near, self.far), frame);
-        if low >= high {
-            return false;
-        }
-        #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
-        let (highest, per_near, per_far) =
-            (self.highest((low, high), frame.uav_z) as f32, 1.0 / self.near as f32, 1.0 / self.far as f32);
-        (highest * per_near).max(highest * per_far) >= lowest - lowest.abs() * SLACK
-    }
-
     /// The highest top or receiver above the UAV over the lateral cells `cells`, which are not none.
     fn highest(&self, (from, to): (i64, i64), uav_z: i32) -> i32 {
         let tiles = from >> TILE_BITS..((to - 1) >> TILE_BITS) + 1;
@@ -126,23 +140,24 @@ pub(super) struct Wedge {
     active: Vec<(usize, usize)>,
     /// Of these, intervals of bins that the next lines may change, or see a receiver of.
     awake: Vec<(usize, usize)>,
-    line: Vec<f32>,
+    /// Heights above the UAV of the line that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`.
+    heights: Vec<f32>,
+    heights_before: Vec<f32>,
+    /// The line that was passed last, if its bounds are still to be raised: it shares its farther edge with the next line, and
+    /// cells under the edges of bins there are looked up in both at once.
+    pending: Option<LineSlopes>,
+    /// Where its farther edge is \[lattice steps from the UAV\].
+    far: i64,
+    /// Heights of the cells under the edges of bins, of edge `i` at `i`: where rays enter that line, where they exit it, and
+    /// where they enter the next one.
     entries: Vec<f32>,
     exits: Vec<f32>,
+    next_entries: Vec<f32>,
     /// The lateral cells of the line's receivers that are left to walks.
     open: Vec<u32>,
     n_lines: i32,
     /// The number of the first line of the present group.
     group_start: i32,
-}
-
-/// A line as all bins see it that pass over it.
-#[derive(Debug, Clone, Copy)]
-struct LineEdges<S: Simd> {
-    /// The bins that meet cells of the raster, from the first to after the last, or some more.
-    met: (i64, i64),
-    slopes: LineSlopes,
-    steps: EdgeSteps<S>,
 }
 
 impl Wedge {
@@ -156,9 +171,13 @@ impl Wedge {
             active: vec![(0, bins.len())],
             awake: vec![(0, bins.len())],
             bins,
-            line: Vec::new(),
+            heights: Vec::new(),
+            heights_before: Vec::new(),
+            pending: None,
+            far: 0,
             entries: Vec::new(),
             exits: Vec::new(),
+            next_entries: Vec::new(),
             open: Vec::new(),
             n_lines: 0,
             group_start: 1,
@@ -180,12 +199,11 @@ impl Wedge {
     }
 
     fn edge_map(&self, frame: &WedgeFrame) -> EdgeMap {
-        EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level, first_cell: 0 }
+        EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level }
     }
 
-    /// Makes bins narrower than a cell at distance `far`: a bin that splits in two hands its bounds down to both.
-    fn refine(&mut self, far: i64) {
-        let level = level_for(far).max(FIRST_LEVEL);
+    /// Makes bins as fine as `level`: a bin that splits in two hands its bounds down to both.
+    fn refine(&mut self, level: u32) {
         while self.level < level {
             self.bins.split();
             self.level += 1;
@@ -213,19 +231,18 @@ impl Wedge {
             || {
                 // The last line hides nobody.
                 let is_last = line.center >= frame.last_center;
-                if !is_last {
-                    self.refine(line.far);
+                let level = level_for(line.far).max(self.level);
+                if is_last || level > self.level {
+                    self.raise_pending(simd, frame);
                 }
                 self.n_lines += 1;
                 debug_assert!(self.n_lines - self.group_start < 1 << TILE_BITS);
+                if !is_last {
+                    self.refine(level);
+                    self.enter(simd, frame, line);
+                }
                 if line.far > NEAR {
                     self.decide(simd, frame, line, receivers, verdicts);
-                }
-                if !is_last {
-                    let edges = self.edges_of_line(simd, frame, line);
-                    for k in 0..self.awake.len() {
-                        self.advance(simd, frame, line, &edges, self.awake[k]);
-                    }
                 }
             },
         );
@@ -236,28 +253,6 @@ impl Wedge {
         // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
         // to each lattice line from inside (see the module).
         ReceiverMap::new(self.level, CELL / 2 - frame.uav_lateral, line.center, self.first >= 0)
-    }
-
-    /// What all intervals of bins share when they pass over a line.
-    #[inline(always)]
-    fn edges_of_line<S: Simd>(&self, simd: S, frame: &WedgeFrame, line: &Line<'_>) -> LineEdges<S> {
-        let map = self.edge_map(frame);
-        let (y_a, y_e) = (line.near, line.far);
-        let end = line.first + as_i64(line.tops.len());
-        let edge_at = |cell: i64, y: i64| (((cell << self.level) * CELL) - map.uav).div_euclid(y);
-        // Bins that pass beside the raster meet nothing here.
-        let met = match y_a {
-            0 => (i64::MIN, i64::MAX),
-            _ => (
-                edge_at(line.first, y_a).min(edge_at(line.first, y_e)) - 1,
-                edge_at(end, y_a).max(edge_at(end, y_e)) + 2,
-            ),
-        };
-        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-        let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
-        let slopes =
-            LineSlopes { per_near: per(y_a), per_far: per(y_e), number: self.n_lines, is_below: frame.is_below_uav };
-        LineEdges { met, slopes, steps: EdgeSteps::new(simd, (y_a, y_e)) }
     }
 
     #[inline(always)]
@@ -312,71 +307,94 @@ impl Wedge {
         self.open = open;
     }
 
+    /// Looks up where rays enter a line, and raises the bounds by the line before it.
     #[inline(always)]
-    fn advance<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &WedgeFrame,
-        line: &Line<'_>,
-        edges: &LineEdges<S>,
-        (from, to): (usize, usize),
-    ) {
-        let mut map = self.edge_map(frame);
-        let b0 = (self.first + as_i64(from)).max(edges.met.0);
-        let b1 = (self.first + as_i64(to)).min(edges.met.1);
-        let (y_a, y_e) = (line.near, line.far);
-        let end = line.first + as_i64(line.tops.len());
-        if b0 >= b1 {
-            return;
-        }
-        let low = map.cell(b0, y_a).min(map.cell(b0, y_e));
-        let high = map.cell(b1, y_a).max(map.cell(b1, y_e)) + 1;
-        if high <= line.first || low >= end {
-            return;
-        }
-        map.first_cell = low;
-        let used = usize::try_from(high - low).unwrap_or(0);
-        let n_bins = usize::try_from(b1 - b0).unwrap_or(0);
-        // Vectors run over the ends.
-        let room = used + 2 * PAD;
-        if self.line.len() < room {
-            self.line.resize(room, NOTHING);
-        }
-        let n_edges = n_bins + 1 + 2 * PAD;
+    fn enter<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, line: &Line<'_>) {
+        debug_assert!(self.pending.is_none() || self.far == line.near);
+        std::mem::swap(&mut self.heights, &mut self.heights_before);
+        // Vectors run over the ends, and all edges of bins have cells.
+        let n_edges = self.bins.len() + 2 * PAD;
         if self.entries.len() < n_edges {
-            self.entries.resize(n_edges, NOTHING);
-            self.exits.resize(n_edges, NOTHING);
-        }
-        let inside = (low.clamp(line.first, end), high.clamp(line.first, end));
-        let at = |cell: i64| usize::try_from(cell - low).unwrap_or(0) + PAD;
-        let source = |cell: i64| usize::try_from(cell - line.first).unwrap_or(0);
-        self.line[PAD..at(inside.0)].fill(NOTHING);
-        heights_above_uav(
-            simd,
-            &line.tops[source(inside.0)..source(inside.1)],
-            frame.uav_z,
-            &mut self.line[at(inside.0)..at(inside.1)],
-        );
-        self.line[at(inside.1)..at(high)].fill(NOTHING);
-
-        let looked_up = (&mut self.entries[..], &mut self.exits[..]);
-        look_up_edges(simd, map, &self.line, (b0, n_bins + 1), &edges.steps, self.first < 0, looked_up);
-        let start = usize::try_from(b0 - self.first).unwrap_or(0);
-        // Whole vectors first, then one by one: bins past the last may sleep, and must not remember this line.
-        let vectors = n_bins / S::f32s::LEN * S::f32s::LEN;
-        let bins = &mut self.bins;
-        raise_bounds(simd, (&self.entries, &self.exits), edges.slopes, &mut bins.slopes_of(start..start + vectors));
-        for i in vectors..n_bins {
-            let at_edges = |values: &[f32]| (values[i], values[i + 1]);
-            let (slope, proven) = edges.slopes.bounds(at_edges(&self.entries), at_edges(&self.exits));
-            let bin = PAD + start + i;
-            bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(slope));
-            if slope > bins.upper[bin] {
-                bins.steepest_line[bin] = edges.slopes.number;
-                bins.upper[bin] = slope;
+            for values in [&mut self.entries, &mut self.exits, &mut self.next_entries] {
+                values.resize(n_edges, NOTHING);
             }
-            bins.present[bin] = bins.present[bin].max(slope);
-            bins.lower[bin] = bins.lower[bin].max(proven);
+        }
+        let n_cells = usize::try_from(frame.n_lateral).unwrap_or(0) + 2 * PAD;
+        if self.heights.len() < n_cells {
+            self.heights.resize(n_cells, NOTHING);
+        }
+        let (map, steps) = (self.edge_map(frame), EdgeSteps::new(simd, line.near));
+        let end = line.first + as_i64(line.tops.len());
+        for &(from, to) in &self.awake {
+            let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
+            let low = map.cell(b0 - 1, line.near).min(map.cell(b0 - 1, line.far)).clamp(line.first, end);
+            let high = (map.cell(b1, line.near).max(map.cell(b1, line.far)) + 1).clamp(low, end);
+            let within = |from: i64| {
+                let at = |cell: i64| usize::try_from(cell - from).unwrap_or(0);
+                at(low)..at(high)
+            };
+            heights_above_uav(simd, &line.tops[within(line.first)], frame.uav_z, &mut self.heights[within(-PAD_I64)]);
+
+            let is_before = self.first < 0;
+            let edges = from..to + 1;
+            if self.pending.is_some() {
+                let heights = [&self.heights_before[..], &self.heights[..]];
+                let found = [&mut self.exits[edges.start..], &mut self.next_entries[edges.start..]];
+                look_up_edges(simd, map, heights, (b0, edges.len()), &steps, is_before, found);
+            } else {
+                let found = [&mut self.next_entries[edges.start..]];
+                look_up_edges(simd, map, [&self.heights[..]], (b0, edges.len()), &steps, is_before, found);
+            }
+        }
+        self.raise(simd);
+        std::mem::swap(&mut self.entries, &mut self.next_entries);
+        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
+        let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
+        self.pending = Some(LineSlopes {
+            per_near: per(line.near),
+            per_far: per(line.far),
+            number: self.n_lines,
+            is_below: frame.is_below_uav,
+        });
+        self.far = line.far;
+    }
+
+    /// Raises the bounds by the line that was passed last.
+    #[inline(always)]
+    fn raise_pending<S: Simd>(&mut self, simd: S, frame: &WedgeFrame) {
+        if self.pending.is_none() {
+            return;
+        }
+        let (map, steps) = (self.edge_map(frame), EdgeSteps::new(simd, self.far));
+        for &(from, to) in &self.awake {
+            let b0 = self.first + as_i64(from);
+            let found = [&mut self.exits[from..]];
+            look_up_edges(simd, map, [&self.heights[..]], (b0, to + 1 - from), &steps, self.first < 0, found);
+        }
+        self.raise(simd);
+    }
+
+    /// Raises the bounds by the line that was passed last, all of whose heights have been looked up.
+    #[inline(always)]
+    fn raise<S: Simd>(&mut self, simd: S) {
+        let Some(slopes) = self.pending.take() else { return };
+        for &(from, to) in &self.awake {
+            // Whole vectors first, then one by one: bins past the last may sleep, and must not remember this line.
+            let vectors = (to - from) / S::f32s::LEN * S::f32s::LEN;
+            let edges = (&self.entries[from..], &self.exits[from..]);
+            raise_bounds(simd, edges, slopes, &mut self.bins.slopes_of(from..from + vectors));
+            for i in from + vectors..to {
+                let at_edges = |values: &[f32]| (values[i], values[i + 1]);
+                let (slope, proven) = slopes.bounds(at_edges(&self.entries), at_edges(&self.exits));
+                let (bin, bins) = (PAD + i, &mut self.bins);
+                bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(slope));
+                if slope > bins.upper[bin] {
+                    bins.steepest_line[bin] = slopes.number;
+                    bins.upper[bin] = slope;
+                }
+                bins.present[bin] = bins.present[bin].max(slope);
+                bins.lower[bin] = bins.lower[bin].max(proven);
+            }
         }
     }
 
@@ -392,28 +410,22 @@ impl Wedge {
         lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
     }
 
-    /// Looks ahead from distance `center`: drops the bins in which no receiver from there on can be in line of sight, and
-    /// finds those that need not be looked at in the next lines, if the tiles are known that these lie in. Begins a group
-    /// of lines: call it before the first of any tiles, and never after more lines than a tile has.
-    pub(super) fn look_ahead<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &WedgeFrame,
-        center: i64,
-        tiles: Option<&TileLine<'_>>,
-    ) {
+    /// Looks ahead: drops the bins in which no receiver from there on can be in line of sight, and finds those that need not
+    /// be looked at in the next lines. Begins a group of lines: call it before the first of any tiles, and never after more
+    /// lines than a tile has.
+    pub(super) fn look_ahead<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, ahead: &Ahead<'_>) {
         simd.vectorize(
             #[inline(always)]
             || {
+                self.raise_pending(simd, frame);
                 // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
                 // Beside the UAV centers may be behind it.
-                let at = if frame.highest_receiver <= 0 { frame.last_center } else { center }.max(1);
+                let at = if frame.highest_receiver <= 0 { frame.last_center } else { ahead.center }.max(1);
                 #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
                 let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
                 let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
-                let tiles = tiles.filter(|tiles| tiles.near >= NEAR);
                 let map = self.edge_map(frame);
-                let lowest_slope = self.lowest_slope(frame, center);
+                let lowest_slope = self.lowest_slope(frame, ahead.center);
                 for &(from, to) in &self.awake {
                     end_group(simd, self.group_start, lowest_slope, &mut self.bins.groups_of(from..to));
                 }
@@ -429,7 +441,7 @@ impl Wedge {
                         }
                         append(&mut self.active, (start, end));
                         let bins = (self.first + as_i64(start), self.first + as_i64(end));
-                        if tiles.is_none_or(|tiles| tiles.may_matter(frame, &map, bins, lowest)) {
+                        if ahead.may_matter(frame, &map, bins, lowest) {
                             append(&mut self.awake, (start, end));
                         }
                     }
