@@ -290,7 +290,7 @@ impl Rows {
 /// Receivers 1.5 m above open ground.
 fn receivers(field: &HeightField) -> GridReceivers<'_> {
     let above = MapOptions::default().rx_height;
-    GridReceivers::new(field.cells().open.clone(), field.ground_of_cells(), above)
+    GridReceivers::new(&field.cells().open, field.ground_of_cells(), above)
 }
 
 /// How many cells apart those of a sample are; odd, so that a sample meets all columns.

@@ -49,10 +49,11 @@ impl<'a> RowSets<'a> {
     pub(super) fn words(&self) -> impl Iterator<Item = WordSets> {
         let (from, to) = self.in_range;
         (0..self.receivers.len()).map(move |k| {
-            let known = self.open[k] | self.building[k];
+            let receivers = self.receivers[k];
+            // PERF: memory of a set without cells is not touched, so that the kernel need not provide it.
+            let known = if receivers == u64::MAX { u64::MAX } else { self.open[k] | self.building[k] };
             // Most words are in range as a whole.
             let in_range = if from <= 64 * k && 64 * (k + 1) <= to { u64::MAX } else { bits_between(from, to, k) };
-            let receivers = self.receivers[k];
             WordSets {
                 receivers,
                 los: self.los[k],

@@ -1,5 +1,6 @@
 //! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -165,9 +166,9 @@ impl<'a> Mapper<'a> {
             return Err(Error::usage(118, text).with_hint("`--method auto`, or `--layers los` alone"));
         }
         let cells = field.cells();
-        let within = |cells: &BitGrid| match &options.within {
-            Some(within) => cells.clone().and(within),
-            None => cells.clone(),
+        let within = |cells: &'a BitGrid| match &options.within {
+            Some(within) => Cow::Owned(cells.clone().and(within)),
+            None => Cow::Borrowed(cells),
         };
         let ground = || GridReceivers::new(within(&cells.open), field.ground_of_cells(), options.rx_height);
         let roof = || GridReceivers::new(within(&cells.building), field.roof_of_cells(), options.rx_height);

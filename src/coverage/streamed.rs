@@ -253,8 +253,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
 /// The receivers of one kind in a part of the scene.
 fn receivers_of<'f>(field: &'f HeightField, stand: Stand, options: &MapOptions) -> GridReceivers<'f> {
     match stand {
-        Stand::Ground => GridReceivers::new(field.cells().open.clone(), field.ground_of_cells(), options.rx_height),
-        Stand::Roof => GridReceivers::new(field.cells().building.clone(), field.roof_of_cells(), options.rx_height),
+        Stand::Ground => GridReceivers::new(&field.cells().open, field.ground_of_cells(), options.rx_height),
+        Stand::Roof => GridReceivers::new(&field.cells().building, field.roof_of_cells(), options.rx_height),
     }
 }
 

@@ -169,7 +169,7 @@ impl Method {
 #[derive(Debug, Clone)]
 pub struct GridReceivers<'a> {
     /// The cells that hold one.
-    pub cells: BitGrid,
+    pub cells: Cow<'a, BitGrid>,
     /// What they stand on.
     stands_on: StandsOn<'a>,
     /// How high they are above it \[1/1024 m\].
@@ -182,7 +182,8 @@ pub struct GridReceivers<'a> {
 
 impl<'a> GridReceivers<'a> {
     /// Receivers on some cells, `above` \[1/1024 m\] over what they stand on.
-    pub fn new(cells: BitGrid, stands_on: StandsOn<'a>, above: i32) -> Self {
+    pub fn new(cells: impl Into<Cow<'a, BitGrid>>, stands_on: StandsOn<'a>, above: i32) -> Self {
+        let cells = cells.into();
         let range = match &stands_on {
             StandsOn::Flat(z) => (*z, *z),
             StandsOn::Tops(columns) => (columns.min_top(), columns.max_top()),

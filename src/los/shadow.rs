@@ -103,8 +103,22 @@ pub struct ShadowLos {
 /// checked).
 pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
     match plane_of(scene.grid, scene.wanted, uav) {
-        Some(plane) => cast_all(scene, &plane, &Receivers::Level(z), &Cast::new(scene.casters, &plane, (z, z))),
+        Some(plane) => {
+            let cast = Cast::new(scene.casters, &plane, (z, z));
+            cast_all(scene, scene.wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &Receivers::Level(z), &cast)
+        }
         None => nothing(scene),
+    }
+}
+
+/// Like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
+pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: LatticePoint, z: i64) -> BitGrid {
+    match plane_of(scene.grid, &cells, uav) {
+        Some(plane) => {
+            let cast = Cast::new(scene.casters, &plane, (z, z));
+            cast_all(scene, cells, &plane, &Receivers::Level(z), &cast).los
+        }
+        None => cells,
     }
 }
 
@@ -152,10 +166,13 @@ pub fn shadow_los_relief(
     }
     let relief = Receivers::Relief { heights, width };
     if level.count() * 4 < wanted.count() {
-        return cast_all(scene, &plane, &relief, &cast);
+        return cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast);
     }
     let on_some = |wanted: &BitGrid, receivers: &Receivers| match plane_of(scene.grid, wanted, uav) {
-        Some(plane) => cast_all(&ShadowScene { wanted, ..*scene }, &plane, receivers, &cast),
+        Some(plane) => {
+            let cells = wanted.in_rows(plane.rows.0..plane.rows.1);
+            cast_all(&ShadowScene { wanted, ..*scene }, cells, &plane, receivers, &cast)
+        }
         None => nothing(&ShadowScene { wanted, ..*scene }),
     };
     let one = on_some(&level, &Receivers::Level(i64::from(lowest)));
@@ -192,9 +209,15 @@ fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
     ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
 }
 
-/// Casts shadows on receivers of a scene.
-fn cast_all(scene: &ShadowScene<'_>, plane: &Plane, receivers: &Receivers, cast: &Cast<'_>) -> ShadowLos {
-    let mut los = scene.wanted.in_rows(plane.rows.0..plane.rows.1);
+/// Casts shadows on receivers of a scene; `los` are all the cells that hold one, and become those in line of sight.
+fn cast_all(
+    scene: &ShadowScene<'_>,
+    mut los: BitGrid,
+    plane: &Plane,
+    receivers: &Receivers,
+    cast: &Cast<'_>,
+) -> ShadowLos {
+    let at_uav = cells_at_uav(scene.grid, plane, &los);
     let words_per_row = los.words_per_row();
     let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
     let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
@@ -202,7 +225,7 @@ fn cast_all(scene: &ShadowScene<'_>, plane: &Plane, receivers: &Receivers, cast:
     let in_band = |(k, words): (usize, &mut [u64])| {
         let first = plane.rows.0 + k * rows_per_band;
         let rows = (first, first + words.len() / words_per_row);
-        let job = BandJob { scene, plane, receivers, rows };
+        let job = BandJob { scene, plane, receivers, rows, at_uav: &at_uav };
         dispatch!(scene.level, simd => job.cast(simd, cast, words))
     };
     let bands = &mut los.words_mut()[first..end];
@@ -242,12 +265,26 @@ pub(super) fn plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -
     Some(Plane::new(grid, uav, rows, cols))
 }
 
+/// The wanted cells right below or above the UAV, of which no shadow tells.
+pub(super) fn cells_at_uav(grid: &ShadowGrid, plane: &Plane, wanted: &BitGrid) -> Vec<(usize, usize)> {
+    let (x, y) = (plane.uav.x, plane.uav.y);
+    let cols = grid.xs.partition_point(|at| *at < x)..grid.xs.partition_point(|at| *at <= x);
+    let rows = grid.ys.partition_point(|at| *at > y)..grid.ys.partition_point(|at| *at >= y);
+    let within = |cells: std::ops::Range<usize>, (first, end): Span| cells.start.max(first)..cells.end.min(end);
+    within(rows, plane.rows)
+        .flat_map(|row| within(cols.clone(), plane.cols).map(move |col| (row, col)))
+        .filter(|(row, col)| wanted.contains(*row, *col))
+        .collect()
+}
+
 /// One band of rows.
 pub(super) struct BandJob<'a> {
     pub(super) scene: &'a ShadowScene<'a>,
     pub(super) plane: &'a Plane,
     pub(super) receivers: &'a Receivers,
     pub(super) rows: (usize, usize),
+    /// The wanted cells right below or above the UAV.
+    pub(super) at_uav: &'a [(usize, usize)],
 }
 
 /// A run of cells of a row that are on the boundary of some shadow, or so near that rounding matters.
@@ -490,18 +527,12 @@ impl BandJob<'_> {
     /// Asks `ray` about all doubts that are still open, and about the cell right below or above the UAV.
     pub(super) fn settle(&self, band: &mut Band<'_>) -> u64 {
         let (uav, grid) = (self.plane.uav, self.scene.grid);
-        let mut cells: Vec<(usize, usize)> = Vec::new();
+        let mut cells: Vec<(usize, usize)> =
+            self.at_uav.iter().copied().filter(|(row, _)| (self.rows.0..self.rows.1).contains(row)).collect();
         for doubt in std::mem::take(&mut band.doubts) {
             let row = doubt.row as usize;
             let cols = (doubt.cols.0 as usize, doubt.cols.1 as usize);
             for_each_bit(band.row_mut(row - self.rows.0), cols.0, cols.1, |col| cells.push((row, col)));
-        }
-        let cols = grid.xs.partition_point(|x| *x < uav.x)..grid.xs.partition_point(|x| *x <= uav.x);
-        let rows = grid.ys.partition_point(|y| *y > uav.y)..grid.ys.partition_point(|y| *y >= uav.y);
-        let (first, end) = self.plane.cols;
-        for row in rows.start.max(self.rows.0)..rows.end.min(self.rows.1) {
-            let cols = (cols.start.max(first)..cols.end.min(end)).filter(|col| self.scene.wanted.contains(row, *col));
-            cells.extend(cols.map(|col| (row, col)));
         }
         cells.sort_unstable();
         cells.dedup();

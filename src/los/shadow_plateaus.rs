@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 use super::columns_ray::columns_los;
 use super::prisms_ray::prisms_los;
-use super::shadow::{ShadowScene, plane_of, shadow_los};
+use super::shadow::{ShadowScene, plane_of, shadow_los, shadow_los_among};
 use super::shadow_grid::ShadowGrid;
 use super::shadow_horizon::{Sight, sort_by_horizon};
 use super::shadow_outline::{Outline, Plane, Reach, Rows};
@@ -69,9 +69,9 @@ pub struct PlateauScene<'a> {
 }
 
 impl PlateauScene<'_> {
-    /// Some prisms over its grid, and the cells to decide.
-    fn with_prisms<'a>(&'a self, prisms: &'a Prisms, wanted: &'a BitGrid) -> ShadowScene<'a> {
-        let PlateauScene { grid, level, n_bands, .. } = *self;
+    /// Some prisms over its grid.
+    fn with_prisms<'a>(&'a self, prisms: &'a Prisms) -> ShadowScene<'a> {
+        let PlateauScene { grid, wanted, level, n_bands, .. } = *self;
         ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level, n_bands }
     }
 }
@@ -94,15 +94,15 @@ pub(super) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView)
         OnPlateaus::Level(z) => z,
         OnPlateaus::Above(above) => i64::from(top) + i64::from(above),
     };
-    let level_los =
-        |wanted: &BitGrid, z: i64| shadow_los(&scene.with_prisms(view.prisms_for(plateaus, z), wanted), uav, z).los;
+    let at_level = |z: i64| scene.with_prisms(view.prisms_for(plateaus, z));
     let mut los = match receivers {
-        OnPlateaus::Level(z) => level_los(scene.wanted, z),
+        OnPlateaus::Level(z) => shadow_los(&at_level(z), uav, z).los,
         OnPlateaus::Above(above) => {
             let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return scene.wanted.clone() };
             let mut on_ground = scene.wanted.in_rows(plane.rows.0..plane.rows.1);
             plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau, plane.rows));
-            let mut los = level_los(&on_ground, height(plateaus.ground()));
+            let z = height(plateaus.ground());
+            let mut los = shadow_los_among(&at_level(z), on_ground, uav, z);
             on_plateaus_apart(scene, view, (&plane, above), &mut los);
             los
         }

@@ -20,7 +20,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::shadow::{Band, BandJob, Receivers, ShadowScene, extent_of, plane_of};
+use super::shadow::{Band, BandJob, Receivers, ShadowScene, cells_at_uav, extent_of, plane_of};
 use super::shadow_cast::distance_squared;
 use super::shadow_grid::ShadowGrid;
 use super::shadow_outline::{Outline, Plane, Reach};
@@ -175,7 +175,8 @@ impl UavPositions<'_> {
         let scene = self.scene(&wanted);
         let Some(plane) = plane_of(scene.grid, scene.wanted, receiver) else { return };
         let (words_per_row, n_rows) = (wanted.words_per_row(), wanted.n_rows());
-        let job = BandJob { scene: &scene, plane: &plane, receivers: &Receivers::Level(self.z), rows: (0, n_rows) };
+        let (receivers, at_uav) = (&Receivers::Level(self.z), &cells_at_uav(scene.grid, &plane, scene.wanted));
+        let job = BandJob { scene: &scene, plane: &plane, receivers, rows: (0, n_rows), at_uav };
         let mut left = Band::new(asked.words_mut(), words_per_row);
         let mut outline = Outline::default();
         for &k in &in_view.casters {

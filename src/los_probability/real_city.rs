@@ -76,7 +76,7 @@ impl<'a> RealCity<'a> {
         RealCity {
             field,
             engine: GridLos::new(field, method),
-            receivers: GridReceivers::new(field.cells().open.clone(), field.ground_of_cells(), rx_height),
+            receivers: GridReceivers::new(&field.cells().open, field.ground_of_cells(), rx_height),
             meters_per_unit,
             blocks: CellBlocks::new(field.grid(), meters_per_unit, block_m),
         }
@@ -85,7 +85,7 @@ impl<'a> RealCity<'a> {
     /// The same city with users on some of the cells alone, such as those of a zone.
     #[must_use]
     pub fn with_users(mut self, cells: &BitGrid) -> Self {
-        self.receivers.cells = self.field.cells().open.clone().and(cells);
+        self.receivers.cells = self.field.cells().open.clone().and(cells).into();
         self
     }
 

@@ -1,5 +1,6 @@
 //! One bit per cell, 64 cells to a word: sets of cells that are combined and counted word by word.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A set of cells of a grid of shape `[n_rows, n_cols]`, row 0 north.
@@ -134,6 +135,18 @@ impl BitGrid {
     /// Number of cells in the set.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
+    }
+}
+
+impl From<BitGrid> for Cow<'_, BitGrid> {
+    fn from(cells: BitGrid) -> Self {
+        Cow::Owned(cells)
+    }
+}
+
+impl<'a> From<&'a BitGrid> for Cow<'a, BitGrid> {
+    fn from(cells: &'a BitGrid) -> Self {
+        Cow::Borrowed(cells)
     }
 }
 
