@@ -99,7 +99,7 @@ use self::line_order::{STRIP, for_tile_lines, turn};
 use self::shared_bits::{SharedBits, StripBits};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
 use self::verdicts::{LineBits, LineVerdicts};
-use self::wedge::{Ahead, Line, MAX_PARTS, NEAR, TileLine, Wedge, WedgeFrame};
+use self::wedge::{Ahead, Line, MAX_PARTS, NEAR, TileLine, TileReceivers, Wedge, WedgeFrame};
 use super::columns_lines::Across;
 use super::columns_los;
 use crate::height_field::{Columns, TileMaxima};
@@ -381,16 +381,16 @@ impl Sweep<'_> {
         fn from(tiles: &TileMaxima, first: usize) -> &[i32] {
             &tiles.maxima()[first..]
         }
-        let uav_z = i32::try_from(self.uav.z).unwrap_or(i32::MAX);
-        let tops = from(self.columns.tiles(), number * across);
-        let (bases, above) = match self.receivers {
-            ReceiverHeights::Flat(z) => (None, z.wrapping_sub(uav_z)),
-            ReceiverHeights::Over { above, .. } => (
-                Some(from(self.bases.as_deref().unwrap_or(self.columns.tiles()), number * across)),
-                above.wrapping_sub(uav_z),
-            ),
+        let above_uav = |z: i32| z.wrapping_sub(i32::try_from(self.uav.z).unwrap_or(i32::MAX));
+        let first = number * across;
+        let receivers = match (self.receivers, self.bases.as_deref()) {
+            (ReceiverHeights::Flat(z), _) => TileReceivers::Flat(above_uav(z)),
+            (ReceiverHeights::Over { above, .. }, None) => TileReceivers::OnTops(above_uav(above)),
+            (ReceiverHeights::Over { above, .. }, Some(bases)) => {
+                TileReceivers::OnBases(from(bases, first), above_uav(above))
+            }
         };
-        TileLine { tops, bases, stride, above }
+        TileLine { tops: from(self.columns.tiles(), first), stride, receivers }
     }
 
     fn ask(&self, row: usize, col: usize) -> bool {

@@ -29,6 +29,9 @@ const PER_NOTHING: f32 = 1e25;
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
 
+/// Fewer bins than so many between others that are awake do not sleep: it would cost more than it spares.
+const SHORTEST_SLEEP: usize = 96;
+
 /// One line of cells across the direction of the sweep, as it is passed over.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
@@ -78,11 +81,19 @@ impl Ahead<'_> {
 pub(super) struct TileLine<'a> {
     /// The highest tops, the first tile of the line foremost, the next one `stride` farther.
     pub(super) tops: &'a [i32],
-    /// The same of what receivers stand on, if they do not all have one height.
-    pub(super) bases: Option<&'a [i32]>,
     pub(super) stride: usize,
-    /// How high receivers are above that, or what their one height is, less the height of the UAV.
-    pub(super) above: i32,
+    pub(super) receivers: TileReceivers<'a>,
+}
+
+/// How high the receivers of tiles are above the UAV \[1/1024 m\].
+#[derive(Debug, Clone, Copy)]
+pub(super) enum TileReceivers<'a> {
+    /// All alike.
+    Flat(i32),
+    /// So much more than the tops of their cells.
+    OnTops(i32),
+    /// So much more than the bases of their cells, the highest of which lie as the tops do.
+    OnBases(&'a [i32], i32),
 }
 
 impl TileLine<'_> {
@@ -94,8 +105,13 @@ impl TileLine<'_> {
             tiles.clone().filter_map(at).fold(i32::MIN, |a, b| a.max(*b))
         };
         // EXACT: known heights differ by less than 2^28; a void stays below all of them.
-        let top = highest(self.tops).saturating_sub(uav_z);
-        let receiver = self.bases.map_or(0, highest).saturating_add(self.above);
+        let top = highest(self.tops);
+        let receiver = match self.receivers {
+            TileReceivers::Flat(z) => z,
+            TileReceivers::OnTops(above) => top.saturating_add(above),
+            TileReceivers::OnBases(bases, above) => highest(bases).saturating_add(above),
+        };
+        let top = top.saturating_sub(uav_z);
         top.max(receiver)
     }
 }
@@ -439,10 +455,10 @@ impl Wedge {
                         if lowest > dark {
                             continue;
                         }
-                        append(&mut self.active, (start, end));
+                        append(&mut self.active, (start, end), 0);
                         let bins = (self.first + as_i64(start), self.first + as_i64(end));
                         if ahead.may_matter(frame, &map, bins, lowest) {
-                            append(&mut self.awake, (start, end));
+                            append(&mut self.awake, (start, end), SHORTEST_SLEEP);
                         }
                     }
                 }
@@ -451,11 +467,11 @@ impl Wedge {
     }
 }
 
-/// Adds an interval to others before it.
+/// Adds an interval to others before it; with all between if that is less than `gap`.
 #[inline(always)]
-fn append(intervals: &mut Vec<(usize, usize)>, (start, end): (usize, usize)) {
+fn append(intervals: &mut Vec<(usize, usize)>, (start, end): (usize, usize), gap: usize) {
     match intervals.last_mut() {
-        Some(last) if last.1 == start => last.1 = end,
+        Some(last) if start - last.1 < gap.max(1) => last.1 = end,
         _ => intervals.push((start, end)),
     }
 }
