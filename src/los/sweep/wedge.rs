@@ -210,8 +210,7 @@ impl Wedge {
     pub(super) fn reach(&self, frame: &WedgeFrame, near: i64, far: i64) -> (i64, i64) {
         let (Some(first), Some(last)) = (self.active.first(), self.active.last()) else { return (0, 0) };
         let bins = (self.first + as_i64(first.0), self.first + as_i64(last.1));
-        let (low, high) = cells_between(&self.edge_map(frame), bins, (near, far), frame);
-        (low, high.max(low))
+        cells_between(&self.edge_map(frame), bins, (near, far), frame)
     }
 
     fn edge_map(&self, frame: &WedgeFrame) -> EdgeMap {
@@ -499,10 +498,11 @@ fn lowest_of(slopes: &[f32]) -> f32 {
     lowest[0]
 }
 
-/// Lateral cells of the raster under the bins `b0..b1` between two distances, from the first to after the last.
+/// Lateral cells of the raster under the bins `b0..b1` between two distances, from the first to after the last; none of them
+/// is outside the raster where there are none either.
 fn cells_between(map: &EdgeMap, (b0, b1): (i64, i64), (near, far): (i64, i64), frame: &WedgeFrame) -> (i64, i64) {
-    let low = map.cell(b0, near).min(map.cell(b0, far)).max(0);
-    let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).min(frame.n_lateral);
+    let low = map.cell(b0, near).min(map.cell(b0, far)).clamp(0, frame.n_lateral);
+    let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).clamp(low, frame.n_lateral);
     (low, high)
 }
 
