@@ -50,7 +50,8 @@ impl<'a> RowSets<'a> {
         let (from, to) = self.in_range;
         (0..self.receivers.len()).map(move |k| {
             let receivers = self.receivers[k];
-            // PERF: memory of a set without cells is not touched, so that the kernel need not provide it.
+            // PERF: where all are receivers the other sets are not read: a set without cells is memory that nobody touched, and the
+            // kernel need not provide it.
             let known = if receivers == u64::MAX { u64::MAX } else { self.open[k] | self.building[k] };
             // Most words are in range as a whole.
             let in_range = if from <= 64 * k && 64 * (k + 1) <= to { u64::MAX } else { bits_between(from, to, k) };

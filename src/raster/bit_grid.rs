@@ -24,10 +24,10 @@ impl BitGrid {
     /// The set of these words, row by row from the north. Bits beyond the last column must be 0.
     ///
     /// # Panics
-    /// If they are not whole rows.
+    /// If they are not whole rows, or if there are no columns.
     pub fn from_words(n_cols: usize, words: Vec<u64>) -> Self {
         let words_per_row = n_cols.div_ceil(64);
-        assert!(words.len().is_multiple_of(words_per_row), "whole rows");
+        assert!(words_per_row > 0 && words.len().is_multiple_of(words_per_row), "whole rows");
         BitGrid { n_rows: words.len() / words_per_row, n_cols, words_per_row, words }
     }
 

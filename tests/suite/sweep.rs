@@ -360,3 +360,42 @@ fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
     }
     assert!(total.0 > 20_000 && total.1 < total.0, "{total:?}");
 }
+
+#[test]
+fn ranges_at_the_end_of_rasters_far_longer_than_any_map_agree_with_ray() {
+    let levels = simd_levels();
+    let mut random = Random(7);
+    let mut total = (0, 0);
+    for (n_rows, n_cols) in [(70, 300_000), (300_000, 70), (40, 70_000)] {
+        for n_before in [0, 30, 900] {
+            let (columns, z) = small_raster(&mut random, n_rows, n_cols);
+            // The last thousand rows or columns.
+            let from = |n: usize| n - n.min(1000);
+            let window =
+                CellWindow { row: from(n_rows), col: from(n_cols), n_rows: n_rows.min(1000), n_cols: n_cols.min(1000) };
+            let at = |n: usize| i64::try_from(n.saturating_sub(1 + n_before)).unwrap() * 1024 + 512;
+            let x = if n_cols > n_rows { at(n_cols) } else { 20 * 1024 };
+            // The last rows are to the south, where y is 0.
+            let y = if n_rows > n_cols { i64::try_from(n_before).unwrap() * 1024 } else { 30 * 1024 + 5 };
+            let receivers = ReceiverHeights::Over {
+                base: columns.tops(),
+                above: 1536,
+                lowest: lowest_of(columns.tops()),
+                highest: columns.max_top(),
+                tiles: None,
+            };
+            let mut wanted = BitGrid::new(n_rows, n_cols);
+            for row in window.row..window.row + window.n_rows {
+                for col in window.col..window.col + window.n_cols {
+                    if ![VOID, BLOCKS_ALL].contains(&columns.tops()[row * n_cols + col]) {
+                        wanted.insert(row, col);
+                    }
+                }
+            }
+            let level = random.choose(&levels);
+            let (n, undecided) = compare(&columns, LatticePoint { x, y, z }, receivers, &wanted, window, level);
+            total = (total.0 + n, total.1 + undecided);
+        }
+    }
+    assert!(total.0 > 100_000 && total.1 > 100 && total.1 * 2 < total.0, "{total:?}");
+}

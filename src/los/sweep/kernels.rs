@@ -418,38 +418,41 @@ const LANE_BITS: u32 = 31;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverMap {
     level: u32,
-    /// Of the center of cell 0 from the UAV, times 2^level \[lattice steps\]; less 1 where a receiver on an edge belongs to the
-    /// bin before it.
+    /// The cell that places are counted from.
+    first: i64,
+    /// Of its center from the UAV, times 2^level \[lattice steps\]; less 1 where a receiver on an edge belongs to the bin
+    /// before it.
     offset: i64,
     /// Of the line's cell centers from the UAV \[lattice steps\].
     distance: i64,
-    /// The place of cell 0, and how far the places of neighbors are apart \[2^-44 bins\].
+    /// The place of the first cell, and how far the places of neighbors are apart \[2^-44 bins\].
     origin: i64,
     step: i64,
 }
 
 impl ReceiverMap {
-    /// For receivers at `distance` from the UAV among bins of 1 / 2^level. The center of cell 0 is `lateral` from the UAV
-    /// \[lattice steps\]; a receiver on an edge belongs to the bin before it if `is_before`, or else to the one after it.
-    pub(super) fn new(level: u32, lateral: i64, distance: i64, is_before: bool) -> Self {
-        debug_assert!((1 << 13..1 << 26).contains(&distance) && lateral.abs() << level <= distance << 18);
-        // EXACT: cell c is (lateral + 1024·c)·2^level / distance bins from the UAV, so that it is on an edge or at least one
-        // `distance`-th of a bin from it. Half of that is taken from all places or added to them: then they are 2^-27 of a
-        // bin or more from any edge, and stay on their side of it, since they are off by far less. A step is off by 0.51
-        // units and so are 2^16 of them by 2^-28 of a bin, the origin, which is below 2^18 bins, by 2^-33.
+    /// For receivers at `distance` from the UAV among bins of 1 / 2^level, from cell `first` on, whose center is `lateral` from
+    /// the UAV \[lattice steps\]; a receiver on an edge belongs to the bin before it if `is_before`, or else to the one after
+    /// it.
+    pub(super) fn new(level: u32, (first, lateral): (i64, i64), distance: i64, is_before: bool) -> Self {
+        debug_assert!((1 << 13..1 << 26).contains(&distance) && lateral.abs() << level < distance << 19);
+        // EXACT: the n-th cell is (lateral + 1024·n)·2^level / distance bins from the UAV, so that it is on an edge or at least
+        // one `distance`-th of a bin from it. Half of that is taken from all places or added to them: then they are 2^-27 of
+        // a bin or more from any edge, and stay on their side of it, since they are off by far less. A step is off by 0.51
+        // units and so are 2^16 of them by 2^-28 of a bin, the origin, which is below 2^19 bins, by 2^-32.
         let halves = (lateral << (level + 1)) - if is_before { 1 } else { -1 };
         #[expect(clippy::cast_precision_loss, reason = "all are below 2^53, or powers of two")]
         let (halves, per_distance, half, cell) =
             (halves as f64, 1.0 / distance as f64, (1_i64 << (PLACE_BITS - 1)) as f64, ((2 * CELL) << level) as f64);
         #[expect(clippy::cast_possible_truncation, reason = "below 2^63")]
         let (origin, step) = ((halves * half * per_distance) as i64, (cell * half * per_distance + 0.5) as i64);
-        ReceiverMap { level, offset: (lateral << level) - i64::from(is_before), distance, origin, step }
+        ReceiverMap { level, first, offset: (lateral << level) - i64::from(is_before), distance, origin, step }
     }
 
     /// Where the receiver of cell `c` is \[2^-44 bins\].
     #[inline(always)]
     fn place(&self, c: i64) -> i64 {
-        self.origin + c * self.step
+        self.origin + (c - self.first) * self.step
     }
 
     /// The bin of cell `c`, before the last one is given those on the axis.
@@ -466,7 +469,7 @@ impl ReceiverMap {
 
     /// The first cell whose receiver is in bin `b` or after it.
     pub(super) fn first_from(&self, b: i64) -> i64 {
-        -((self.offset - b * self.distance) >> (CELL_BITS + self.level))
+        self.first - ((self.offset - b * self.distance) >> (CELL_BITS + self.level))
     }
 }
 
@@ -512,9 +515,9 @@ pub(super) struct ReceiverLanes<S: Simd> {
 }
 
 impl<S: Simd> ReceiverLanes<S> {
-    /// For the receivers of one line at `distance` from the UAV.
+    /// For the receivers of one line.
     #[inline(always)]
-    pub(super) fn new(simd: S, map: ReceiverMap, distance: i64, receivers: &LineReceivers<'_>) -> Self {
+    pub(super) fn new(simd: S, map: ReceiverMap, receivers: &LineReceivers<'_>) -> Self {
         // At most 2^level = 2·far bins lie over the distance of a line's centers, which is half a cell less, so from as many
         // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
         debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
@@ -523,7 +526,7 @@ impl<S: Simd> ReceiverLanes<S> {
             S::u32s::from_slice(simd, &values[..S::u32s::LEN])
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-        let per_distance = S::f32s::splat(simd, 1.0 / distance as f32);
+        let per_distance = S::f32s::splat(simd, 1.0 / map.distance as f32);
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let flat = match receivers {
             LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,

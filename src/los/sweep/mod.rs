@@ -42,8 +42,9 @@
 //! Which cell is under an edge is decided in integers: an edge is at (u·2^k + b·y)/2^(k+10) cells. Which bin a receiver is in
 //! is decided in fixed point: where it is among the bins, dx·2^k/y, is a multiple of 1/y, so half of that is room enough for
 //! rounding once none of them is on an edge any more ([`kernels`]). In a vector of lanes only a remainder below 2^31 is left to
-//! add to; nothing is rounded there. Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse
-//! distance twice, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
+//! add to: of edges it is exact, of receivers it is rounded down by less than 2^-31 of a bin, for which there is room as well.
+//! Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse distance twice, its product
+//! with what puts a bound off once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
 //! two slopes compare as they would exactly wherever they differ by more than 2^-20 of either. Both bounds are put off by
 //! 2^-19 of themselves, `upper` up and `lower` down, and what lies between is left undecided ([`kernels`]). No distance is
 //! below half a lattice cell but a = 0 in the UAV's own line, where 1/a is 10^25: every height above the UAV is then too
@@ -64,10 +65,10 @@
 //!   `lower` of these bins, nothing there can raise a bound, be suspected or be seen: not `lower`; not `upper`, which is never
 //!   below it; nor is a receiver LoS. So neither cells nor receivers are looked at. This comparison leaves more slack than
 //!   any bound is put off by. About half of all bins sleep in an urban city of 4096² cells, fewer in suburbs, more among
-//!   high-rises.
+//!   high-rises. Gaps of less than 96 bins between others stay awake, which is harmless and costs less than to leave them out.
 //! * An undecided receiver need only be asked about the lines that can matter ([`suspects`]). Each bin knows its steepest line
-//!   and how steep the second is. Looked at where the ray, in fixed point, enters and leaves it, the steepest line hides four of ten, and three of ten are seen
-//!   because no other is as steep as they are. For the rest each bin knows the steepest of the present group of up to eight
+//!   and how steep the second is. Looked at where the ray, in fixed point, enters and leaves it, the steepest line hides four
+//!   of ten, and three of ten are seen because no other is as steep as they are. For the rest each bin knows the steepest of the present group of up to eight
 //!   lines, the steepest group before it, and the first and the last of all other groups that are as steep as any receiver in
 //!   doubt can be, that is neither below the lowest possible receiver nor below `lower`. Over laser scans one in four of the
 //!   rest, at most two in five, needs more than a group or two; over other groups a walk skips eight lines at a time where the
@@ -346,6 +347,7 @@ impl Sweep<'_> {
                 let reach = wedge.reach(&frame, a.0.min(b.0), a.2.max(b.2));
                 let rows = usize::try_from(reach.0).unwrap_or(0)..usize::try_from(reach.1).unwrap_or(0);
                 (low, width) = (reach.0, rows.len());
+                found.begin(&rows);
                 turn(simd, self.columns.tops(), n_cols, &turned, &rows, &mut tops);
                 if let Some(base) = own_base {
                     turn(simd, base, n_cols, &turned, &rows, &mut bases);

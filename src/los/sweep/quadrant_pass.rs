@@ -65,6 +65,7 @@ impl StripLines {
 #[derive(Debug, Clone, Copy)]
 struct Waiting {
     line: u16,
+    /// Its lateral cell, counted from the first of the window: a raster may be far wider than any range.
     lateral: u16,
     /// The lines from `first` to `last` may hide it.
     first: u16,
@@ -328,7 +329,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         let number = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
         Walked::Waits(Waiting {
             line: number(line),
-            lateral: number(lateral),
+            lateral: number(lateral - self.first_lateral()),
             first: number(suspected.start),
             last: number(suspected.end.min(lines.numbers.start) - 1),
             z,
@@ -347,7 +348,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                 let walked: Vec<(Waiting, Walked)> = part
                     .par_iter()
                     .map(|waiting| {
-                        let receiver = (usize::from(waiting.line), usize::from(waiting.lateral));
+                        let receiver = self.place_of(waiting);
                         let suspected = usize::from(waiting.first)..usize::from(waiting.last) + 1;
                         (*waiting, self.walk(&lines, (receiver, waiting.z), suspected))
                     })
@@ -357,7 +358,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                     match walked {
                         Walked::Hidden => {}
                         Walked::Seen => {
-                            let (row, col) = self.cell((usize::from(receiver.line), usize::from(receiver.lateral)));
+                            let (row, col) = self.cell(self.place_of(&receiver));
                             los.insert(row, col);
                         }
                         Walked::Waits(waiting) => queues[strip_of(strips, usize::from(waiting.last))].push(waiting),
@@ -373,8 +374,9 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         let (near, far) = ((self.far_of(strip.start) - CELL).max(0), self.far_of(strip.end - 1));
         let mut reach = (i64::MAX, i64::MIN);
         for waiting in queue {
-            let length = self.far_of(usize::from(waiting.line)) - CELL / 2;
-            let side = i64::from(waiting.lateral) * CELL + CELL / 2 - self.uav_lateral;
+            let (line, lateral) = self.place_of(waiting);
+            let length = self.far_of(line) - CELL / 2;
+            let side = as_i64(lateral) * CELL + CELL / 2 - self.uav_lateral;
             for distance in [near, far.min(length)] {
                 // EXACT: both factors are at most 2^26.
                 let cell = (self.uav_lateral + (side * distance).div_euclid(length)).div_euclid(CELL);
@@ -384,6 +386,16 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
         let clip = |cell: i64| usize::try_from(cell.max(0)).unwrap_or(0).min(self.n_lateral);
         let low = clip(reach.0 - 1).min(self.n_lateral - 1);
         low..clip(reach.1 + 2).max(low + 1)
+    }
+
+    /// The first lateral cell of the window.
+    fn first_lateral(&self) -> usize {
+        usize::try_from(self.frame.window.0).unwrap_or(0)
+    }
+
+    /// The line and the lateral cell of a receiver.
+    fn place_of(&self, waiting: &Waiting) -> (usize, usize) {
+        (usize::from(waiting.line), self.first_lateral() + usize::from(waiting.lateral))
     }
 
     /// Row and column of a lateral cell of a line.

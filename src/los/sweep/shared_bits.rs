@@ -1,5 +1,6 @@
 //! Bits of a sweep, written by several threads row by row; those of columns are turned into rows strip by strip.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::raster::BitGrid;
@@ -37,9 +38,7 @@ impl SharedBits {
             (_, false) => word.store(word.load(Ordering::Relaxed) | bits, Ordering::Relaxed),
         }
     }
-}
 
-impl SharedBits {
     /// The bits as a set of cells, of `n_cols` to a line.
     pub(super) fn into_grid(self, n_cols: usize) -> BitGrid {
         BitGrid::from_words(n_cols, self.words.into_iter().map(AtomicU64::into_inner).collect())
@@ -50,23 +49,32 @@ impl SharedBits {
 pub(super) struct StripBits {
     /// Of each column 64 rows to a word, all columns of the same rows together.
     blocks: Vec<[u64; 64]>,
+    /// The blocks that may hold bits.
+    used: Range<usize>,
 }
 
 impl StripBits {
     /// None of them set.
     pub(super) fn new(n_rows: usize) -> Self {
-        StripBits { blocks: vec![[0; 64]; n_rows.div_ceil(64)] }
+        StripBits { blocks: vec![[0; 64]; n_rows.div_ceil(64)], used: 0..0 }
+    }
+
+    /// Makes room for bits of the rows `rows` alone, once those before have been moved.
+    pub(super) fn begin(&mut self, rows: &Range<usize>) {
+        self.used = rows.start / 64..rows.end.div_ceil(64);
     }
 
     /// Adds bits to word `word` of a column of the strip.
     #[inline]
     pub(super) fn add(&mut self, column: usize, word: usize, bits: u64) {
+        debug_assert!(bits == 0 || self.used.contains(&word));
         self.blocks[word][column] |= bits;
     }
 
     /// Moves all bits to `rows`, of which the strip is word `word`.
     pub(super) fn move_to(&mut self, rows: &SharedBits, word: usize) {
-        for (band, block) in self.blocks.iter_mut().enumerate() {
+        let used = self.used.clone();
+        for (band, block) in used.clone().zip(&mut self.blocks[used]) {
             if block.iter().fold(0, |any, bits| any | bits) == 0 {
                 continue;
             }

@@ -8,10 +8,8 @@ use super::kernels::{
     ReceiverMap, SLACK, decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
 };
 use super::suspects::Suspects;
+use super::{CELL, as_i64};
 use crate::height_field::TILE_BITS;
-use crate::quantity::STEPS_PER_UNIT;
-
-const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// There are `2^level` bins to each side of the axis; this many at least.
 const FIRST_LEVEL: u32 = 4;
@@ -154,9 +152,11 @@ pub(super) struct Wedge {
     bins: Bins,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
-    /// Of these, intervals of bins that the next lines may change, or see a receiver of.
+    /// Intervals of bins that the next lines may change, or see a receiver of; and all between two of them that are next to each
+    /// other, some of which may be active no more: every later receiver is below their `lower`, which only rises.
     awake: Vec<(usize, usize)>,
-    /// Heights above the UAV of the line that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`.
+    /// Heights above the UAV of the line that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`. Only
+    /// those under bins that are awake are of these lines, others of any line before.
     heights: Vec<f32>,
     heights_before: Vec<f32>,
     /// The line that was passed last, if its bounds are still to be raised: it shares its farther edge with the next line, and
@@ -209,7 +209,8 @@ impl Wedge {
     /// last; empty if there are none in the raster.
     pub(super) fn reach(&self, frame: &WedgeFrame, near: i64, far: i64) -> (i64, i64) {
         let (Some(first), Some(last)) = (self.active.first(), self.active.last()) else { return (0, 0) };
-        let bins = (self.first + as_i64(first.0), self.first + as_i64(last.1));
+        // On a border look-ups may take the cell before it.
+        let bins = (self.first + as_i64(first.0) - 1, self.first + as_i64(last.1));
         cells_between(&self.edge_map(frame), bins, (near, far), frame)
     }
 
@@ -228,7 +229,8 @@ impl Wedge {
         }
     }
 
-    /// Decides the receivers of a line by what lies before it, then adds the line to the bounds.
+    /// Decides the receivers of a line by what lies before it: enters it, which raises the bounds by the line before. Its own
+    /// bounds are raised when the next line is entered.
     ///
     /// Lines lie in the tiles that [`Wedge::look_ahead`] was told of last, if it was told of any.
     ///
@@ -267,7 +269,10 @@ impl Wedge {
     fn receiver_map(&self, frame: &WedgeFrame, line: &Line<'_>) -> ReceiverMap {
         // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
         // to each lattice line from inside (see the module).
-        ReceiverMap::new(self.level, CELL / 2 - frame.uav_lateral, line.center, self.first >= 0)
+        // Places are counted from the window on, since a raster may be far wider than any range.
+        let first = frame.window.0 & !63;
+        let lateral = first * CELL + CELL / 2 - frame.uav_lateral;
+        ReceiverMap::new(self.level, (first, lateral), line.center, self.first >= 0)
     }
 
     #[inline(always)]
@@ -280,7 +285,7 @@ impl Wedge {
         verdicts: &mut impl Verdicts,
     ) {
         let map = self.receiver_map(frame, line);
-        let lanes = ReceiverLanes::new(simd, map, line.center, receivers);
+        let lanes = ReceiverLanes::new(simd, map, receivers);
         let after_axis = ((frame.uav_lateral - CELL / 2) >> CELL_BITS) + 1;
         let end = self.first + as_i64(self.bins.len());
         self.bins.repeat_last();
@@ -310,7 +315,7 @@ impl Wedge {
             decide_line(simd, &bounds, &lanes, receivers, cells, &mut |word, decided| {
                 let mut left = verdicts.decided(word, decided, suspects.is_shared(word));
                 while left != 0 {
-                    #[expect(clippy::cast_possible_truncation, reason = "a side has at most 2^16 cells")]
+                    #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
                     open.push(64 * word as u32 + left.trailing_zeros());
                     left &= left - 1;
                 }
@@ -509,8 +514,4 @@ fn cells_between(map: &EdgeMap, (b0, b1): (i64, i64), (near, far): (i64, i64), f
 /// The least level at which bins are narrower than a cell at distance `far`.
 fn level_for(far: i64) -> u32 {
     (far.max(0) / CELL).checked_ilog2().map_or(0, |bits| bits + 1)
-}
-
-fn as_i64(n: usize) -> i64 {
-    i64::try_from(n).unwrap_or(i64::MAX)
 }
