@@ -61,7 +61,7 @@ fn main() {
             measure_city(environment, n);
         }
     }
-    for &n in sizes.iter().filter(|n| [4096, 8192].contains(*n)) {
+    for &n in sizes.iter().filter(|n| **n >= 1024) {
         for lidar in LIDAR {
             match data() {
                 Some(data) => measure_lidar(&data, &lidar, n),
