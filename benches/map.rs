@@ -164,19 +164,20 @@ fn data() -> Option<PathBuf> {
 /// Every level of vector instructions on one city.
 fn measure_levels(environment: &str, n: usize) {
     let vector = footprints(environment, n);
-    let uav = uav_in_the_middle(&vector, UAV_HEIGHT_M);
     let surface = surface_of(&vector);
     let ground = raster(vector.grid(), surface.clone(), Ground::Flat(0));
     let whole = raster(vector.grid(), surface, Ground::Surface);
     let engines = [(&vector, Method::Shadow), (&ground, Method::Sweep), (&whole, Method::Sweep)];
+    // A place is on the lattice of the scene that it was made for alone. The middle of the surface is any cell, a roof as well.
+    let uavs = [&vector, &ground, &ground].map(|field| uav_in_the_middle(field, UAV_HEIGHT_M));
     let levels = simd_levels();
     let mut samples = vec![vec![Vec::new(); engines.len()]; levels.len()];
     for _ in 0..15 {
         for (level, samples) in levels.iter().zip(&mut samples) {
-            for ((field, method), samples) in engines.iter().zip(samples) {
+            for (((field, method), uav), samples) in engines.iter().zip(&uavs).zip(samples) {
                 let receivers = receivers(field);
                 let los = GridLos::new(field, *method).with_level(*level);
-                samples.push(on_one_thread(|| bits(&los, &uav, &receivers)));
+                samples.push(on_one_thread(|| bits(&los, uav, &receivers)));
             }
         }
     }
