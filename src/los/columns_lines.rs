@@ -34,7 +34,7 @@ pub(super) fn columns_los_over_lines(
     uav: LatticePoint,
     (own, receiver): (usize, LatticePoint),
     across: Across,
-    (groups, others): ([Option<Distances>; 2], Option<Distances>),
+    (groups, others): ([Option<Distances>; 3], Option<Distances>),
 ) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]

@@ -23,6 +23,9 @@ pub(super) struct Bins {
     /// The same by those of the steepest group before the present one, and the number of its first line.
     pub(super) steepest: Vec<f32>,
     pub(super) steepest_start: Vec<i32>,
+    /// The same by those of the steepest group of the rest, and the number of its first line.
+    pub(super) next_steepest: Vec<f32>,
+    pub(super) next_start: Vec<i32>,
     /// The same by those of all other groups, and the first lines of the first and of the last of these that may hide a
     /// receiver from here on.
     pub(super) others: Vec<f32>,
@@ -44,6 +47,8 @@ impl Bins {
             present: slopes(),
             steepest: slopes(),
             steepest_start: numbers(),
+            next_steepest: slopes(),
+            next_start: numbers(),
             others: slopes(),
             first_other: numbers(),
             last_other: numbers(),
@@ -64,12 +69,18 @@ impl Bins {
             &mut self.second,
             &mut self.present,
             &mut self.steepest,
+            &mut self.next_steepest,
             &mut self.others,
         ] {
             *slopes = split(slopes, len, NOTHING);
         }
-        for numbers in [&mut self.steepest_line, &mut self.steepest_start, &mut self.first_other, &mut self.last_other]
-        {
+        for numbers in [
+            &mut self.steepest_line,
+            &mut self.steepest_start,
+            &mut self.next_start,
+            &mut self.first_other,
+            &mut self.last_other,
+        ] {
             *numbers = split(numbers, len, 0);
         }
         self.len *= 2;
@@ -107,6 +118,8 @@ impl Bins {
             present: &mut self.present[at.clone()],
             steepest: &mut self.steepest[at.clone()],
             steepest_start: &mut self.steepest_start[at.clone()],
+            next_steepest: &mut self.next_steepest[at.clone()],
+            next_start: &mut self.next_start[at.clone()],
             others: &mut self.others[at.clone()],
             first_other: &mut self.first_other[at.clone()],
             last_other: &mut self.last_other[at],

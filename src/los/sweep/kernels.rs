@@ -307,6 +307,8 @@ pub(super) struct GroupRows<'a> {
     pub(super) present: &'a mut [f32],
     pub(super) steepest: &'a mut [f32],
     pub(super) steepest_start: &'a mut [i32],
+    pub(super) next_steepest: &'a mut [f32],
+    pub(super) next_start: &'a mut [i32],
     pub(super) others: &'a mut [f32],
     pub(super) first_other: &'a mut [i32],
     pub(super) last_other: &'a mut [i32],
@@ -375,7 +377,8 @@ fn raise_each<S: Simd>(
 pub(super) fn end_group<S: Simd>(simd: S, start: i32, lowest: f32, bins: &mut GroupRows<'_>) {
     let n = S::f32s::LEN;
     let (start, lowest) = (S::i32s::splat(simd, start), S::f32s::splat(simd, lowest));
-    let GroupRows { n_bins, lower, present, steepest, steepest_start, others, first_other, last_other } = bins;
+    let GroupRows { n_bins, lower, present, steepest, steepest_start, next_steepest, next_start, others, .. } = bins;
+    let (first_other, last_other) = (&mut bins.first_other, &mut bins.last_other);
     for i in (0..*n_bins).step_by(n) {
         let load = |values: &[f32]| S::f32s::from_slice(simd, &values[i..i + n]);
         let load_start = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
@@ -384,7 +387,12 @@ pub(super) fn end_group<S: Simd>(simd: S, start: i32, lowest: f32, bins: &mut Gr
         let is_steepest = new.simd_gt(before);
         is_steepest.select(new, before).store_slice(&mut steepest[i..i + n]);
         is_steepest.select(start, before_start).store_slice(&mut steepest_start[i..i + n]);
-        let (other, other_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
+        let (rest, rest_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
+        let (next, next_group) = (load(next_steepest), load_start(next_start));
+        let is_next = rest.simd_gt(next);
+        is_next.select(rest, next).store_slice(&mut next_steepest[i..i + n]);
+        is_next.select(rest_start, next_group).store_slice(&mut next_start[i..i + n]);
+        let (other, other_start) = (is_next.select(next, rest), is_next.select(next_group, rest_start));
         // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so the group may hide it only
         // if it is as steep as both, and no other group can any more if none was.
         let bar = lowest.max(load(lower));

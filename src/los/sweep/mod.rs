@@ -68,11 +68,11 @@
 //!   high-rises. Gaps of less than 96 bins between others stay awake, which is harmless and costs less than to leave them out.
 //! * An undecided receiver need only be asked about the lines that can matter ([`suspects`]). Each bin knows its steepest line
 //!   and how steep the second is. Looked at where the ray, in fixed point, enters and leaves it, the steepest line hides four
-//!   of ten, and three of ten are seen because no other is as steep as they are. For the rest each bin knows the steepest of the present group of up to eight
-//!   lines, the steepest group before it, and the first and the last of all other groups that are as steep as any receiver in
-//!   doubt can be, that is neither below the lowest possible receiver nor below `lower`. Over laser scans one in four of the
-//!   rest, at most two in five, needs more than a group or two; over other groups a walk skips eight lines at a time where the
-//!   tiles are below it.
+//!   of ten, and three of ten are seen because no other is as steep as they are. For the rest each bin knows the steepest of
+//!   the present group of up to eight lines, the two steepest groups before it, and the first and the last of all other groups
+//!   that are as steep as any receiver in doubt can be, that is neither below the lowest possible receiver nor below `lower`.
+//!   Over laser scans a half to three quarters of the rest need one group, and one in forty needs other groups; over
+//!   these a walk skips eight lines at a time where the tiles are below it.
 //! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout.
 //!
 //! Cost: two to three look-ups per cell that is not in the dark, and a look at one line or a walk for each undecided receiver

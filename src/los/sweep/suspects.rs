@@ -84,15 +84,16 @@ impl Suspected<'_> {
         self.slope > self.suspects.bins.second[self.bin]
     }
 
-    /// All lines that may hide the receiver: those of the present group and of the steepest one before it, the steeper of both
-    /// foremost, and those of other groups with all between.
+    /// All lines that may hide the receiver: those of the present group and of the two steepest ones before it, the steepest of
+    /// the three foremost, and those of other groups with all between.
     #[inline(always)]
-    pub(super) fn lines(&self) -> ([Option<Lines>; 2], Option<Lines>) {
+    pub(super) fn lines(&self) -> ([Option<Lines>; 3], Option<Lines>) {
         let (Suspects { bins, .. }, i) = (self.suspects, self.bin);
         let group = |steepest: f32, start: i32| (steepest >= self.slope).then(|| self.suspects.groups(start, start));
         let present = group(bins.present[i], self.suspects.group_start);
         let before = group(bins.steepest[i], bins.steepest_start[i]);
-        let groups = if bins.present[i] > bins.steepest[i] { [present, before] } else { [before, present] };
+        let next = group(bins.next_steepest[i], bins.next_start[i]);
+        let groups = if bins.present[i] > bins.steepest[i] { [present, before, next] } else { [before, present, next] };
         let is_suspect = bins.others[i] >= self.slope;
         (groups, is_suspect.then(|| self.suspects.groups(bins.first_other[i], bins.last_other[i])))
     }
