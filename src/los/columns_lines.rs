@@ -48,16 +48,15 @@ pub(super) fn columns_los_over_lines(
         Across::Column => (dx.abs(), dy.abs(), stride_x, stride_y, cells_left(dy, north, columns.n_rows())),
     };
     let link = LinkOverLines { length, along, z: receiver.z, climb: uav.z - receiver.z, most };
-    let per_row = as_isize(columns.tiles().per_row());
     let (step_x, step_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { 1 } else { -1 });
     let from_north = as_i64(columns.n_rows()) - 1 - north;
-    let tiles = || match across {
-        Across::Row => {
-            LineTiles { line: from_north, lateral: east, steps: (step_y, step_x), strides: (per_row, 1), columns }
-        }
-        Across::Column => {
-            LineTiles { line: east, lateral: from_north, steps: (step_x, step_y), strides: (1, per_row), columns }
-        }
+    let tiles = || {
+        let per_row = as_isize(columns.tiles().per_row());
+        let ((line, lateral), steps, strides) = match across {
+            Across::Row => ((from_north, east), (step_y, step_x), (per_row, 1)),
+            Across::Column => ((east, from_north), (step_x, step_y), (1, per_row)),
+        };
+        LineTiles { columns, line, lateral, steps, strides }
     };
     let cells = LineCells { tops: columns.tops(), own, stride, sideways, tiles: None };
     groups.iter().flatten().all(|lines| link.is_clear(&cells, *lines))

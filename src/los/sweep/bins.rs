@@ -11,7 +11,7 @@ use super::kernels::{GroupRows, NOTHING, PAD, SlopeRows};
 #[derive(Debug)]
 pub(super) struct Bins {
     len: usize,
-    /// No ray of the bin is obstructed above this slope, by any line.
+    /// No ray of the bin is obstructed above this slope, by any line that may hide a receiver.
     pub(super) upper: Vec<f32>,
     /// Every ray of the bin is obstructed up to this slope.
     pub(super) lower: Vec<f32>,
@@ -72,7 +72,7 @@ impl Bins {
             &mut self.next_steepest,
             &mut self.others,
         ] {
-            *slopes = split(slopes, len, NOTHING);
+            split(slopes, len, NOTHING);
         }
         for numbers in [
             &mut self.steepest_line,
@@ -81,7 +81,7 @@ impl Bins {
             &mut self.first_other,
             &mut self.last_other,
         ] {
-            *numbers = split(numbers, len, 0);
+            split(numbers, len, 0);
         }
         self.len *= 2;
     }
@@ -128,11 +128,12 @@ impl Bins {
 }
 
 /// Values of bins for bins of half their width.
-fn split<T: Copy>(values: &[T], len: usize, padding: T) -> Vec<T> {
-    let mut finer = vec![padding; 2 * len + 2 * PAD];
-    for (i, value) in values[PAD..PAD + len].iter().enumerate() {
-        finer[PAD + 2 * i] = *value;
-        finer[PAD + 2 * i + 1] = *value;
+fn split<T: Copy>(values: &mut Vec<T>, len: usize, padding: T) {
+    values.resize(2 * len + 2 * PAD, padding);
+    for i in (0..len).rev() {
+        let value = values[PAD + i];
+        values[PAD + 2 * i] = value;
+        values[PAD + 2 * i + 1] = value;
     }
-    finer
+    values[PAD + 2 * len..].fill(padding);
 }

@@ -51,26 +51,32 @@ impl EdgeMap {
     }
 }
 
-/// Heights of a line above the UAV, as floats: `line` holds them from [`PAD`] on, [`NOTHING`] where `raw` is void.
+/// Heights of a line above the UAV, as floats: `line` holds them from [`PAD`] on, [`NOTHING`] where `raw` is void. Returns the
+/// highest.
 #[inline(always)]
-pub(super) fn heights_above_uav<S: Simd>(simd: S, raw: &[i32], uav_z: i32, line: &mut [f32]) {
+pub(super) fn heights_above_uav<S: Simd>(simd: S, raw: &[i32], uav_z: i32, line: &mut [f32]) -> f32 {
     let n = S::f32s::LEN;
     let (void, nothing, uav) = (S::i32s::splat(simd, VOID), S::f32s::splat(simd, NOTHING), S::i32s::splat(simd, uav_z));
+    let mut highest = nothing;
     let mut chunks = raw.chunks_exact(n);
     let mut out = line.chunks_exact_mut(n);
     for (tops, line) in (&mut chunks).zip(&mut out) {
         let tops = S::i32s::from_slice(simd, tops);
         // A void wraps around and is replaced.
-        let above: S::f32s = (tops - uav).to_float();
-        tops.simd_eq(void).select(nothing, above).store_slice(line);
+        let above: S::f32s = tops.simd_eq(void).select(nothing, (tops - uav).to_float());
+        above.store_slice(line);
+        highest = highest.max(above);
     }
+    let mut highest = highest.as_slice().iter().fold(NOTHING, |a, b| if *b > a { *b } else { a });
     let tail = chunks.remainder();
     let done = raw.len() - tail.len();
     for (top, line) in tail.iter().zip(&mut line[done..]) {
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let above = top.wrapping_sub(uav_z) as f32;
         *line = if *top == VOID { NOTHING } else { above };
+        highest = if *line > highest { *line } else { highest };
     }
+    highest
 }
 
 /// The numbers of the lanes.
@@ -530,7 +536,10 @@ impl<S: Simd> ReceiverLanes<S> {
         // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
         debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
         let of_lanes = |part: fn(i64) -> u32| {
-            let values: [u32; 16] = std::array::from_fn(|lane| part(as_i64(lane) * map.step));
+            let mut values = [0; 16];
+            for (value, lane) in values[..S::u32s::LEN].iter_mut().zip(0..) {
+                *value = part(lane * map.step);
+            }
             S::u32s::from_slice(simd, &values[..S::u32s::LEN])
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
@@ -631,9 +640,12 @@ fn decide_words<S: Simd, const IS_FLAT: bool>(
 fn word_of<'a>(values: &'a [i32], at: i64, padded: &'a mut [i32; 64]) -> &'a [i32; 64] {
     let whole = usize::try_from(at).ok().and_then(|at| values.get(at..)?.first_chunk());
     whole.unwrap_or_else(|| {
-        for (value, at) in padded.iter_mut().zip(at..) {
-            *value = usize::try_from(at).ok().and_then(|at| values.get(at)).copied().unwrap_or(0);
-        }
+        *padded = [0; 64];
+        let n = as_i64(values.len());
+        let within = at.clamp(0, n)..(at + 64).clamp(0, n);
+        let place = |at: i64| usize::try_from(at).unwrap_or(0);
+        padded[place(within.start - at)..place(within.end - at)]
+            .copy_from_slice(&values[place(within.start)..place(within.end)]);
         padded
     })
 }

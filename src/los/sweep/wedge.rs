@@ -159,8 +159,8 @@ pub(super) struct Wedge {
     /// those under bins that are awake are of these lines, others of any line before.
     heights: Vec<f32>,
     heights_before: Vec<f32>,
-    /// The line that was passed last, if its bounds are still to be raised: it shares its farther edge with the next line, and
-    /// cells under the edges of bins there are looked up in both at once.
+    /// The line that was passed last, if it may hide a receiver and bounds are still to be raised by it: it shares its farther
+    /// edge with the next line, and cells under the edges of bins there are looked up in both at once.
     pending: Option<LineSlopes>,
     /// Where its farther edge is \[lattice steps from the UAV\].
     far: i64,
@@ -327,7 +327,7 @@ impl Wedge {
         self.open = open;
     }
 
-    /// Looks up where rays enter a line, and raises the bounds by the line before it.
+    /// Looks up where rays enter a line, if that may hide a receiver, and raises the bounds by the line before it.
     #[inline(always)]
     fn enter<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, line: &Line<'_>) {
         debug_assert!(self.pending.is_none() || self.far == line.near);
@@ -345,6 +345,7 @@ impl Wedge {
         }
         let (map, steps) = (self.edge_map(frame), EdgeSteps::new(simd, line.near));
         let end = line.first + as_i64(line.tops.len());
+        let mut highest = NOTHING;
         for &(from, to) in &self.awake {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
             let low = map.cell(b0 - 1, line.near).min(map.cell(b0 - 1, line.far)).clamp(line.first, end);
@@ -353,30 +354,46 @@ impl Wedge {
                 let at = |cell: i64| usize::try_from(cell - from).unwrap_or(0);
                 at(low)..at(high)
             };
-            heights_above_uav(simd, &line.tops[within(line.first)], frame.uav_z, &mut self.heights[within(-PAD_I64)]);
-
-            let is_before = self.first < 0;
-            let edges = from..to + 1;
-            if self.pending.is_some() {
-                let heights = [&self.heights_before[..], &self.heights[..]];
-                let found = [&mut self.exits[edges.start..], &mut self.next_entries[edges.start..]];
-                look_up_edges(simd, map, heights, (b0, edges.len()), &steps, is_before, found);
-            } else {
-                let found = [&mut self.next_entries[edges.start..]];
-                look_up_edges(simd, map, [&self.heights[..]], (b0, edges.len()), &steps, is_before, found);
-            }
+            let tops = &line.tops[within(line.first)];
+            highest = highest.max(heights_above_uav(simd, tops, frame.uav_z, &mut self.heights[within(-PAD_I64)]));
         }
-        self.raise(simd);
-        std::mem::swap(&mut self.entries, &mut self.next_entries);
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
-        self.pending = Some(LineSlopes {
+        let slopes = LineSlopes {
             per_near: per(line.near),
             per_far: per(line.far),
             number: self.n_lines,
             is_below: frame.is_below_uav,
-        });
-        self.far = line.far;
+        };
+        // A line below every receiver beyond it hides none, so no bound, group or steepest line needs to know of it.
+        let may_hide = slopes.bounds((highest, highest), (highest, highest)).0 >= self.lowest_slope(frame, line.far);
+
+        let is_before = self.first < 0;
+        for &(from, to) in &self.awake {
+            let (b0, n_edges) = (self.first + as_i64(from), to + 1 - from);
+            match (self.pending.is_some(), may_hide) {
+                (true, true) => {
+                    let heights = [&self.heights_before[..], &self.heights[..]];
+                    let found = [&mut self.exits[from..], &mut self.next_entries[from..]];
+                    look_up_edges(simd, map, heights, (b0, n_edges), &steps, is_before, found);
+                }
+                (true, false) => {
+                    let found = [&mut self.exits[from..]];
+                    look_up_edges(simd, map, [&self.heights_before[..]], (b0, n_edges), &steps, is_before, found);
+                }
+                (false, true) => {
+                    let found = [&mut self.next_entries[from..]];
+                    look_up_edges(simd, map, [&self.heights[..]], (b0, n_edges), &steps, is_before, found);
+                }
+                (false, false) => {}
+            }
+        }
+        self.raise(simd);
+        if may_hide {
+            std::mem::swap(&mut self.entries, &mut self.next_entries);
+            self.pending = Some(slopes);
+            self.far = line.far;
+        }
     }
 
     /// Raises the bounds by the line that was passed last.
@@ -418,10 +435,10 @@ impl Wedge {
         }
     }
 
-    /// A slope that no receiver beyond the line at distance `center` is below.
-    fn lowest_slope(&self, frame: &WedgeFrame, center: i64) -> f32 {
+    /// A slope that no receiver at distance `from` or beyond is below.
+    fn lowest_slope(&self, frame: &WedgeFrame, from: i64) -> f32 {
         // Slopes of receivers below the UAV grow with the distance, those of others fall.
-        let at = if frame.lowest_receiver <= 0 { center } else { frame.last_center.max(center) };
+        let at = if frame.lowest_receiver <= 0 { from } else { frame.last_center.max(from) };
         if at <= 0 {
             return NOTHING;
         }
