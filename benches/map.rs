@@ -11,12 +11,14 @@
 //! The program is not written with divan because a row is a ratio of figures that must be taken in turns, on the same
 //! city, in the same minute: other users of the machine shift a figure by more than the engines differ.
 //!
-//! A figure is the median of wall time less the time for which the thread waited for a core, which Linux counts. Rays of
-//! large cities are timed on a sample of the receivers, one of as many as the row says.
+//! A figure is the median of wall time less the time for which the thread waited for a core, which Linux counts, over the
+//! runs in which the core was not shared ([`quiet`]); *all* is that of all runs. Rays of large cities are timed on a sample of
+//! the receivers, one of as many as the row says.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench prints its table, and how far it is")]
 
 mod cities;
+mod quiet;
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,7 @@ use skyshed::raster::{CellWindow, GeoRef, Raster};
 use skyshed::scene::{Ground, NodataAs, Solids, SurfaceOptions, read_surface};
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};
+use self::quiet::{Run, median, median_of_all, n_quiet, timed};
 
 const ENVIRONMENTS: [&str; 4] = ["suburban", "urban", "dense-urban", "high-rise"];
 const UAV_HEIGHT_M: f64 = 100.0;
@@ -39,6 +42,9 @@ const UAV_HEIGHT_M: f64 = 100.0;
 /// ones a sample is.
 const COMPARED_WHOLE: usize = 1024;
 const TIMED_WHOLE: usize = 512;
+/// Quiet runs after which an engine has been timed often enough, and for how long they are looked for \[s\].
+const QUIET_RUNS: usize = 15;
+const LONGEST_S: f64 = 4.0;
 /// Least number of receivers of a sample.
 const SAMPLE: usize = 20_000;
 
@@ -54,8 +60,10 @@ fn main() {
         list => list.split(',').map(|n| n.parse().expect("SKYSHED_BENCH: wanted `full` or sizes")).collect(),
     };
 
-    println!("| city | cells | engine | bits [ns/cell] | × floor | mask [ns/cell] | × floor | floor, read + write |");
-    println!("|---|---|---|---:|---:|---:|---:|---:|");
+    println!(
+        "| city | cells | engine | bits [ns/cell] | × floor | mask [ns/cell] | × floor | floor, read + write | quiet runs | all |"
+    );
+    println!("|---|---|---|---:|---:|---:|---:|---:|---:|---:|");
     for &n in &sizes {
         for environment in ENVIRONMENTS {
             measure_city(environment, n);
@@ -172,7 +180,7 @@ fn measure_levels(environment: &str, n: usize) {
     let uavs = [&vector, &ground, &ground].map(|field| uav_in_the_middle(field, UAV_HEIGHT_M));
     let levels = simd_levels();
     let mut samples = vec![vec![Vec::new(); engines.len()]; levels.len()];
-    for _ in 0..15 {
+    for _ in 0..31 {
         for (level, samples) in levels.iter().zip(&mut samples) {
             for (((field, method), uav), samples) in engines.iter().zip(&uavs).zip(samples) {
                 let receivers = receivers(field);
@@ -182,7 +190,7 @@ fn measure_levels(environment: &str, n: usize) {
         }
     }
     for (level, samples) in levels.iter().zip(samples) {
-        let figures: Vec<String> = samples.into_iter().map(|s| format!("{:.2}", per_cell(median(s), n))).collect();
+        let figures: Vec<String> = samples.iter().map(|s| format!("{:.2}", per_cell(median(s), n))).collect();
         println!("| {} | {} |", name_of(*level), figures.join(" | "));
     }
 }
@@ -201,8 +209,8 @@ struct Rows {
 
 #[derive(Clone, Copy)]
 struct Floor {
-    read: f64,
-    write: f64,
+    read: Run,
+    write: Run,
 }
 
 impl Rows {
@@ -224,7 +232,9 @@ impl Rows {
         let mut mask = vec![0; heights.len()];
         let (mut floor, mut of_bits, mut of_mask) = (Vec::new(), Vec::new(), Vec::new());
         let begin = Instant::now();
-        while of_bits.len() < 3 || (of_bits.len() < 31 && begin.elapsed().as_secs_f64() < 1.5) {
+        // Quiet moments are as short as a run, so more than a few of these may be needed.
+        let wanted = |runs: &[Run]| n_quiet(runs) < QUIET_RUNS && begin.elapsed().as_secs_f64() < LONGEST_S;
+        while of_bits.len() < 3 || wanted(&of_bits) || wanted(&of_mask) {
             on_one_thread(|| {
                 // The floor is that of warm caches, whatever the engine before it has left there.
                 black_box(sum(heights));
@@ -234,8 +244,7 @@ impl Rows {
             });
         }
         self.floor = floor;
-        let (bits, mask) = (Some(median(of_bits)), Some(median(of_mask)));
-        self.print(engine, bits, mask);
+        self.print(engine, &of_bits, &of_mask);
         eprintln!("  {engine}: {compared} receivers as `ray` has them");
     }
 
@@ -245,25 +254,30 @@ impl Rows {
         let step = if whole { 1 } else { sample_step(field) };
         let stations: Vec<Station> = sample(field, step).map(|(_, station)| station).collect();
         let count = || stations.iter().filter(|s| link_los(field, &uav.station, s)).count();
-        let runs: Vec<f64> = (0..3).map(|_| on_one_thread(|| timed(count))).collect();
         let share = field.cells().open.count() as f64 / stations.len() as f64;
+        let runs: Vec<Run> = (0..5).map(|_| on_one_thread(|| timed(count)).times(share)).collect();
         let name = if whole { engine.to_string() } else { format!("{engine} (1 of {step})") };
-        self.print(&name, Some(median(runs) * share), None);
+        self.print(&name, &runs, &[]);
     }
 
-    fn print(&self, engine: &str, bits: Option<f64>, mask: Option<f64>) {
-        let of = |part: fn(&Floor) -> f64| per_cell(median(self.floor.iter().map(part).collect()), self.n);
+    fn print(&self, engine: &str, bits: &[Run], mask: &[Run]) {
+        let of = |part: fn(&Floor) -> Run| per_cell(median(&self.floor.iter().map(part).collect::<Vec<_>>()), self.n);
         let (read, write) = (of(|f| f.read), of(|f| f.write));
-        let figures = |seconds: Option<f64>| match seconds {
-            Some(s) => {
-                let ns = per_cell(s, self.n);
+        let figures = |runs: &[Run]| match runs {
+            [] => "– | –".into(),
+            _ => {
+                let ns = per_cell(median(runs), self.n);
                 format!("{ns:.2} | {:.1}", ns / (read + write))
             }
-            None => "– | –".into(),
         };
         let Rows { city, n, .. } = self;
-        let (bits, mask) = (figures(bits), figures(mask));
-        println!("| {city} | {n}² | {engine} | {bits} | {mask} | {read:.2} + {write:.2} |");
+        let (quiet, all) = (n_quiet(bits), per_cell(median_of_all(bits), self.n));
+        println!(
+            "| {city} | {n}² | {engine} | {} | {} | {read:.2} + {write:.2} | {quiet} of {} | {all:.2} |",
+            figures(bits),
+            figures(mask),
+            bits.len()
+        );
     }
 
     /// Compares a map with `ray`: every receiver, or a sample. Returns their number.
@@ -317,8 +331,8 @@ fn sample(field: &HeightField, step: usize) -> impl Iterator<Item = (usize, Stat
         })
 }
 
-/// Seconds for the bits of a map and their count.
-fn bits(los: &GridLos<'_>, uav: &Uav, receivers: &GridReceivers<'_>) -> f64 {
+/// Finds the bits of a map and their count.
+fn bits(los: &GridLos<'_>, uav: &Uav, receivers: &GridReceivers<'_>) -> Run {
     let window = CellWindow { row: 0, col: 0, n_rows: receivers.cells.n_rows(), n_cols: receivers.cells.n_cols() };
     timed(|| los.los(&uav.station, receivers, &receivers.cells, window).count())
 }
@@ -334,30 +348,11 @@ fn fill(mask: &mut [u8]) {
     black_box(mask);
 }
 
-/// Seconds that a piece of work takes the thread, without those for which it waited for a core.
-fn timed<T>(work: impl FnOnce() -> T) -> f64 {
-    let (waited, begin) = (waited_seconds(), Instant::now());
-    black_box(work());
-    let wall = begin.elapsed().as_secs_f64();
-    (wall - (waited_seconds() - waited)).max(0.0)
-}
-
-/// How long this thread has been ready to run without a core to run on; 0 where the kernel does not say.
-fn waited_seconds() -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    told.split_whitespace().nth(1).and_then(|ns| ns.parse::<f64>().ok()).map_or(0.0, |ns| ns / 1e9)
-}
-
 /// Runs some work in a pool of one thread.
 fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static ONE: std::sync::OnceLock<rayon::ThreadPool> = std::sync::OnceLock::new();
     let one = || rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     ONE.get_or_init(one).install(work)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// Nanoseconds per cell of a city of `n` cells a side.
