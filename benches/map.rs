@@ -12,8 +12,9 @@
 //! city, in the same minute: other users of the machine shift a figure by more than the engines differ.
 //!
 //! A figure is the median of wall time less the time for which the thread waited for a core, which Linux counts, over the
-//! runs in which the core was not shared ([`quiet`]); *all* is that of all runs. Rays of large cities are timed on a sample of
-//! the receivers, one of as many as the row says.
+//! runs before and after which the core was not shared ([`quiet`]), or over all, marked with °, if there are too few of these;
+//! *all* is that of all runs. Rays are timed five times, shared or not, and in large cities on a sample of the receivers, one
+//! of as many as the row says.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench prints its table, and how far it is")]
 
@@ -33,7 +34,7 @@ use skyshed::raster::{CellWindow, GeoRef, Raster};
 use skyshed::scene::{Ground, NodataAs, Solids, SurfaceOptions, read_surface};
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};
-use self::quiet::{Run, median, median_of_all, n_quiet, timed};
+use self::quiet::{Run, calibrate, is_enough, median, median_of_all, n_quiet, timed};
 
 const ENVIRONMENTS: [&str; 4] = ["suburban", "urban", "dense-urban", "high-rise"];
 const UAV_HEIGHT_M: f64 = 100.0;
@@ -60,8 +61,9 @@ fn main() {
         list => list.split(',').map(|n| n.parse().expect("SKYSHED_BENCH: wanted `full` or sizes")).collect(),
     };
 
+    calibrate();
     println!(
-        "| city | cells | engine | bits [ns/cell] | × floor | mask [ns/cell] | × floor | floor, read + write | quiet runs | all |"
+        "| city | cells | engine | bits [ns/cell] | × floor | mask [ns/cell] | × floor | floor, read + write | quiet bits, masks | all bits |"
     );
     println!("|---|---|---|---:|---:|---:|---:|---:|---:|---:|");
     for &n in &sizes {
@@ -267,15 +269,17 @@ impl Rows {
             [] => "– | –".into(),
             _ => {
                 let ns = per_cell(median(runs), self.n);
-                format!("{ns:.2} | {:.1}", ns / (read + write))
+                format!("{ns:.2}{} | {:.1}", if is_enough(runs) { "" } else { "°" }, ns / (read + write))
             }
         };
         let Rows { city, n, .. } = self;
-        let (quiet, all) = (n_quiet(bits), per_cell(median_of_all(bits), self.n));
+        let all = per_cell(median_of_all(bits), self.n);
         println!(
-            "| {city} | {n}² | {engine} | {} | {} | {read:.2} + {write:.2} | {quiet} of {} | {all:.2} |",
+            "| {city} | {n}² | {engine} | {} | {} | {read:.2} + {write:.2} | {}, {} of {} | {all:.2} |",
             figures(bits),
             figures(mask),
+            n_quiet(bits),
+            n_quiet(mask),
             bits.len()
         );
     }

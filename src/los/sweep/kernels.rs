@@ -641,11 +641,11 @@ fn word_of<'a>(values: &'a [i32], at: i64, padded: &'a mut [i32; 64]) -> &'a [i3
     let whole = usize::try_from(at).ok().and_then(|at| values.get(at..)?.first_chunk());
     whole.unwrap_or_else(|| {
         *padded = [0; 64];
-        let n = as_i64(values.len());
-        let within = at.clamp(0, n)..(at + 64).clamp(0, n);
         let place = |at: i64| usize::try_from(at).unwrap_or(0);
-        padded[place(within.start - at)..place(within.end - at)]
-            .copy_from_slice(&values[place(within.start)..place(within.end)]);
+        let (from, to) = ((-at).clamp(0, 64), (as_i64(values.len()) - at).clamp(0, 64));
+        if from < to {
+            padded[place(from)..place(to)].copy_from_slice(&values[place(at + from)..place(at + to)]);
+        }
         padded
     })
 }

@@ -14,8 +14,8 @@
 //!                      /     \           UAV at distance 0, below
 //! ```
 //!
-//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over all lines passed so far:
-//! * `upper`: no ray of the bin is obstructed above this slope. A line raises it to the largest height among the cells under
+//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over the lines passed so far that may hide a receiver:
+//! * `upper`: none of these lines obstructs a ray of the bin above this slope. A line raises it to the largest height among the cells under
 //!   both edges of the bin at a and at e. Sorted by position these four points are at most a cell apart (|t| ≤ 1 moves a
 //!   ray by at most a cell per line, and a bin is narrower than a cell), so no cell that a ray of the bin touches is missed.
 //!   A height d = z − h_U obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
