@@ -69,15 +69,16 @@ pub(crate) fn is_enough(runs: &[Run]) -> bool {
 /// The median of the quiet runs, or of all if few are quiet \[s\].
 pub(crate) fn median(runs: &[Run]) -> f64 {
     let only_quiet = is_enough(runs);
-    let mut seconds: Vec<f64> =
-        runs.iter().filter(|run| !only_quiet || run.is_quiet()).map(|run| run.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds[seconds.len() / 2]
+    median_of(runs.iter().filter(|run| !only_quiet || run.is_quiet()))
 }
 
 /// The median of all runs \[s\].
 pub(crate) fn median_of_all(runs: &[Run]) -> f64 {
-    let mut seconds: Vec<f64> = runs.iter().map(|run| run.seconds).collect();
+    median_of(runs.iter())
+}
+
+fn median_of<'a>(runs: impl Iterator<Item = &'a Run>) -> f64 {
+    let mut seconds: Vec<f64> = runs.map(|run| run.seconds).collect();
     seconds.sort_by(f64::total_cmp);
     seconds[seconds.len() / 2]
 }

@@ -536,10 +536,7 @@ impl<S: Simd> ReceiverLanes<S> {
         // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
         debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
         let of_lanes = |part: fn(i64) -> u32| {
-            let mut values = [0; 16];
-            for (value, lane) in values[..S::u32s::LEN].iter_mut().zip(0..) {
-                *value = part(lane * map.step);
-            }
+            let values: [u32; 16] = std::array::from_fn(|lane| part(as_i64(lane) * map.step));
             S::u32s::from_slice(simd, &values[..S::u32s::LEN])
         };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]

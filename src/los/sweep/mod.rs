@@ -14,10 +14,12 @@
 //!                      /     \           UAV at distance 0, below
 //! ```
 //!
-//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over the lines passed so far that may hide a receiver:
-//! * `upper`: none of these lines obstructs a ray of the bin above this slope. A line raises it to the largest height among the cells under
-//!   both edges of the bin at a and at e. Sorted by position these four points are at most a cell apart (|t| ≤ 1 moves a
-//!   ray by at most a cell per line, and a bin is narrower than a cell), so no cell that a ray of the bin touches is missed.
+//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over the lines passed so far that may hide
+//! a receiver:
+//! * `upper`: none of these lines obstructs a ray of the bin above this slope. A line raises it to the largest height among
+//!   the cells under both edges of the bin at a and at e. Sorted by position these four points are at most a cell apart
+//!   (|t| ≤ 1 moves a ray by at most a cell per line, and a bin is narrower than a cell), so no cell that a ray of the bin
+//!   touches is missed.
 //!   A height d = z − h_U obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
 //! * `lower`: every ray of the bin is obstructed at least up to this slope. Each ray leaves the line at e through one of
 //!   the two cells under the edges there (or on the border between), so the lower of these two, at e, obstructs it. It enters
