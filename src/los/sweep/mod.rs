@@ -43,7 +43,7 @@
 //!
 //! Which cell is under an edge is decided in integers: an edge is at (u·2^k + b·y)/2^(k+10) cells. Which bin a receiver is in
 //! is decided in fixed point: where it is among the bins, dx·2^k/y, is a multiple of 1/y, so half of that is room enough for
-//! rounding once none of them is on an edge any more ([`kernels`]). In a vector of lanes only a remainder below 2^31 is left to
+//! rounding once none of them is on an edge any more ([`receivers`]). In a vector of lanes only a remainder below 2^31 is left to
 //! add to: of edges it is exact, of receivers it is rounded down by less than 2^-31 of a bin, for which there is room as well.
 //! Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse distance twice, its product
 //! with what puts a bound off once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
@@ -86,6 +86,7 @@ mod bins;
 mod kernels;
 mod line_order;
 mod quadrant_pass;
+mod receivers;
 mod shared_bits;
 mod streamed;
 mod suspects;
@@ -99,8 +100,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use self::kernels::LineReceivers;
 use self::line_order::{STRIP, for_tile_lines, turn};
+use self::receivers::LineReceivers;
 use self::shared_bits::{SharedBits, StripBits};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
 use self::verdicts::{LineBits, LineVerdicts};

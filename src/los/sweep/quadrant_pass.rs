@@ -7,8 +7,8 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use super::super::columns_lines::{LineCells, LinkOverLines};
-use super::kernels::{Decided, LineReceivers};
 use super::line_order::turn;
+use super::receivers::{Decided, LineReceivers};
 use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
 use super::suspects::Suspects;

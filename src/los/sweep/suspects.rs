@@ -1,7 +1,8 @@
 //! The lines that may hide a receiver which the bounds leave undecided.
 
 use super::bins::Bins;
-use super::kernels::{PAD, ReceiverMap};
+use super::kernels::PAD;
+use super::receivers::ReceiverMap;
 use super::{CELL, as_i64};
 use crate::height_field::TILE;
 

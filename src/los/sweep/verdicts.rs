@@ -1,7 +1,7 @@
 //! What becomes of the receivers of a line over columns in memory: bits, and walks for those that bounds leave undecided.
 
 use super::super::columns_lines::columns_los_over_lines;
-use super::kernels::{AZIMUTH_BITS, Decided, LineReceivers};
+use super::receivers::{AZIMUTH_BITS, Decided, LineReceivers};
 use super::shared_bits::{SharedBits, StripBits};
 use super::suspects::{Lines, Suspects, edges_of};
 use super::wedge::{Line, Verdicts};

@@ -4,9 +4,10 @@ use fearless_simd::prelude::*;
 
 use super::bins::Bins;
 use super::kernels::{
-    Bounds, CELL_BITS, Decided, EdgeMap, EdgeSteps, LineReceivers, LineSlopes, NOTHING, PAD, PAD_I64, ReceiverLanes,
-    ReceiverMap, SLACK, decide_line, end_group, heights_above_uav, look_up_edges, raise_bounds,
+    CELL_BITS, EdgeMap, EdgeSteps, LineSlopes, NOTHING, PAD, PAD_I64, SLACK, end_group, heights_above_uav,
+    look_up_edges, raise_bounds,
 };
+use super::receivers::{Bounds, Decided, LineReceivers, ReceiverLanes, ReceiverMap, decide_line};
 use super::suspects::Suspects;
 use super::{CELL, as_i64};
 use crate::height_field::TILE_BITS;
