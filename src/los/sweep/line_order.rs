@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use fearless_simd::i32x4;
 use fearless_simd::prelude::*;
+use prefetch_index::prefetch_index;
 
 use crate::height_field::TILE;
 
@@ -50,6 +51,17 @@ pub(super) fn for_tile_lines(lines: Range<usize>, is_upward: bool, mut each: imp
 /// Columns that are turned into lines together.
 pub(super) const STRIP: usize = 64;
 
+/// Heights of a line of the cache.
+const CACHE_LINE: usize = 16;
+
+/// Has some cells brought into the cache, and some after them; those that are not there do no harm.
+#[inline(always)]
+pub(super) fn read_ahead(values: &[i32], cells: Range<usize>) {
+    for cell in (cells.start..cells.end + CACHE_LINE).step_by(CACHE_LINE) {
+        prefetch_index(values, cell);
+    }
+}
+
 /// Copies columns `cols` of rows `rows` into lines, one after another.
 pub(super) fn turn<S: Simd>(
     simd: S,
@@ -59,47 +71,50 @@ pub(super) fn turn<S: Simd>(
     rows: &Range<usize>,
     lines: &mut Vec<i32>,
 ) {
-    let width = rows.len();
+    let (width, n_lines) = (rows.len(), cols.len());
     // Grows and never shrinks, so that nothing is cleared which is overwritten anyway.
-    if lines.len() < width * cols.len() {
-        lines.resize(width * cols.len(), 0);
+    if lines.len() < width * n_lines {
+        lines.resize(width * n_lines, 0);
     }
+    let row = |k: usize| &tops[(rows.start + k) * n_cols..][cols.clone()];
     simd.vectorize(
         #[inline(always)]
         || {
-            for start in (0..width).step_by(BLOCK) {
-                let height = BLOCK.min(width - start);
-                let sources: [&[i32]; BLOCK] = std::array::from_fn(|k| {
-                    let row = rows.start + start + k.min(height - 1);
-                    &tops[row * n_cols + cols.start..row * n_cols + cols.end]
-                });
-                let mut done = 0;
-                if height == BLOCK {
-                    // PERF: squares of four cells a side, in registers.
-                    while done + 4 <= cols.len() {
-                        for k in (0..BLOCK).step_by(4) {
-                            let square =
-                                std::array::from_fn(|i| i32x4::from_slice(simd, &sources[k + i][done..done + 4]));
+            let (whole_rows, whole_cols) = (width / BLOCK * BLOCK, n_lines / BLOCK * BLOCK);
+            for start in (0..whole_rows).step_by(BLOCK) {
+                for done in (0..whole_cols).step_by(BLOCK) {
+                    for k in (start..start + BLOCK).step_by(SQUARE) {
+                        for i in 0..SQUARE {
+                            // Past the last row it does no harm.
+                            prefetch_index(tops, (rows.start + k + BLOCK + i) * n_cols + cols.start + done);
+                        }
+                        let sources: [&[i32]; SQUARE] = std::array::from_fn(|i| &row(k + i)[done..][..BLOCK]);
+                        for at in (0..BLOCK).step_by(SQUARE) {
+                            let square = std::array::from_fn(|i| i32x4::from_slice(simd, &sources[i][at..at + SQUARE]));
                             for (i, column) in transposed(square).into_iter().enumerate() {
-                                let at = (done + i) * width + start + k;
-                                column.store_slice(&mut lines[at..at + 4]);
+                                let place = (done + at + i) * width + k;
+                                column.store_slice(&mut lines[place..place + SQUARE]);
                             }
                         }
-                        done += 4;
                     }
                 }
-                for i in done..cols.len() {
-                    for (k, source) in sources.iter().enumerate().take(height) {
-                        lines[i * width + start + k] = source[i];
-                    }
+            }
+            for k in 0..width {
+                let from = if k < whole_rows { whole_cols } else { 0 };
+                for (i, top) in row(k)[from..].iter().enumerate() {
+                    lines[(from + i) * width + k] = *top;
                 }
             }
         },
     );
 }
 
-/// Rows that are turned together.
-const BLOCK: usize = 16;
+/// Rows and columns that are turned together: as many as a line of the cache has heights, so that each is read once. Those
+/// after them are read ahead.
+const BLOCK: usize = CACHE_LINE;
+
+/// Rows and columns that are turned at once, in registers.
+const SQUARE: usize = 4;
 
 /// Rows of a square for its columns.
 #[inline(always)]

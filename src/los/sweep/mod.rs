@@ -299,7 +299,8 @@ impl Sweep<'_> {
                     return;
                 }
                 let cells = row * n_cols..(row + 1) * n_cols;
-                let line = Line { tops: &self.columns.tops()[cells.clone()], first: 0, near, center, far };
+                let tops = &self.columns.tops()[cells.clone()];
+                let line = Line { tops, first: 0, near, center, far, next: self.row_cells(as_i64(row) - outward) };
                 let receivers = match self.receivers {
                     ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
                     ReceiverHeights::Over { base, above, .. } => {
@@ -332,10 +333,7 @@ impl Sweep<'_> {
         let (mut strip, mut low, mut width) = (0..0, 0, 0);
         // Line of sight in that strip.
         let mut found = StripBits::new(n_rows);
-        let own_base = match self.receivers {
-            ReceiverHeights::Over { base, .. } if self.bases.is_some() => Some(base),
-            _ => None,
-        };
+        let own_bases = self.own_bases();
         let (mut asked, mut seen) = (0, Vec::new());
         for_tile_lines(cols.clone(), outward > 0, |of_tile| {
             let (first, last) = (distances(of_tile.first), distances(of_tile.last));
@@ -354,8 +352,8 @@ impl Sweep<'_> {
                 (low, width) = (reach.0, rows.len());
                 found.begin(&rows);
                 turn(simd, self.columns.tops(), n_cols, &turned, &rows, &mut tops);
-                if let Some(base) = own_base {
-                    turn(simd, base, n_cols, &turned, &rows, &mut bases);
+                if let Some(own) = own_bases {
+                    turn(simd, own, n_cols, &turned, &rows, &mut bases);
                 }
             }
             of_tile.each(|col| {
@@ -364,11 +362,11 @@ impl Sweep<'_> {
                     return;
                 }
                 let cells = (col - turned.start) * width..(col - turned.start + 1) * width;
-                let line = Line { tops: &tops[cells.clone()], first: low, near, center, far };
+                let line = Line { tops: &tops[cells.clone()], first: low, near, center, far, next: [&[]; 2] };
                 let receivers = match self.receivers {
                     ReceiverHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(frame.uav_z)),
                     ReceiverHeights::Over { above, .. } => {
-                        let base = if own_base.is_some() { &bases[cells] } else { &tops[cells] };
+                        let base = if own_bases.is_some() { &bases[cells] } else { &tops[cells] };
                         LineReceivers::Over { base, first: low, above: above.wrapping_sub(frame.uav_z) }
                     }
                 };
@@ -381,6 +379,22 @@ impl Sweep<'_> {
         });
         found.move_to(&self.rows, strip.start / STRIP);
         self.undecided.fetch_add(asked, Ordering::Relaxed);
+    }
+
+    /// What receivers stand on, where that is not the tops.
+    fn own_bases(&self) -> Option<&[i32]> {
+        match self.receivers {
+            ReceiverHeights::Over { base, .. } if self.bases.is_some() => Some(base),
+            _ => None,
+        }
+    }
+
+    /// Tops of a row of cells, and what receivers stand on there, where that is not the tops; nothing outside the raster.
+    fn row_cells(&self, row: i64) -> [&[i32]; 2] {
+        let n_cols = self.columns.n_cols();
+        let cells = usize::try_from(row).ok().filter(|row| *row < self.columns.n_rows());
+        let cells = cells.map_or(0..0, |row| row * n_cols..(row + 1) * n_cols);
+        [&self.columns.tops()[cells.clone()], self.own_bases().map_or(&[], |bases| &bases[cells])]
     }
 
     /// The tiles of some rows or columns of cells; tiles have `strides` to the next lines of tiles and along them.

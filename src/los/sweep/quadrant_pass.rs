@@ -283,6 +283,7 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
                 near: (far - CELL).max(0),
                 center: far - CELL / 2,
                 far,
+                next: [&[]; 2],
             };
             let receivers = match self.scene.receivers {
                 StreamedHeights::Flat(z) => LineReceivers::Flat(z.wrapping_sub(self.frame.uav_z)),

@@ -7,6 +7,7 @@ use super::kernels::{
     CELL_BITS, EdgeMap, EdgeSteps, LineSlopes, NOTHING, PAD, PAD_I64, SLACK, end_group, heights_above_uav,
     look_up_edges, raise_bounds,
 };
+use super::line_order::read_ahead;
 use super::receivers::{Bounds, Decided, LineReceivers, ReceiverLanes, ReceiverMap, decide_line};
 use super::suspects::Suspects;
 use super::{CELL, as_i64};
@@ -43,6 +44,8 @@ pub(super) struct Line<'a> {
     pub(super) near: i64,
     pub(super) center: i64,
     pub(super) far: i64,
+    /// What is read of the line after it, cell by cell as `tops` is, to be in the cache by then; empty where it is there.
+    pub(super) next: [&'a [i32]; 2],
 }
 
 /// The lines that a wedge comes to next, no more than a tile has.
@@ -355,7 +358,11 @@ impl Wedge {
                 let at = |cell: i64| usize::try_from(cell - from).unwrap_or(0);
                 at(low)..at(high)
             };
-            let tops = &line.tops[within(line.first)];
+            let cells = within(line.first);
+            for next in line.next.into_iter().filter(|next| !next.is_empty()) {
+                read_ahead(next, cells.clone());
+            }
+            let tops = &line.tops[cells];
             highest = highest.max(heights_above_uav(simd, tops, frame.uav_z, &mut self.heights[within(-PAD_I64)]));
         }
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
