@@ -4,76 +4,78 @@
 //! is over the higher of the two at its lowest point in the line, the line is clear; only else are the cells looked at one
 //! by one, as `ray` does. The cell is carried from line to line by adding to a remainder.
 
-use crate::height_field::{Columns, TILE_BITS};
-use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
+use crate::height_field::{TILE_BITS, TileMaxima};
+use crate::quantity::STEPS_PER_UNIT;
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// Lines of a tile.
 const LINES: i64 = 1 << TILE_BITS;
 
-/// Which way a line of cells lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Across {
-    /// A row of cells, met by going north or south.
-    Row,
-    /// A column of cells, met by going east or west.
-    Column,
+/// How far links go across lines of cells: the same for all receivers of a line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinkLength {
+    steps: i64,
+    per_whole: f64,
 }
 
-/// The distances between which some lines lie \[lattice steps from the UAV\].
-type Distances = (i64, i64);
+impl LinkLength {
+    /// A length of so many lattice steps, at most 2^26.
+    #[expect(clippy::cast_precision_loss, reason = "at most 2^36")]
+    pub(super) fn new(steps: i64) -> Self {
+        LinkLength { steps, per_whole: 1.0 / (CELL * steps) as f64 }
+    }
 
-/// Whether a link is clear, given that only some lines of cells can block it: a few of `groups`, each within a tile, and
-/// those of `others`, which may be many.
-///
-/// The receiver is the center of cell `own` of the raster, in none of these lines, and not farther from the UAV along the
-/// lines than across them. Cost: one comparison per line, or per eight of the others that lie in tiles below the link.
-pub(super) fn columns_los_over_lines(
-    columns: &Columns,
-    uav: LatticePoint,
-    (own, receiver): (usize, LatticePoint),
-    across: Across,
-    (groups, others): ([Option<Distances>; 3], Option<Distances>),
-) -> bool {
-    let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
-    #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
-    let row = columns.n_cols() as isize;
-    let (east, north) = (receiver.x.div_euclid(CELL), receiver.y.div_euclid(CELL));
-    // Rows are counted from the north.
-    let (stride_x, stride_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row });
-    let cells_left = |d: i64, at: i64, n: usize| if d < 0 { at } else { as_i64(n) - 1 - at };
-    let (length, along, stride, sideways, most) = match across {
-        Across::Row => (dy.abs(), dx.abs(), stride_y, stride_x, cells_left(dx, east, columns.n_cols())),
-        Across::Column => (dx.abs(), dy.abs(), stride_x, stride_y, cells_left(dy, north, columns.n_rows())),
-    };
-    let link = LinkOverLines { length, along, z: receiver.z, climb: uav.z - receiver.z, most };
-    let (step_x, step_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { 1 } else { -1 });
-    let from_north = as_i64(columns.n_rows()) - 1 - north;
-    let tiles = || {
-        let per_row = as_isize(columns.tiles().per_row());
-        let ((line, lateral), steps, strides) = match across {
-            Across::Row => ((from_north, east), (step_y, step_x), (per_row, 1)),
-            Across::Column => ((east, from_north), (step_x, step_y), (1, per_row)),
-        };
-        LineTiles { columns, line, lateral, steps, strides }
-    };
-    let cells = LineCells { tops: columns.tops(), own, stride, sideways, tiles: None };
-    groups.iter().flatten().all(|lines| link.is_clear(&cells, *lines))
-        && others.is_none_or(|lines| link.is_clear(&LineCells { tiles: Some(tiles()), ..cells }, lines))
+    /// Lattice steps.
+    #[inline(always)]
+    pub(super) fn steps(self) -> i64 {
+        self.steps
+    }
+
+    /// Quotient, rounded down, and remainder of a number below 2^53 by a cell times the length.
+    #[inline(always)]
+    fn divide(self, number: i64) -> (i64, i64) {
+        debug_assert!((0..1 << 53).contains(&number));
+        let whole = CELL * self.steps;
+        // PERF: integers of 64 bits are divided in ten times the time. EXACT: the quotients are below 2^17, so that the guess, which
+        // is rounded three times, is off by one at most.
+        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
+        let guess = (number as f64 * self.per_whole) as i64;
+        let rest = number - guess * whole;
+        let off = i64::from(rest >= whole) - i64::from(rest < 0);
+        (guess + off, rest - off * whole)
+    }
 }
 
-/// A link as lines of cells see it, from the receiver to the UAV.
+/// A link as lines of cells see it, from the receiver to the UAV: the receiver is the center of a cell, and not farther from
+/// the UAV along the lines than across them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkOverLines {
-    /// How far it goes across the lines \[lattice steps\], and along them, which is no farther.
-    pub(super) length: i64,
-    pub(super) along: i64,
+    length: LinkLength,
+    /// How far it goes along the lines \[lattice steps\], and which way.
+    along: i64,
+    sideways: i64,
     /// Height of the receiver, and of the UAV above it \[1/1024 m\].
-    pub(super) z: i64,
-    pub(super) climb: i64,
+    z: i64,
+    climb: i64,
     /// Cells of the raster beside the receiver's, on the side of the UAV.
-    pub(super) most: i64,
+    most: i64,
+}
+
+impl LinkOverLines {
+    /// From lateral cell `lateral` of `n_lateral`, at height `z`, to a UAV `climb` above it, whose lateral position is
+    /// `uav_lateral` \[lattice steps; heights 1/1024 m\].
+    #[inline(always)]
+    pub(super) fn new(
+        length: LinkLength,
+        (lateral, n_lateral): (i64, i64),
+        uav_lateral: i64,
+        (z, climb): (i64, i64),
+    ) -> Self {
+        let side = uav_lateral - (lateral * CELL + CELL / 2);
+        let (sideways, most) = if side < 0 { (-1, lateral) } else { (1, n_lateral - 1 - lateral) };
+        LinkOverLines { length, along: side.abs(), sideways, z, climb, most }
+    }
 }
 
 /// Where the cells of some lines are found.
@@ -83,9 +85,8 @@ pub(super) struct LineCells<'a> {
     pub(super) tops: &'a [i32],
     /// Index of the receiver's cell; where its line is not among `tops`, what it would be, wrapped around.
     pub(super) own: usize,
-    /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line.
-    pub(super) stride: isize,
-    pub(super) sideways: isize,
+    /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line, as lateral numbers rise.
+    pub(super) strides: (i64, i64),
     /// The highest tops of tiles of these cells, if they are known.
     pub(super) tiles: Option<LineTiles<'a>>,
 }
@@ -93,14 +94,14 @@ pub(super) struct LineCells<'a> {
 /// Where the tiles are found that lines of cells pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineTiles<'a> {
-    columns: &'a Columns,
+    pub(super) tiles: &'a TileMaxima,
     /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
-    line: i64,
-    lateral: i64,
-    /// How both change on the way to the UAV, by 1.
-    steps: (i64, i64),
+    pub(super) line: i64,
+    pub(super) lateral: i64,
+    /// How the number of the line changes on the way to the UAV, by 1.
+    pub(super) step: i64,
     /// Steps to the tile of the next lines, and to the next tile of the same lines, as numbers rise.
-    strides: (isize, isize),
+    pub(super) strides: (i64, i64),
 }
 
 impl LineTiles<'_> {
@@ -108,21 +109,24 @@ impl LineTiles<'_> {
     #[inline(always)]
     fn maximum(&self, line: i64, lateral: i64) -> i32 {
         let (across, along) = self.strides;
-        #[expect(clippy::cast_sign_loss, reason = "a tile of the raster")]
-        let tile = ((line >> TILE_BITS) as isize * across + (lateral >> TILE_BITS) as isize * along) as usize;
-        self.columns.tiles().maxima()[tile]
+        #[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a tile of the raster")]
+        let tile = ((line >> TILE_BITS) * across + (lateral >> TILE_BITS) * along) as usize;
+        self.tiles.maxima()[tile]
     }
 }
 
 impl LinkOverLines {
     /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link.
     pub(super) fn is_clear(&self, cells: &LineCells<'_>, (near, far): (i64, i64)) -> bool {
-        let LinkOverLines { length, along, z, climb, most } = *self;
-        let LineCells { tops, own, stride, sideways, tiles } = *cells;
+        let LinkOverLines { along, z, climb, most, .. } = *self;
+        let LineCells { tops, own, strides, tiles } = *cells;
+        #[expect(clippy::cast_possible_truncation, reason = "an array has far fewer than 2^63 cells")]
+        let (stride, sideways) = (strides.0 as isize, (strides.1 * self.sideways) as isize);
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
+        let length = self.length.steps;
         let whole = CELL * length;
         let (first_n, stop) = (length - far, length - near);
-        let (passed, rest) = quotient(CELL / 2 * length + first_n * along, whole);
+        let (passed, rest) = self.length.divide(CELL / 2 * length + first_n * along);
         let lines = (first_n - CELL / 2) / CELL + 1;
         let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
         let n_lines = (stop - first_n + CELL - 1).div_euclid(CELL);
@@ -132,15 +136,15 @@ impl LinkOverLines {
             beside: most - passed,
             clear_below: z * length + if climb >= 0 { first_n } else { first_n + CELL } * climb,
         };
-        let steps = Steps { tops, whole, growth: CELL * along, length, rise: CELL * climb, stride, sideways };
+        let steps = Steps { whole, growth: CELL * along, rise: CELL * climb, stride, sideways };
         let mut lines_left = n_lines;
-        let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.steps.0);
+        let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.step);
         let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
             // Lines to be looked at, before a tile may spare some of them.
             let mut n = lines_left.min(LINES);
             if let Some((tiles, over_tile)) = &tiles {
-                let (step, sidestep) = tiles.steps;
+                let (step, sidestep) = (tiles.step, self.sideways);
                 let within = line & (LINES - 1);
                 n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 line += n * step;
@@ -163,14 +167,6 @@ impl LinkOverLines {
                         at.clear_below += n * CELL * climb;
                         continue;
                     }
-                }
-            }
-            if at.beside >= n {
-                let (after, may_block) = steps.over(at, n);
-                if !may_block {
-                    at = after;
-                    lines_left -= n;
-                    continue;
                 }
             }
             for _ in 0..n {
@@ -199,7 +195,8 @@ impl LinkOverLines {
     /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
     #[inline(never)]
     fn is_blocked(&self, at: LineMet, (first, second): (i32, i32)) -> bool {
-        let LinkOverLines { length, along, z, climb, .. } = *self;
+        let LinkOverLines { along, z, climb, .. } = *self;
+        let length = self.length.steps;
         let LineMet { n, passed, rest, steps_over } = at;
         let (first, second) = (i64::from(first) - z, i64::from(second) - z);
         let end = (n + CELL).min(length);
@@ -231,17 +228,15 @@ struct Entry {
 
 /// How a ray goes from line to line.
 #[derive(Debug, Clone, Copy)]
-struct Steps<'a> {
-    tops: &'a [i32],
+struct Steps {
     whole: i64,
     growth: i64,
-    length: i64,
     rise: i64,
     stride: isize,
     sideways: isize,
 }
 
-impl Steps<'_> {
+impl Steps {
     /// The cells in which the ray enters and leaves a line, and where it enters the next one.
     #[inline(always)]
     fn over_one(&self, at: Entry) -> (usize, usize, Entry) {
@@ -260,32 +255,6 @@ impl Steps<'_> {
             },
         )
     }
-
-    /// Where the ray is after `n` lines, all of whose cells are in the raster, and whether one of them may block it.
-    #[inline(always)]
-    fn over(&self, mut at: Entry, n: i64) -> (Entry, bool) {
-        let mut may_block = false;
-        for _ in 0..n {
-            let (first, second, after) = self.over_one(at);
-            let highest = self.tops[first].max(self.tops[second]);
-            may_block |= i64::from(highest) * self.length > at.clear_below;
-            at = after;
-        }
-        (at, may_block)
-    }
-}
-
-/// Quotient, rounded down, and remainder of a number within ±2^53 by a positive one.
-#[inline(always)]
-fn quotient(number: i64, by: i64) -> (i64, i64) {
-    debug_assert!(number.unsigned_abs() <= 1 << 53 && (1..=1 << 53).contains(&by));
-    // PERF: integers of 64 bits are divided in three times the time. EXACT: both are doubles as they are, and so are multiples
-    // of `by` up to the number, which a rounded quotient is on the right side of: the guess is off by one at most.
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
-    let guess = (number as f64 / by as f64) as i64;
-    let rest = number - guess * by;
-    let off = i64::from(rest >= by) - i64::from(rest < 0);
-    (guess + off, rest - off * by)
 }
 
 /// What a ray passes sideways on its way over some lines.
@@ -317,12 +286,4 @@ struct LineMet {
     rest: i64,
     /// Whether it leaves the line in the next cell.
     steps_over: bool,
-}
-
-fn as_isize(n: usize) -> isize {
-    isize::try_from(n).unwrap_or(isize::MAX)
-}
-
-fn as_i64(n: usize) -> i64 {
-    i64::try_from(n).unwrap_or(i64::MAX)
 }

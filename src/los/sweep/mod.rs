@@ -106,7 +106,6 @@ use self::shared_bits::{SharedBits, StripBits};
 pub use self::streamed::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los};
 use self::verdicts::{LineBits, LineVerdicts};
 use self::wedge::{Ahead, Line, MAX_PARTS, NEAR, TileLine, TileReceivers, Wedge, WedgeFrame};
-use super::columns_lines::Across;
 use super::columns_los;
 use crate::height_field::{Columns, TileMaxima};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use super::super::columns_lines::{LineCells, LinkOverLines};
+use super::super::columns_lines::{LineCells, LinkLength, LinkOverLines};
 use super::line_order::turn;
 use super::receivers::{Decided, LineReceivers};
 use super::shared_bits::{SharedBits, transpose};
@@ -301,21 +301,17 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
     fn walk(&self, lines: &StripLines, ((line, lateral), z): ((usize, usize), i32), suspected: Range<usize>) -> Walked {
         let here = suspected.start.max(lines.numbers.start)..suspected.end.min(lines.numbers.end);
         if !here.is_empty() {
-            let receiver_lateral = as_i64(lateral) * CELL + CELL / 2;
-            let side = self.uav_lateral - receiver_lateral;
-            let link = LinkOverLines {
-                length: self.far_of(line) - CELL / 2,
-                along: side.abs(),
-                z: i64::from(z),
-                climb: self.scene.uav.z - i64::from(z),
-                most: if side < 0 { as_i64(lateral) } else { as_i64(self.n_lateral - 1 - lateral) },
-            };
-            let width = isize::try_from(lines.width).unwrap_or(isize::MAX);
+            let link = LinkOverLines::new(
+                LinkLength::new(self.far_of(line) - CELL / 2),
+                (as_i64(lateral), as_i64(self.n_lateral)),
+                self.uav_lateral,
+                (i64::from(z), self.scene.uav.z - i64::from(z)),
+            );
+            let width = as_i64(lines.width);
             let cells = LineCells {
                 tops: &lines.tops,
                 own: lines.start(line).wrapping_add(lateral).wrapping_sub(lines.first),
-                stride: if lines.is_inward { width } else { -width },
-                sideways: if side < 0 { -1 } else { 1 },
+                strides: (if lines.is_inward { width } else { -width }, 1),
                 tiles: None,
             };
             let near = (self.far_of(here.start) - CELL).max(0);

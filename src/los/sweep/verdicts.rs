@@ -1,12 +1,12 @@
 //! What becomes of the receivers of a line over columns in memory: bits, and walks for those that bounds leave undecided.
 
-use super::super::columns_lines::columns_los_over_lines;
+use super::super::columns_lines::{LineCells, LineTiles, LinkLength, LinkOverLines};
 use super::receivers::{AZIMUTH_BITS, Decided, LineReceivers};
 use super::shared_bits::{SharedBits, StripBits};
-use super::suspects::{Lines, Suspects, edges_of};
+use super::suspects::{Suspects, edges_of};
 use super::wedge::{Line, Verdicts};
-use super::{Across, CELL, Sweep, as_i64};
-use crate::quantity::LatticePoint;
+use super::{CELL, Sweep, as_i64};
+use crate::height_field::Columns;
 use crate::raster::set_bits;
 
 /// Where the bits of a line go.
@@ -15,6 +15,15 @@ pub(super) enum LineBits<'a> {
     Row(&'a SharedBits),
     /// Of a column: to that of this number in a strip.
     Column(&'a mut StripBits, usize),
+}
+
+/// Which way a line of cells lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Across {
+    /// A row of cells, met by going north or south.
+    Row,
+    /// A column of cells, met by going east or west.
+    Column,
 }
 
 /// The receivers of one line.
@@ -57,15 +66,6 @@ impl<'a> LineVerdicts<'a> {
             LineBits::Column(strip, column) => strip.add(*column, word, bits),
         }
     }
-
-    /// Row and column of a lateral cell.
-    #[inline(always)]
-    fn cell(&self, lateral: usize) -> (usize, usize) {
-        match self.across {
-            Across::Row => (self.index, lateral),
-            Across::Column => (lateral, self.index),
-        }
-    }
 }
 
 impl Verdicts for LineVerdicts<'_> {
@@ -101,7 +101,7 @@ impl Verdicts for LineVerdicts<'_> {
             n_left += usize::from(!met.is_hidden & !is_seen);
         }
         for cell in &cells[..n_left] {
-            if self.is_los(*cell as usize, suspects) {
+            if lines.is_los(i64::from(*cell), self.receivers.height(*cell as usize), suspects) {
                 self.seen[n_seen] = *cell;
                 n_seen += 1;
             }
@@ -113,34 +113,22 @@ impl Verdicts for LineVerdicts<'_> {
     }
 }
 
-impl LineVerdicts<'_> {
-    /// Whether none of the suspected lines hides the receiver of a lateral cell.
-    fn is_los(&self, cell: usize, suspects: &Suspects<'_>) -> bool {
-        let Sweep { columns, uav, .. } = *self.sweep;
-        let (row, col) = self.cell(cell);
-        let (x, y) = columns.center(row, col);
-        let own = row * columns.n_cols() + col;
-        let above_uav = self.receivers.height(cell);
-        let receiver = LatticePoint { x, y, z: above_uav + uav.z };
-        let (groups, others) = suspects.of(as_i64(cell), above_uav).lines();
-        let edges = |lines: Option<Lines>| lines.map(|lines| edges_of(self.line.far, lines));
-        columns_los_over_lines(columns, uav, (own, receiver), self.across, (groups.map(edges), edges(others)))
-    }
-}
-
 /// The lines before that of some receivers, in the raster.
 struct RasterLines<'a> {
-    tops: &'a [i32],
+    columns: &'a Columns,
     uav_z: i64,
     uav_lateral: i64,
     n_lateral: i64,
+    across: Across,
+    /// The number of the receivers' row or column, and how numbers change on the way out, by 1.
+    index: i64,
+    outward: i64,
     /// The first cell of the receivers' line, and the steps to that of the next line outward and along a line.
     start: i64,
-    outward: i64,
-    sideways: i64,
-    /// Distances of the farther edge of the receivers' line and of its centers \[lattice steps\].
+    strides: (i64, i64),
+    /// Distances of the farther edge of the receivers' line and of its centers.
     far: i64,
-    center: i64,
+    length: LinkLength,
 }
 
 /// What a line does to a link, where that is sure.
@@ -152,20 +140,55 @@ struct Met {
 impl<'a> RasterLines<'a> {
     fn new(of: &LineVerdicts<'a>) -> Self {
         let Sweep { columns, uav, .. } = *of.sweep;
-        let (n_rows, n_cols) = (as_i64(columns.n_rows()), as_i64(columns.n_cols()));
-        let own = as_i64(of.index);
-        let (uav_lateral, n_lateral, start, outward, sideways) = match of.across {
-            Across::Row => (uav.x, n_cols, own * n_cols, of.outward * n_cols, 1),
-            Across::Column => (n_rows * CELL - uav.y, n_rows, own, of.outward, n_cols),
+        let LineVerdicts { across, outward, .. } = *of;
+        let (n_rows, n_cols, index) = (as_i64(columns.n_rows()), as_i64(columns.n_cols()), as_i64(of.index));
+        let (uav_lateral, n_lateral, start, strides) = match across {
+            Across::Row => (uav.x, n_cols, index * n_cols, (outward * n_cols, 1)),
+            Across::Column => (n_rows * CELL - uav.y, n_rows, index, (outward, n_cols)),
         };
-        let (tops, Line { far, center, .. }) = (columns.tops(), *of.line);
-        RasterLines { tops, uav_z: uav.z, uav_lateral, n_lateral, start, outward, sideways, far, center }
+        let (far, length) = (of.line.far, LinkLength::new(of.line.center));
+        RasterLines {
+            columns,
+            uav_z: uav.z,
+            uav_lateral,
+            n_lateral,
+            across,
+            index,
+            outward,
+            start,
+            strides,
+            far,
+            length,
+        }
+    }
+
+    /// Whether none of the suspected lines hides the receiver of a lateral cell, `above_uav` above the UAV \[1/1024 m\].
+    fn is_los(&self, lateral: i64, above_uav: i64, suspects: &Suspects<'_>) -> bool {
+        let RasterLines { columns, strides, .. } = *self;
+        let heights = (self.uav_z + above_uav, -above_uav);
+        let link = LinkOverLines::new(self.length, (lateral, self.n_lateral), self.uav_lateral, heights);
+        let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
+        let cells = LineCells { tops: columns.tops(), own, strides: (-strides.0, strides.1), tiles: None };
+        let (groups, others) = suspects.of(lateral, above_uav).lines();
+        let tiles = || {
+            let per_row = as_i64(columns.tiles().per_row());
+            let strides = match self.across {
+                Across::Row => (per_row, 1),
+                Across::Column => (1, per_row),
+            };
+            LineTiles { tiles: columns.tiles(), line: self.index, lateral, step: -self.outward, strides }
+        };
+        groups.iter().flatten().all(|lines| link.is_clear(&cells, edges_of(self.far, *lines)))
+            && others.is_none_or(|lines| {
+                link.is_clear(&LineCells { tiles: Some(tiles()), ..cells }, edges_of(self.far, lines))
+            })
     }
 
     /// What line `back`, counted back, does to the link to a receiver: the ray is looked at where it enters and where it exits
     /// the line, unless that is next to a border of cells.
     #[inline(always)]
     fn meet(&self, azimuth: i64, above_uav: i64, back: i64) -> Met {
+        let tops = self.columns.tops();
         let (near, far) = edges_of(self.far, (back, back));
         // Heights are compared times the distance of the receiver: how far the top of the cell that the ray is in is above
         // the UAV, the same of the ray, and whether the cell is certain.
@@ -174,10 +197,10 @@ impl<'a> RasterLines<'a> {
             let at = self.uav_lateral + ((azimuth * distance) >> AZIMUTH_BITS);
             let (cell, within) = (at.div_euclid(CELL), at.rem_euclid(CELL));
             let is_certain = (0..self.n_lateral).contains(&cell) & (2..CELL - 2).contains(&within);
-            let index = if is_certain { self.start - back * self.outward + cell * self.sideways } else { 0 };
-            let top = usize::try_from(index).map_or(0, |index| i64::from(self.tops[index]) - self.uav_z);
+            let index = if is_certain { self.start - back * self.strides.0 + cell * self.strides.1 } else { 0 };
+            let top = usize::try_from(index).map_or(0, |index| i64::from(tops[index]) - self.uav_z);
             // EXACT: heights are below 2^31, distances at most 2^26.
-            (top * self.center, above_uav * distance, is_certain)
+            (top * self.length.steps(), above_uav * distance, is_certain)
         };
         let ((top, height, is_certain), (far_top, far_height, is_far_certain)) = (look(near), look(far));
         Met {
