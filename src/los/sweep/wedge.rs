@@ -64,7 +64,13 @@ impl Ahead<'_> {
     /// Whether these lines may change bounds of some bins, all of whose lower bounds are at least `lowest`, or hold a receiver
     /// there that is not hidden: they have cells there, and if their tiles are known, a top or a receiver is as steep as that.
     #[inline(always)]
-    fn may_matter(&self, frame: &WedgeFrame, map: &EdgeMap, (b0, b1): (i64, i64), lowest: f32) -> bool {
+    fn may_matter(
+        &self,
+        frame: &WedgeFrame,
+        (map, per_edges): (&EdgeMap, (f32, f32)),
+        (b0, b1): (i64, i64),
+        lowest: f32,
+    ) -> bool {
         // On a border look-ups may take the cell before it.
         let (low, high) = cells_between(map, (b0 - 1, b1), (self.near, self.far), frame);
         if low >= high {
@@ -72,9 +78,14 @@ impl Ahead<'_> {
         }
         let Some(tiles) = self.tiles.as_ref().filter(|_| self.near >= NEAR) else { return true };
         #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
-        let (highest, per_near, per_far) =
-            (tiles.highest((low, high), frame.uav_z) as f32, 1.0 / self.near as f32, 1.0 / self.far as f32);
-        (highest * per_near).max(highest * per_far) >= lowest - lowest.abs() * SLACK
+        let highest = tiles.highest((low, high), frame.uav_z) as f32;
+        (highest * per_edges.0).max(highest * per_edges.1) >= lowest - lowest.abs() * SLACK
+    }
+
+    /// One over the distances of their edges.
+    #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
+    fn per_edges(&self) -> (f32, f32) {
+        (1.0 / self.near as f32, 1.0 / self.far as f32)
     }
 }
 
@@ -99,13 +110,11 @@ pub(super) enum TileReceivers<'a> {
 }
 
 impl TileLine<'_> {
-    /// The highest top or receiver above the UAV over the lateral cells `cells`, which are not none.
+    /// The highest top or receiver above the UAV over the lateral cells from `from` to before `to`, which are not none.
     fn highest(&self, (from, to): (i64, i64), uav_z: i32) -> i32 {
-        let tiles = from >> TILE_BITS..((to - 1) >> TILE_BITS) + 1;
-        let highest = |of: &[i32]| {
-            let at = |tile: i64| usize::try_from(tile).ok().and_then(|tile| of.get(tile * self.stride));
-            tiles.clone().filter_map(at).fold(i32::MIN, |a, b| a.max(*b))
-        };
+        let tile = |cell: i64| usize::try_from(cell >> TILE_BITS).unwrap_or(0);
+        let highest =
+            |of: &[i32]| (tile(from)..tile(to - 1) + 1).fold(i32::MIN, |a, tile| a.max(of[tile * self.stride]));
         // EXACT: known heights differ by less than 2^28; a void stays below all of them.
         let top = highest(self.tops);
         let receiver = match self.receivers {
@@ -469,7 +478,7 @@ impl Wedge {
                 #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
                 let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
                 let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
-                let map = self.edge_map(frame);
+                let (map, per_edges) = (self.edge_map(frame), ahead.per_edges());
                 let lowest_slope = self.lowest_slope(frame, ahead.center);
                 for &(from, to) in &self.awake {
                     end_group(simd, self.group_start, lowest_slope, &mut self.bins.groups_of(from..to));
@@ -486,7 +495,7 @@ impl Wedge {
                         }
                         append(&mut self.active, (start, end), 0);
                         let bins = (self.first + as_i64(start), self.first + as_i64(end));
-                        if ahead.may_matter(frame, &map, bins, lowest) {
+                        if ahead.may_matter(frame, (&map, per_edges), bins, lowest) {
                             append(&mut self.awake, (start, end), SHORTEST_SLEEP);
                         }
                     }
