@@ -32,13 +32,13 @@ impl LinkLength {
         self.steps
     }
 
-    /// Quotient, rounded down, and remainder of a number below 2^53 by a cell times the length.
+    /// Quotient, which is below 2^17, and remainder of a number from 0 to 2^53 by a cell times the length.
     #[inline(always)]
     fn divide(self, number: i64) -> (i64, i64) {
-        debug_assert!((0..1 << 53).contains(&number));
         let whole = CELL * self.steps;
-        // PERF: integers of 64 bits are divided in ten times the time. EXACT: the quotients are below 2^17, so that the guess, which
-        // is rounded three times, is off by one at most.
+        debug_assert!((0..1 << 53).contains(&number) && number >> 17 < whole);
+        // PERF: integers of 64 bits are divided in ten times the time. EXACT: the quotient is below 2^17, so that the guess, which
+        // is rounded twice and cut off, is off by one at most.
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
         let guess = (number as f64 * self.per_whole) as i64;
         let rest = number - guess * whole;
@@ -47,13 +47,14 @@ impl LinkLength {
     }
 }
 
-/// A link as lines of cells see it, from the receiver to the UAV: the receiver is the center of a cell, and not farther from
-/// the UAV along the lines than across them.
+/// A link as lines of cells see it, from the receiver to the UAV: the receiver is over the center of a cell, and no farther
+/// from the UAV along the lines than across them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkOverLines {
     length: LinkLength,
-    /// How far it goes along the lines \[lattice steps\], and which way.
+    /// How far it goes along the lines \[lattice steps\].
     along: i64,
+    /// Which way: 1 where lateral cells have rising numbers on the way to the UAV, else −1.
     sideways: i64,
     /// Height of the receiver, and of the UAV above it \[1/1024 m\].
     z: i64,
@@ -116,9 +117,11 @@ impl LineTiles<'_> {
 }
 
 impl LinkOverLines {
-    /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link.
+    /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link; the receiver's own is not
+    /// among them.
     pub(super) fn is_clear(&self, cells: &LineCells<'_>, (near, far): (i64, i64)) -> bool {
         let LinkOverLines { along, z, climb, most, .. } = *self;
+        debug_assert!(far + CELL / 2 <= self.length.steps && along <= self.length.steps);
         let LineCells { tops, own, strides, tiles } = *cells;
         #[expect(clippy::cast_possible_truncation, reason = "an array has far fewer than 2^63 cells")]
         let (stride, sideways) = (strides.0 as isize, (strides.1 * self.sideways) as isize);
@@ -286,4 +289,22 @@ struct LineMet {
     rest: i64,
     /// Whether it leaves the line in the next cell.
     steps_over: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_divided_as_integers_are() {
+        for steps in [512, 513, 1024 * 77 + 512, (1 << 26) - 1, 1 << 26] {
+            let length = LinkLength::new(steps);
+            let whole = CELL * steps;
+            for quotient in [0, 1, 2, 1000, 65_535] {
+                for rest in [0, 1, whole / 3, whole - 2, whole - 1] {
+                    assert_eq!(length.divide(quotient * whole + rest), (quotient, rest), "{steps} {quotient} {rest}");
+                }
+            }
+        }
+    }
 }

@@ -109,7 +109,7 @@ pub(super) fn turn<S: Simd>(
     );
 }
 
-/// Rows and columns that are turned together: as many as a line of the cache has heights, so that each is read once. Those
+/// Rows and columns that are turned together: as many as a line of the cache has heights, so that few are read twice. The rows
 /// after them are read ahead.
 const BLOCK: usize = CACHE_LINE;
 
@@ -122,4 +122,32 @@ fn transposed<S: Simd>([a, b, c, d]: [i32x4<S>; 4]) -> [i32x4<S>; 4] {
     let (ac, bd) = (a.zip_low(c), b.zip_low(d));
     let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
     [ac.zip_low(bd), ac.zip_high(bd), ac_high.zip_low(bd_high), ac_high.zip_high(bd_high)]
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::los::simd_levels;
+
+    #[test]
+    fn columns_become_lines_whatever_their_shape() {
+        let (n_rows, n_cols) = (53, 90);
+        let tops: Vec<i32> = (0..n_rows * n_cols).map(|cell| i32::try_from(cell).expect("few")).collect();
+        for level in simd_levels() {
+            for (cols, rows) in
+                [(0..64, 0..53), (64..90, 3..50), (10..26, 5..21), (89..90, 0..17), (5..5, 0..9), (7..40, 8..8)]
+            {
+                let mut lines = Vec::new();
+                dispatch!(level, simd => turn(simd, &tops, n_cols, &cols, &rows, &mut lines));
+                let wanted: Vec<i32> = cols
+                    .clone()
+                    .flat_map(|col| rows.clone().map(move |row| row * n_cols + col))
+                    .map(|cell| tops[cell])
+                    .collect();
+                assert_eq!(lines, wanted, "{cols:?} {rows:?} {level:?}");
+            }
+        }
+    }
 }

@@ -77,7 +77,9 @@
 //!   that are as steep as any receiver in doubt can be, that is neither below the lowest possible receiver nor below `lower`.
 //!   Over laser scans a half to three quarters of the rest need one group, and one in forty needs other groups; over
 //!   these a walk skips eight lines at a time where the tiles are below it.
-//! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout.
+//! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout. Rows of rasters
+//!   in memory are asked for while those before them are turned or passed: what a wedge reads of a row is too short for a core to
+//!   read ahead by itself.
 //!
 //! Cost: two to three look-ups per cell that is not in the dark, and a look at one line or a walk for each undecided receiver
 //! (0.02 to 3 % of all).

@@ -119,14 +119,15 @@ struct RasterLines<'a> {
     uav_z: i64,
     uav_lateral: i64,
     n_lateral: i64,
-    across: Across,
     /// The number of the receivers' row or column, and how numbers change on the way out, by 1.
     index: i64,
     outward: i64,
     /// The first cell of the receivers' line, and the steps to that of the next line outward and along a line.
     start: i64,
     strides: (i64, i64),
-    /// Distances of the farther edge of the receivers' line and of its centers.
+    /// Steps to the tile of the next lines, and to the next tile of the same lines, as numbers rise.
+    tile_strides: (i64, i64),
+    /// Distances of the farther edge of the receivers' line and of its centers \[lattice steps\].
     far: i64,
     length: LinkLength,
 }
@@ -140,23 +141,25 @@ struct Met {
 impl<'a> RasterLines<'a> {
     fn new(of: &LineVerdicts<'a>) -> Self {
         let Sweep { columns, uav, .. } = *of.sweep;
-        let LineVerdicts { across, outward, .. } = *of;
+        let LineVerdicts { outward, .. } = *of;
         let (n_rows, n_cols, index) = (as_i64(columns.n_rows()), as_i64(columns.n_cols()), as_i64(of.index));
-        let (uav_lateral, n_lateral, start, strides) = match across {
-            Across::Row => (uav.x, n_cols, index * n_cols, (outward * n_cols, 1)),
-            Across::Column => (n_rows * CELL - uav.y, n_rows, index, (outward, n_cols)),
+        let per_row = as_i64(columns.tiles().per_row());
+        let (uav_lateral, n_lateral, start, strides, tile_strides) = match of.across {
+            Across::Row => (uav.x, n_cols, index * n_cols, (outward * n_cols, 1), (per_row, 1)),
+            Across::Column => (n_rows * CELL - uav.y, n_rows, index, (outward, n_cols), (1, per_row)),
         };
         let (far, length) = (of.line.far, LinkLength::new(of.line.center));
+        let uav_z = uav.z;
         RasterLines {
             columns,
-            uav_z: uav.z,
+            uav_z,
             uav_lateral,
             n_lateral,
-            across,
             index,
             outward,
             start,
             strides,
+            tile_strides,
             far,
             length,
         }
@@ -170,13 +173,13 @@ impl<'a> RasterLines<'a> {
         let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
         let cells = LineCells { tops: columns.tops(), own, strides: (-strides.0, strides.1), tiles: None };
         let (groups, others) = suspects.of(lateral, above_uav).lines();
-        let tiles = || {
-            let per_row = as_i64(columns.tiles().per_row());
-            let strides = match self.across {
-                Across::Row => (per_row, 1),
-                Across::Column => (1, per_row),
-            };
-            LineTiles { tiles: columns.tiles(), line: self.index, lateral, step: -self.outward, strides }
+        // A group lies within a line of tiles, between which others leave gaps.
+        let tiles = || LineTiles {
+            tiles: columns.tiles(),
+            line: self.index,
+            lateral,
+            step: -self.outward,
+            strides: self.tile_strides,
         };
         groups.iter().flatten().all(|lines| link.is_clear(&cells, edges_of(self.far, *lines)))
             && others.is_none_or(|lines| {

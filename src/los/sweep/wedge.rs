@@ -44,7 +44,7 @@ pub(super) struct Line<'a> {
     pub(super) near: i64,
     pub(super) center: i64,
     pub(super) far: i64,
-    /// What is read of the line after it, cell by cell as `tops` is, to be in the cache by then; empty where it is there.
+    /// What is read of the line after it, cell by cell as `tops` is, to be in the cache by then; empty to not read ahead.
     pub(super) next: [&'a [i32]; 2],
 }
 
@@ -82,7 +82,7 @@ impl Ahead<'_> {
         (highest * per_edges.0).max(highest * per_edges.1) >= lowest - lowest.abs() * SLACK
     }
 
-    /// One over the distances of their edges.
+    /// One over the distances of their edges, the first of which may be infinite: it is not asked for then.
     #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
     fn per_edges(&self) -> (f32, f32) {
         (1.0 / self.near as f32, 1.0 / self.far as f32)
