@@ -31,7 +31,6 @@
 
 mod approximate;
 mod cell_walk;
-mod columns_lines;
 mod columns_ray;
 mod grid_los;
 mod link;

@@ -28,7 +28,7 @@
 //!
 //! A receiver is compared with the lines *before* its own: from a cell center, |t| ≤ 1 crosses no other cell of the own
 //! line. If its slope is above `upper` it is LoS, below `lower` NLoS, both proven; the few between are settled by the lines
-//! that may hide them, the last of them by a walk along their ray ([`super::columns_lines`]), in exact integers. So the
+//! that may hide them, the last of them by a walk along their ray ([`line_walk`]), in exact integers. So the
 //! outcome is that of `ray`, cell for cell.
 //!
 //! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
@@ -87,6 +87,7 @@
 mod bins;
 mod kernels;
 mod line_order;
+mod line_walk;
 mod quadrant_pass;
 mod receivers;
 mod shared_bits;

@@ -6,8 +6,8 @@ use std::sync::atomic::Ordering;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use super::super::columns_lines::{LineCells, LinkLength, LinkOverLines};
 use super::line_order::turn;
+use super::line_walk::{LineCells, LinkLength, LinkOverLines};
 use super::receivers::{Decided, LineReceivers};
 use super::shared_bits::{SharedBits, transpose};
 use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};

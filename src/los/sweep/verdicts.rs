@@ -1,6 +1,6 @@
 //! What becomes of the receivers of a line over columns in memory: bits, and walks for those that bounds leave undecided.
 
-use super::super::columns_lines::{LineCells, LineTiles, LinkLength, LinkOverLines};
+use super::line_walk::{LineCells, LineTiles, LinkLength, LinkOverLines};
 use super::receivers::{AZIMUTH_BITS, Decided, LineReceivers};
 use super::shared_bits::{SharedBits, StripBits};
 use super::suspects::{Suspects, edges_of};
@@ -173,7 +173,7 @@ impl<'a> RasterLines<'a> {
         let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
         let cells = LineCells { tops: columns.tops(), own, strides: (-strides.0, strides.1), tiles: None };
         let (groups, others) = suspects.of(lateral, above_uav).lines();
-        // A group lies within a line of tiles, between which others leave gaps.
+        // A group is too few lines for tiles to spare any.
         let tiles = || LineTiles {
             tiles: columns.tiles(),
             line: self.index,

@@ -1,4 +1,4 @@
-//! A part of a ray over columns, line by line: how the sweep asks about the few lines that may decide a receiver.
+//! A walk along a part of a ray, line by line: how the sweep asks about the few lines that may decide a receiver.
 //!
 //! Across the lines the ray moves faster than along them, so in each line it is in one cell or in two neighbors. Where it
 //! is over the higher of the two at its lowest point in the line, the line is clear; only else are the cells looked at one
@@ -144,19 +144,19 @@ impl LinkOverLines {
         let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.step);
         let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
-            // Lines to be looked at, before a tile may spare some of them.
-            let mut n = lines_left.min(LINES);
+            // Lines to be looked at, unless a tile spares them.
+            let mut n = lines_left;
             if let Some((tiles, over_tile)) = &tiles {
-                let (step, sidestep) = (tiles.step, self.sideways);
+                let step = tiles.step;
                 let within = line & (LINES - 1);
                 n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 line += n * step;
                 // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles of the first and the last.
                 let reach = n.min(over_tile.borders + 1);
                 if at.beside >= reach {
-                    let from = tiles.lateral + sidestep * (most - at.beside);
+                    let from = tiles.lateral + self.sideways * (most - at.beside);
                     let last = line - step;
-                    let highest = tiles.maximum(last, from).max(tiles.maximum(last, from + sidestep * reach));
+                    let highest = tiles.maximum(last, from).max(tiles.maximum(last, from + self.sideways * reach));
                     if i64::from(highest) * length <= at.clear_below + ((n - 1) * CELL * climb).min(0) {
                         lines_left -= n;
                         let over = if n == LINES { *over_tile } else { Passed::of(n, along, length) };
