@@ -78,7 +78,8 @@ fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
     let field = match city {
         City::Urban => {
             let built_up = BuiltUp::named("urban").expect("a named environment");
-            let city = BuiltUpCity { built_up, size_m: 1000.0, cell_m: 2.0, seed: cities::SEED, ground_m: 0.0 };
+            let city =
+                BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 2.0, seed: cities::SEED, ground_m: 0.0 };
             let scene = city.scene().expect("a city within the limits");
             HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
         }
@@ -90,7 +91,7 @@ fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
     let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
     bencher.counter(ItemsCount::new(spots.len())).bench(|| {
         let candidates = Candidates::of(&spots, &field, &CandidateRules::default()).expect("on the lattice");
-        let scorer = Scorer { mapper: &mapper, weights: None };
+        let scorer = Scorer::new(&mapper, None);
         ranked(&scores_over_grid(&scorer, &places, &candidates.kept, &Control::default()).expect("nobody interrupts"))
     });
 }

@@ -8,7 +8,7 @@
 use skyshed::coverage::{MapOptions, Mapper, Uav};
 use skyshed::height_field::HeightField;
 use skyshed::los_probability::estimate::Count;
-use skyshed::placement::{ReceiverParts, SampledCounts, over_cities, places_in};
+use skyshed::placement::{Drawn, ReceiverParts, SampledCounts, over_cities};
 use skyshed::quantity::Height;
 use skyshed::raster::CellBlocks;
 use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
@@ -17,6 +17,7 @@ use skyshed::zones::{Zone, ZoneMap};
 const ZONES: [Zone; 3] = [Zone::Crossroad, Zone::Street, Zone::Rooftop];
 const CITIES: u64 = 20;
 const PLACES: usize = 25;
+const RADIUS_M: f64 = 100.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:<12} {:>24} {:>24} {:>24}", "environment", "over crossroads", "over streets", "over rooftops");
@@ -24,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let built_up = BuiltUp::named(name).ok_or("a named environment")?;
         let mut totals: Vec<Vec<Vec<Count>>> = vec![Vec::new(); ZONES.len()];
         for seed in 1..=CITIES {
-            let city = BuiltUpCity { built_up, size_m: 600.0, cell_m: 1.0, seed, ground_m: 0.0 };
+            let city = BuiltUpCity { built_up, size_m: 600.0, margin_m: RADIUS_M, cell_m: 1.0, seed, ground_m: 0.0 };
             for (of_zone, counts) in totals.iter_mut().zip(of_city(&city)?) {
                 of_zone.push(counts);
             }
@@ -45,15 +46,18 @@ fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
     let scene = city.scene()?;
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     let zones = ZoneMap::of(&field, scene.built_up.as_ref());
-    let options = MapOptions { radius: Some(100.0), ..MapOptions::default() };
+    let options = MapOptions { radius: Some(RADIUS_M), ..MapOptions::default() };
     let mapper = Mapper::new(&field, &options)?;
     let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
     let blocks = CellBlocks::new(field.grid(), 1.0, city.size_m);
     let of_zone = |zone: &Zone| {
         let site = |[x, y]: [f64; 2]| Site { id: String::new(), x, y, height: Height::AboveGround(100.0) };
         // A UAV that would be inside a tower is left out.
-        let places = places_in(&field, &zones, *zone, PLACES, city.seed).into_iter();
-        let uavs: Vec<Uav> = places.filter_map(|place| Uav::place(&site(place), &field, None).ok()).collect();
+        let within = [0.0, 0.0, city.size_m, city.size_m];
+        let drawn = Drawn { zone: *zone, n: PLACES, within, radius: Some(RADIUS_M), seed: city.seed };
+        let places = drawn.places(&field, &zones).places;
+        let uavs: Vec<Uav> =
+            places.into_iter().filter_map(|place| Uav::place(&site(place), &field, None).ok()).collect();
         // The first part is all receivers.
         SampledCounts::of(&mapper, &uavs, &parts, &blocks).totals()[..1].to_vec()
     };

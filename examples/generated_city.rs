@@ -15,7 +15,8 @@ fn main() -> Result<()> {
     println!("{:<12} {:>6}  0–10° 10–20° 20–30° 30–40° 40–50° 50–60° 60–70° 70–80° 80–90°", "", "all");
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
         let built_up = BuiltUp::named(name).expect("a named environment");
-        let scene = BuiltUpCity { built_up, size_m: 1000.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.scene()?;
+        let scene =
+            BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.scene()?;
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let middle = (500.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
         let site = Site { id: "1".into(), x: middle, y: middle, height: Height::AboveGround(100.0) };

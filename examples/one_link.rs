@@ -13,7 +13,7 @@ use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 
 fn main() -> Result<()> {
     let built_up = BuiltUp::named("urban").expect("`urban` is a named environment");
-    let scene = BuiltUpCity { built_up, size_m: 500.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+    let scene = BuiltUpCity { built_up, size_m: 500.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     println!("{built_up}: {} buildings", field.n_buildings());
 

@@ -18,7 +18,7 @@
 //!
 //! // 300 m of the ITU urban environment, on a grid of 1 m cells.
 //! let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
-//! let scene = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+//! let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
 //! let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
 //!
 //! // A UAV 100 m above the crossroad in the south-west.

@@ -145,6 +145,13 @@ pub fn tidy(v: f64) -> String {
     if text == "-0" { "0".into() } else { text.to_string() }
 }
 
+/// A quotient of lengths, and the whole number that it is within 10^-6 of: coordinates far from the origin are rounded, and
+/// must not add a row or a column.
+pub(crate) fn whole(quotient: f64) -> f64 {
+    let nearest = quotient.round();
+    if (quotient - nearest).abs() <= 1e-6 { nearest } else { quotient }
+}
+
 /// A finite number, or what was found instead.
 pub fn parse_number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {

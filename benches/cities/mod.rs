@@ -12,7 +12,7 @@ pub(crate) const SEED: u64 = 1;
 /// A city of footprints on flat ground, `n` cells of 1 m a side.
 pub(crate) fn footprints(environment: &str, n: usize) -> HeightField {
     let built_up = BuiltUp::named(environment).expect("a named environment");
-    let scene = BuiltUpCity { built_up, size_m: n as f64, cell_m: 1.0, seed: SEED, ground_m: 0.0 }
+    let scene = BuiltUpCity { built_up, size_m: n as f64, margin_m: 0.0, cell_m: 1.0, seed: SEED, ground_m: 0.0 }
         .scene()
         .expect("a city within the limits");
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
@@ -27,7 +27,7 @@ pub(crate) fn surface_of(field: &HeightField) -> Raster<i32> {
 /// A raster scene; a cell more than 0.25 m above the ground is a building.
 pub(crate) fn raster(grid: &GeoRef, surface: Raster<i32>, ground: Ground) -> HeightField {
     let building_threshold = height_steps(0.25).expect("in range");
-    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold }, &mut Vec::new())
+    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold, voids: None }, &mut Vec::new())
 }
 
 /// A UAV over the center of the open cell nearest to the middle.

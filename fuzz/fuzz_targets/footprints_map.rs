@@ -9,7 +9,7 @@ use skyshed::height_field::{ConvexPieces, HeightField, convex_pieces};
 use skyshed::los::MethodChoice;
 use skyshed::quantity::{Frame, Height};
 use skyshed::raster::GeoRef;
-use skyshed::scene::{Footprint, FootprintFaults, Ground, Site, Solids, even_odd};
+use skyshed::scene::{Footprint, DataArea, FootprintFaults, Ground, Site, Solids, even_odd};
 
 /// Few heights, so that many are equal.
 const HEIGHTS: [i32; 6] = [0, 1, 3072, 3073, 9728, 20_480];
@@ -55,7 +55,7 @@ fn doubled_area(ring: &[[i32; 2]]) -> i64 {
 fn footprint(number: usize, building: &Building) -> Option<Footprint> {
     let corners = |ring: &Vec<Corner>| ring.iter().take(10).map(|c| c.on_the_lattice()).collect::<Vec<_>>();
     let rings: Vec<_> = building.rings.iter().take(3).map(corners).filter(|ring| ring.len() > 2).collect();
-    let (polygons, _) = even_odd(&rings);
+    let polygons = even_odd(&rings);
     for polygon in &polygons {
         let ConvexPieces::Exact(pieces) = convex_pieces(polygon) else { panic!("{polygon:?} was not cut") };
         let of_pieces: i64 = pieces.iter().map(|piece| doubled_area(piece)).sum();
@@ -63,7 +63,7 @@ fn footprint(number: usize, building: &Building) -> Option<Footprint> {
         assert_eq!(of_pieces, doubled_area(&polygon[0]) - holes, "{polygon:?}");
     }
     let top = HEIGHTS[usize::from(building.height) % HEIGHTS.len()];
-    (!polygons.is_empty()).then(|| Footprint { id: number.to_string(), polygons, top, base: 0 })
+    (!polygons.is_empty()).then(|| Footprint { id: number.to_string(), polygons, top, base: Some(0) })
 }
 
 fuzz_target!(|city: City| {
@@ -73,7 +73,7 @@ fuzz_target!(|city: City| {
     // The lattice begins at the corner of the grid.
     let frame = Frame { x_origin: -2.0, y_origin: -2.0, unit_x: 1.0, unit_y: 1.0 };
     let solids =
-        Solids::Vector { footprints, frame, ground: Ground::Flat(0), faults: FootprintFaults::default() };
+        Solids::Vector { footprints, frame, ground: Ground::Flat(0), faults: FootprintFaults::default(), data_area: DataArea::All, };
     let field = HeightField::build(&grid, solids, &mut Vec::new());
     let [x, y] = city.place.map(|v| f64::from(v) / 4.0 - 4.0);
     let height = Height::AboveDatum(f64::from(city.uav_height) / 4.0);

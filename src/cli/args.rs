@@ -158,9 +158,17 @@ pub(super) struct SceneArgs {
     /// Table of a GeoPackage, where it has several
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
-    /// What to do with footprints without a usable height
-    #[arg(long, value_enum, default_value = "drop")]
-    pub(super) missing: Missing,
+    /// What to do with footprints without a usable height; default: leave them out where they cover at most 2 % of the
+    /// footprint area, refuse the file otherwise
+    #[arg(long, value_enum)]
+    pub(super) missing: Option<Missing>,
+    /// Which of the terrain cells that a footprint overlaps its height is above
+    #[arg(long, value_enum, default_value = "lowest")]
+    pub(super) base: Base,
+    /// Where footprints tell of the ground: `auto` is between them (what no disc of 100 m reaches without meeting one), and
+    /// everywhere with `--extent`; `all`; or the polygons of a file. Cells elsewhere hold no data
+    #[arg(long, value_name = "auto|all|FILE")]
+    pub(super) data_area: Option<String>,
     /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true)]
     pub(super) extent: Option<[f64; 4]>,
@@ -175,7 +183,8 @@ pub(super) struct SceneArgs {
     /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
     #[arg(long, value_name = "auto|EPSG:N", value_parser = projection)]
     pub(super) project: Option<Projection>,
-    /// Edge length of a generated city [m]
+    /// Edge length of a generated city [m]; with `--sample` and a radius that of the ground that placements are over, and the
+    /// city goes on around it
     #[arg(long, value_name = "M", value_parser = number, default_value = "1000", allow_hyphen_values = true)]
     pub(super) size: f64,
     /// Seed of everything random
@@ -191,6 +200,9 @@ pub(super) struct SceneArgs {
     /// was wrong, what was done, where
     #[arg(long, value_name = "FILE")]
     pub(super) repairs: Option<PathBuf>,
+    /// How far a generated city goes on beyond its size on all sides [m]: for samples within a radius.
+    #[arg(skip)]
+    pub(super) margin_m: f64,
     /// Which arguments were typed.
     #[arg(skip)]
     pub(super) typed: Vec<String>,
@@ -212,6 +224,16 @@ pub(super) enum Missing {
     Levels,
     /// The median of the known heights
     Median,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Base {
+    /// The lowest, as OpenStreetMap defines heights
+    Lowest,
+    /// Their mean, by the area that is overlapped
+    Mean,
+    /// The highest
+    Highest,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -492,7 +514,7 @@ pub(super) struct CityArgs {
     pub(super) out: OutputArgs,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct InfoArgs {
     /// A UAV: x, y in the scene's CRS and height; tells what a map from there needs (how coarse its cells may be, whether
     /// terrain matters, which footprints can hide anyone) and what limits its P_LoS; repeat for more, counted together

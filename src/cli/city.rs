@@ -50,7 +50,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
         Solids::Raster { .. } => None,
     };
-    let Scene { name, grid, solids, built_up, sources, attribution } = scene;
+    let Scene { name, grid, solids, built_up, sources, attribution, .. } = scene;
     check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
@@ -271,7 +271,7 @@ fn prisms_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [
         CityPrism {
             rings: rings.iter().map(|r| r.iter().map(point).collect()).collect(),
             roof_triangles: pieces.iter().flat_map(fan).collect(),
-            base_m: meters(footprint.base),
+            base_m: meters(footprint.bottom()),
             top_m: meters(footprint.top),
         }
     };

@@ -193,6 +193,7 @@ impl MapDrawing<'_> {
         let heights = (self.report.rx_height_m, self.report.radius_m);
         let facts = &self.report.facts;
         lines.push(setting_line_on(&facts.grid, self.scene, self.receivers, heights, facts.method));
+        lines.extend(self.scene.limits_in_words());
         lines.extend(self.note.clone());
         lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
         lines.extend(self.words.credit(self.scene.attribution.as_ref()));

@@ -337,6 +337,7 @@ impl StreamedRun<'_> {
         let grid = scene.grid().coarser(factor);
         let field = HeightField::build(&grid, scene.highest(factor)?, &mut Vec::new());
         let ready = Ready {
+            height_gap: None,
             name: scene.name.clone(),
             field: std::sync::Arc::new(field),
             sources: Vec::new(),

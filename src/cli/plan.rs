@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::args::{HeightUnitArg, Missing, Nodata, SceneArgs};
+use super::args::{Base, HeightUnitArg, Missing, Nodata, SceneArgs};
 use super::info::results_in;
 use super::repairs::keep;
+use super::words::title_of;
 use crate::coverage::Uav;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs};
@@ -16,9 +17,9 @@ use crate::quantity::{Height, height_steps, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, NodataAs, Scene, Site, Source,
-    SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
-    read_mesh, read_surface, vertical_of,
+    BaseRule, BuiltUp, BuiltUpCity, DataAreaChoice, FootprintOptions, HeightGap, HeightUnit, MeshOptions,
+    MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
+    read_footprints, read_footprints_and_repairs, read_mesh, read_surface, vertical_of,
 };
 use crate::zones::ZoneMap;
 
@@ -31,6 +32,8 @@ pub(super) struct Ready {
     pub(super) sources: Vec<Source>,
     /// Whom pictures must credit.
     pub(super) attribution: Option<String>,
+    /// Footprints without heights, where there are any.
+    pub(super) height_gap: Option<HeightGap>,
     pub(super) built_up: Option<BuiltUp>,
     pub(super) seed: Option<u64>,
     pub(super) warnings: Vec<Warning>,
@@ -43,6 +46,7 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         let city = BuiltUpCity {
             built_up: built_up?,
             size_m: args.size,
+            margin_m: args.margin_m,
             cell_m: args.cell.unwrap_or(1.0),
             seed: args.seed,
             ground_m: args.ground.unwrap_or(0.0),
@@ -168,15 +172,16 @@ fn surface_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> R
 }
 
 /// Flags that only footprints can use.
-const OF_FOOTPRINTS: [&str; 6] = ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer"];
+const OF_FOOTPRINTS: [&str; 8] =
+    ["height_field", "top_field", "height_unit", "levels_field", "missing", "layer", "base", "data_area"];
 
 /// How footprints are to be read.
 fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) -> Result<FootprintOptions> {
     refuse_flags(args, "footprints", &["size", "building_threshold"])?;
     if args.terrain.is_none() {
-        refuse_flags(args, "footprints without `--terrain`", &["nodata_as"])?;
+        refuse_flags(args, "footprints without `--terrain`", &["nodata_as", "base"])?;
     }
-    if args.missing != Missing::Levels {
+    if args.missing != Some(Missing::Levels) {
         refuse_flags(args, "footprints without `--missing levels`", &["levels_field"])?;
     }
     Ok(FootprintOptions {
@@ -188,10 +193,11 @@ fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) ->
         },
         levels_field: args.levels_field.clone(),
         missing: match args.missing {
-            Missing::Fail => MissingHeight::Fail,
-            Missing::Drop => MissingHeight::Drop,
-            Missing::Levels => MissingHeight::Levels,
-            Missing::Median => MissingHeight::Median,
+            None => MissingHeight::Few,
+            Some(Missing::Fail) => MissingHeight::Fail,
+            Some(Missing::Drop) => MissingHeight::Drop,
+            Some(Missing::Levels) => MissingHeight::Levels,
+            Some(Missing::Median) => MissingHeight::Median,
         },
         layer: args.layer.clone(),
         terrain: args.terrain.clone(),
@@ -201,6 +207,16 @@ fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) ->
         crs,
         project: args.project.clone(),
         nodata_as,
+        base: match args.base {
+            Base::Lowest => BaseRule::Lowest,
+            Base::Mean => BaseRule::Mean,
+            Base::Highest => BaseRule::Highest,
+        },
+        data_area: match args.data_area.as_deref() {
+            None | Some("auto") => DataAreaChoice::Auto,
+            Some("all") => DataAreaChoice::All,
+            Some(path) => DataAreaChoice::Within(path.into()),
+        },
         always_hash: args.hash,
     })
 }
@@ -278,7 +294,7 @@ pub(super) fn built(
     (start, most): (Instant, Option<u64>),
 ) -> Result<Ready> {
     let read = start.elapsed().as_secs_f64();
-    let Scene { name, grid, solids, built_up, sources, attribution } = scene;
+    let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
     check_memory(&args.scene, &grid, (0, FIELD_BYTES_PER_CELL), most)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
@@ -288,6 +304,7 @@ pub(super) fn built(
         field: Arc::new(field),
         sources,
         attribution,
+        height_gap,
         built_up,
         seed,
         warnings,
@@ -311,6 +328,27 @@ impl Ready {
         }
     }
 
+    /// What limits the truth of a picture of the scene, in words: pictures travel without what was said beside them.
+    pub(super) fn limits_in_words(&self) -> Option<String> {
+        let mut limits: Vec<String> = Vec::new();
+        if let Some(gap) = &self.height_gap {
+            let share = 100.0 * gap.area_share;
+            limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
+        }
+        if let Some(outside) = self.field.outside_data() {
+            #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
+            let share = 100.0 * outside.count() as f64 / self.field.grid().n_cells() as f64;
+            limits.push(format!("no data beyond the footprints ({share:.0} % of the extent)"));
+        }
+        if self.field.is_surface_only() {
+            limits.push("a surface model alone: receivers stand on roofs and trees too".into());
+        }
+        if self.warnings.iter().any(|warning| warning.code() == FLAT_EARTH) {
+            limits.push("the earth is taken as flat".into());
+        }
+        (!limits.is_empty()).then(|| title_of(&limits.join("; ")))
+    }
+
     /// The zones of the scene; none where no building is known.
     pub(super) fn zones(&self) -> Option<ZoneMap> {
         ZoneMap::if_known(&self.field, self.built_up.as_ref())
@@ -332,7 +370,8 @@ pub(super) fn meters_per_unit(grid: &GeoRef) -> f64 {
 
 /// The input files that a scene names, for the refusal to overwrite them.
 pub(super) fn input_paths(args: &SceneArgs) -> Vec<PathBuf> {
-    std::iter::once(PathBuf::from(&args.scene)).chain(args.terrain.clone()).collect()
+    let area = args.data_area.as_deref().filter(|word| !["auto", "all"].contains(word)).map(PathBuf::from);
+    std::iter::once(PathBuf::from(&args.scene)).chain(args.terrain.clone()).chain(area).collect()
 }
 
 /// A UAV as typed: `X,Y,H`.
@@ -380,6 +419,9 @@ pub(super) fn checked_radius(radius: Option<f64>) -> Result<Option<f64>> {
         other => Ok(other),
     }
 }
+
+/// The code of the warning of a flat earth.
+const FLAT_EARTH: &str = "W201";
 
 /// Mean radius of the Earth \[m\].
 const EARTH_RADIUS_M: f64 = 6_371_000.0;

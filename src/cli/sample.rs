@@ -16,8 +16,8 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, encode_table, with_suffix};
 use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
-use crate::placement::{ReceiverParts, SampledCounts, middles_of, over_cities, places_in};
-use crate::quantity::{Height, counted};
+use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles_of, over_cities};
+use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
 use crate::report::{SampledReport, SampledRow};
 use crate::scene::Site;
@@ -82,6 +82,8 @@ struct CityCounts {
     of: Vec<SampledCounts>,
     /// Placements left out inside buildings, `[zone × height]`.
     n_inside: Vec<usize>,
+    /// Placements left out because their disc is cut, `[zone × height]`.
+    n_cut: Vec<usize>,
 }
 
 impl SampleJob<'_> {
@@ -94,7 +96,9 @@ impl SampleJob<'_> {
         self.check()?;
         let radius_m = checked_radius(self.engine.radius)?;
         let rx_height = receiver_height(self.rx_height_m)?;
-        let first = ready(self.scene, self.engine.max_memory)?;
+        // A generated city is made as large as whole discs around its places take.
+        let around = SceneArgs { margin_m: radius_m.unwrap_or(0.0), ..self.scene.clone() };
+        let first = ready(&around, self.engine.max_memory)?;
         if first.built_up.is_none() && (self.sample.cities > 1 || self.sample.centers) {
             let flag = if self.sample.centers { "--centers" } else { "--cities" };
             let text = format!("`{flag}` has no meaning for a city in a file: it is one, and its streets form no grid");
@@ -112,9 +116,10 @@ impl SampleJob<'_> {
         let mut cities = vec![self.count(&first, asked, block_m)?];
         for k in 1..self.sample.cities {
             interrupt::check()?;
-            let scene = SceneArgs { seed: self.scene.seed.wrapping_add(k), ..self.scene.clone() };
+            let scene = SceneArgs { seed: self.scene.seed.wrapping_add(k), ..around.clone() };
             cities.push(self.count(&ready(&scene, self.engine.max_memory)?, asked, block_m)?);
         }
+        self.refuse_if_all_are_cut(&cities, radius_m)?;
         let mut facts = first.facts(command, Some(cities[0].method));
         if let Some((seed, last)) = first.seed.zip(first.seed.map(|seed| seed.wrapping_add(self.sample.cities - 1)))
             && last != seed
@@ -179,11 +184,22 @@ impl SampleJob<'_> {
         let mapper = Mapper::new(field, &options)?;
         let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
         let blocks = CellBlocks::new(field.grid(), meters_per_unit(field.grid()), block_m);
-        let (mut of, mut n_inside) = (Vec::new(), Vec::new());
+        let (mut of, mut n_inside, mut n_cut) = (Vec::new(), Vec::new(), Vec::new());
+        let grid = field.grid();
+        let within = match scene.built_up {
+            Some(_) => [0.0, 0.0, self.scene.size, self.scene.size],
+            None => [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
+        };
         for (zone, n) in &self.sample.sample {
-            let places = match scene.built_up.filter(|_| self.sample.centers) {
-                Some(built_up) => some_of(middles_of(&built_up, self.scene.size, *zone), *n),
-                None => places_in(field, &zones, *zone, *n, scene.seed.unwrap_or(self.scene.seed)),
+            let DrawnPlaces { places, n_cut: cut } = match scene.built_up.filter(|_| self.sample.centers) {
+                Some(built_up) => {
+                    let places = some_of(middles_of(&built_up, self.scene.size, *zone), *n);
+                    DrawnPlaces { places, n_cut: 0 }
+                }
+                None => {
+                    let seed = scene.seed.unwrap_or(self.scene.seed);
+                    Drawn { zone: *zone, n: *n, within, radius: asked.radius, seed }.places(field, &zones)
+                }
             };
             for height in self.heights_m {
                 let mut uavs = Vec::with_capacity(places.len());
@@ -196,13 +212,29 @@ impl SampleJob<'_> {
                     }
                 }
                 n_inside.push(places.len() - uavs.len());
+                n_cut.push(cut);
                 let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks);
                 // Of one among many cities only the totals are asked for.
                 of.push(if self.sample.cities > 1 { counts.summed() } else { counts });
                 interrupt::check()?;
             }
         }
-        Ok(CityCounts { method: mapper.method().0, parts: parts.zones(), of, n_inside })
+        Ok(CityCounts { method: mapper.method().0, parts: parts.zones(), of, n_inside, n_cut })
+    }
+
+    /// Refuses a sample of which no placement is left because the discs around all of them are cut.
+    fn refuse_if_all_are_cut(&self, cities: &[CityCounts], radius_m: Option<f64>) -> Result<()> {
+        let n_cut: usize = cities.iter().flat_map(|city| &city.n_cut).sum();
+        let is_left = cities.iter().any(|city| city.of.iter().any(|of| of.n_placements > 0));
+        let Some(radius_m) = radius_m.filter(|_| n_cut > 0 && !is_left) else { return Ok(()) };
+        let text = format!(
+            "cannot sample {}: of no placement tried lies the whole disc of {} m in the data, wanted P_LoS over whole discs",
+            self.scene.scene,
+            tidy(radius_m)
+        );
+        Err(Error::site(216, text).with_hint(
+            "a smaller `--radius`, a larger `--extent`, or, if the ground between is known, `--data-area all` or a polygon of it",
+        ))
     }
 
     /// One row per placement zone, height and part of the receivers.
@@ -220,12 +252,14 @@ impl SampleJob<'_> {
                 };
                 let n_placements = cities.iter().map(|city| city.of[k].n_placements).sum();
                 let n_inside = cities.iter().map(|city| city.n_inside[k]).sum();
+                let n_cut = cities.iter().map(|city| city.n_cut[k]).sum();
                 let row = move |(receivers, estimate): (&Option<Zone>, Estimate)| SampledRow {
                     placement,
                     height_m,
                     receivers: *receivers,
                     n_placements,
                     n_inside,
+                    n_cut,
                     estimate,
                 };
                 first.parts.iter().zip(estimates).map(row).collect::<Vec<_>>()

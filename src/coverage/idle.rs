@@ -77,13 +77,12 @@ impl Mapper<'_> {
     }
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
-        let grid = self.field().grid();
         let mut links = LinkBox::NONE;
         for uav in uavs {
             let place = uav.station.on_prisms();
             links = links.with_point((place.x, place.y));
             links.lowest = links.lowest.min(uav.station.z);
-            let window = Range::of(grid, &uav.station.place, self.radius()).window();
+            let window = Range::of(self.positions(), &uav.station.place, self.radius()).window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }

@@ -243,7 +243,7 @@ impl<'a> Mapper<'a> {
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
     /// without a mask. For many UAVs at once: each is the work of one thread.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
-        let range = Range::of(self.field.grid(), &uav.station.place, self.options.radius);
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
         self.receivers.iter().fold((0, 0), |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
             (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
@@ -253,7 +253,7 @@ impl<'a> Mapper<'a> {
     /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
     pub fn seen(&self, uav: &Uav) -> Seen {
         let grid = self.field.grid();
-        let range = Range::of(grid, &uav.station.place, self.options.radius);
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
         let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
         self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
@@ -264,7 +264,7 @@ impl<'a> Mapper<'a> {
 
     /// The cells that hold receivers in range of a UAV.
     pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
-        Range::of(self.field.grid(), &uav.station.place, self.options.radius).cut(&self.receiver_cells())
+        Range::of(self.engine.positions(), &uav.station.place, self.options.radius).cut(&self.receiver_cells())
     }
 
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
@@ -319,7 +319,7 @@ impl<'a> Mapper<'a> {
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let range = Range::of(grid, &uav.station.place, self.options.radius);
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
         // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
         let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
         let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
@@ -423,7 +423,7 @@ impl<'a> Mapper<'a> {
     ///
     /// Cost: a walk along each link; on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
-        let range = Range::of(self.field.grid(), &uav.station.place, self.options.radius);
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
         let all = self.receivers.iter().flat_map(|receivers| {
             let rows = 0..receivers.cells.n_rows();
             rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
@@ -441,7 +441,7 @@ impl<'a> Mapper<'a> {
 
     /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
     pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
-        let range = Range::of(self.field.grid(), &uav.station.place, self.options.radius);
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
         let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
         in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
     }

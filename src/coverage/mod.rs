@@ -34,6 +34,7 @@ pub use map::{Control, HeightLayers, MapOptions, Mapper, Receivers, Seen, SiteCo
 pub use margins::{GRAZING_M, MarginSample, MarginStats};
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference, difference_layer};
 pub use polygons::{CoveragePolygon, PolygonOptions, coverage_polygons};
+pub use range::any_in_range;
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};

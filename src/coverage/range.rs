@@ -1,7 +1,8 @@
 //! The cells in range of a place, mostly that of a UAV: a disc, row by row.
 
-use crate::height_field::Place;
-use crate::raster::{BitGrid, CellWindow, GeoRef, bits_between};
+use crate::height_field::{GridPositions, Place};
+use crate::quantity::whole;
+use crate::raster::{BitGrid, CellWindow, bits_between};
 
 /// Which columns of each row are in range.
 #[derive(Debug, Clone)]
@@ -19,16 +20,22 @@ struct Disc {
 }
 
 impl Range {
-    /// The cells whose centers are at most `radius` \[CRS units\] from a place.
-    pub(super) fn of(grid: &GeoRef, place: &Place, radius: Option<f64>) -> Self {
-        let shape = (grid.n_rows(), grid.n_cols());
+    /// The cells whose centers are at most `radius` \[CRS units\] from a place; those at just this distance are in.
+    ///
+    /// Distances come from whole lattice steps and their squares are compared, so a scene and its mirror image agree.
+    pub(super) fn of(positions: &GridPositions, place: &Place, radius: Option<f64>) -> Self {
+        let shape = positions.shape();
         let Some(radius) = radius else { return Range { shape, disc: None } };
+        let (step_x, step_y) = positions.step_lengths();
+        // In steps along x: whole where the radius is a whole number of them but for rounding.
+        let (limit, ratio) = (whole(radius / step_x), step_y / step_x);
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
         let squared = |row: usize, col: usize| {
-            let (x, y) = grid.world_from_cell(row, col);
-            let (dx, dy) = (place.x - x, place.y - y);
+            let (dx, dy) = positions.steps_from(place, row, col);
+            let (dx, dy) = (dx as f64, dy as f64 * ratio);
             dx * dx + dy * dy
         };
-        let is_in = |row: usize, col: usize| squared(row, col) <= radius * radius;
+        let is_in = |row: usize, col: usize| squared(row, col) <= limit * limit;
         // The column nearest to the UAV, and away from it both ways the distance only grows.
         let nearest = (0..shape.1).min_by(|a, b| squared(0, *a).total_cmp(&squared(0, *b))).unwrap_or(0);
         let of_row = |row: usize| {
@@ -108,6 +115,17 @@ impl Range {
         }
         kept
     }
+}
+
+/// Whether a set holds a cell whose center is at most `radius` \[CRS units\] from a place.
+pub fn any_in_range(positions: &GridPositions, place: &Place, radius: f64, cells: &BitGrid) -> bool {
+    let range = Range::of(positions, place, Some(radius));
+    let CellWindow { row, n_rows, .. } = range.window();
+    (row..row + n_rows).any(|row| {
+        let (from, to) = range.cols(row);
+        let words = from / 64..to.div_ceil(64);
+        words.into_iter().any(|word| cells.row(row)[word] & bits_between(from, to, word) != 0)
+    })
 }
 
 /// The first index of a range for which `holds` is false; it holds for all before and for none after.

@@ -169,7 +169,7 @@ impl Mapper<'_> {
         };
         // Who is in range does not change: what turns is an answer.
         let moved = uav.moved(field, which.steps(), self.radius()).map_err(|e| e.to_string())?;
-        let window = range.window_with(&Range::of(field.grid(), &moved.station.place, self.radius()));
+        let window = range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius()));
         let los = |(receivers, (wanted, _)): (&crate::los::GridReceivers<'_>, &Decided)| {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
         };

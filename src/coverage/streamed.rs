@@ -11,7 +11,7 @@ use super::map::interrupted;
 use super::range::Range;
 use super::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::error::{Error, Result};
-use crate::height_field::HeightField;
+use crate::height_field::{GridPositions, HeightField};
 use crate::los::{
     ColumnsReader, GridReceivers, MethodChoice, SimdLevel, StreamLimits, StreamedHeights, StreamedScene,
     streamed_sweep_los,
@@ -31,6 +31,7 @@ pub struct StreamedMapper<'a, S> {
     max_top: i32,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
+    positions: GridPositions,
     limits: StreamLimits,
 }
 
@@ -136,7 +137,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let receivers = receivers.collect();
         let mut xs: Vec<f64> = (0..grid.n_cols()).map(|col| grid.world_from_cell(0, col).0).collect();
         xs.resize(grid.n_cols().div_ceil(64) * 64, 0.0);
-        Ok(StreamedMapper { scene, options, receivers, max_top, xs, limits: StreamLimits::default() })
+        let positions = GridPositions::on_cells(grid);
+        Ok(StreamedMapper { scene, options, receivers, max_top, xs, positions, limits: StreamLimits::default() })
     }
 
     /// The same with other limits to what is held in memory: no result depends on them.
@@ -159,7 +161,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     ) -> Result<SiteCoverage> {
         let grid = self.scene.grid();
         let n_cols = grid.n_cols();
-        let range = Range::of(grid, &uav.station.place, self.options.radius);
+        let range = Range::of(&self.positions, &uav.station.place, self.options.radius);
         let decided: Vec<(Option<BitGrid>, BitGrid)> = self
             .receivers
             .iter()

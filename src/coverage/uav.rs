@@ -154,19 +154,22 @@ fn in_words(site: &Site) -> String {
     format!("cannot place UAV `{}` at ({}, {}) with height {}", site.id, site.x, site.y, site.height)
 }
 
+/// A height to ask for instead, above the ground where that is known: rounded up to a centimeter, so that it is in the clear.
+fn lowest_in_words(lowest: i32, ground: i32) -> String {
+    let centimeters = |m: f64| (m * 100.0).ceil() / 100.0;
+    match ground {
+        VOID => format!("`{}amsl`", centimeters(meters(lowest))),
+        ground => format!("`{}agl`", centimeters(meters(lowest) - meters(ground))),
+    }
+}
+
 fn check_clear(what: &str, site: &Site, field: &HeightField, place: &Place, z: i32, roof: Option<i32>) -> Result<()> {
     let ground = field.ground_at(place);
     let in_columns = field.inside_columns_below(place);
     let inside = field.inside_prisms_below(place).max(if roof.is_some() { in_columns } else { VOID });
     if z < inside {
         let (roof_m, asked) = (meters(inside), site.height.value());
-        // Rounded up to a centimeter: a height that is asked for must be in the clear.
-        let centimeters = |m: f64| (m * 100.0).ceil() / 100.0;
-        let lowest = match ground {
-            VOID => format!("`{}amsl`", centimeters(roof_m)),
-            ground => format!("`{}agl`", centimeters(roof_m - meters(ground))),
-        };
-        let mut hint = format!("the lowest height in the clear is {lowest}");
+        let mut hint = format!("the lowest height in the clear is {}", lowest_in_words(inside, ground));
         if asked > 0.0 {
             hint += &format!("; `{asked}roof` hovers at {} m, {asked} m above the roof", tidy(roof_m + asked));
         }
@@ -190,7 +193,10 @@ fn check_clear(what: &str, site: &Site, field: &HeightField, place: &Place, z: i
             202,
             format!("{what}: {} m above the datum is below the ground at {} m", tidy(meters(z)), tidy(meters(floor))),
         )
-        .with_hint("heights are above ground unless written `150amsl` or `30roof`"));
+        .with_hint(format!(
+            "the lowest height in the clear is {}; heights are above ground unless written `150amsl` or `30roof`",
+            lowest_in_words(floor, ground)
+        )));
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use super::place_sums::PlaceSums;
 use super::range::Range;
 use super::{Control, Mapper, Uav};
 use crate::error::Result;
-use crate::height_field::Station;
+use crate::height_field::{GridPositions, Station};
 use crate::los::{GridReceivers, InView, ReceiverTile, ShadowGrid, UavPositions};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, GeoRef, set_bits};
@@ -30,6 +30,7 @@ pub struct UavGrid {
     grid: GeoRef,
     /// The places that have a UAV.
     places: BitGrid,
+    positions: GridPositions,
     shadows: ShadowGrid,
     /// \[1/1024 m above the datum\].
     z: i64,
@@ -55,26 +56,20 @@ impl Mapper<'_> {
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
         let field = self.field();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let station = |row: usize, col: usize| {
-            let (x, y) = grid.world_from_cell(row, col);
-            Station { place: field.place(x, y), z: 0 }
-        };
-        let xs: Vec<i64> = (0..n_cols).map(|col| station(0, col).on_prisms().x).collect();
-        let ys: Vec<i64> = (0..n_rows).map(|row| station(row, 0).on_prisms().y).collect();
+        let positions = field.positions_on(grid);
+        let xs: Vec<i64> = positions.prisms_xs().collect();
+        let ys: Vec<i64> = positions.prisms_ys().collect();
         let mut places = BitGrid::new(n_rows, n_cols);
         let mut z = None;
         for (place, uav) in uavs {
             let (row, col) = (place / n_cols, place % n_cols);
-            if row >= n_rows || uav.station.place != station(row, col).place {
-                return None;
-            }
             let at = uav.station.on_prisms();
-            if (at.x, at.y) != (xs[col], ys[row]) || *z.get_or_insert(at.z) != at.z {
+            if row >= n_rows || (at.x, at.y) != (xs[col], ys[row]) || *z.get_or_insert(at.z) != at.z {
                 return None;
             }
             places.insert(row, col);
         }
-        Some(UavGrid { grid: grid.clone(), places, shadows: ShadowGrid::new(xs, ys), z: z? })
+        Some(UavGrid { grid: grid.clone(), places, positions, shadows: ShadowGrid::new(xs, ys), z: z? })
     }
 
     /// Whether [`Mapper::count_grid`] can count these UAVs and should take less time than [`Mapper::count`] for each.
@@ -291,8 +286,8 @@ impl<'a> Counting<'a> {
     fn receiver(&mut self, (row, col): (usize, usize), in_view: &InView) {
         let weight = (self.weight)(row * self.receivers.cells.n_cols() + col);
         let station = self.station((row, col));
-        // The distance from a cell to a place is that from the place to the cell, to the last bit.
-        let range = Range::of(&self.uavs.grid, &station.place, self.mapper.radius());
+        // The steps from a cell to a place are those from the place to the cell.
+        let range = Range::of(&self.uavs.positions, &station.place, self.mapper.radius());
         if range.is_everywhere() {
             self.sums.everywhere += u64::from(weight);
         } else {

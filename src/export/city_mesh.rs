@@ -117,7 +117,7 @@ fn sloped_ground(city: &CityMesh<'_>) -> Result<Mesh> {
 
 /// Adds walls from the building's ground to its top, and its roof.
 fn add_building(mesh: &mut Mesh, city: &CityMesh<'_>, footprint: &Footprint) -> Result<()> {
-    let (base, top) = (narrow(meters(footprint.base)), narrow(meters(footprint.top)));
+    let (base, top) = (narrow(meters(footprint.bottom())), narrow(meters(footprint.top)));
     let place = |p: [i32; 2], z: f32| {
         let (x, y) = city.frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
         let unit = city.meters_per_unit;
@@ -186,7 +186,7 @@ mod tests {
         let grid = GeoRef::new((100.0, 230.0), (1.0, 1.0), (30, 30), None).unwrap();
         for rings in [vec![shell.clone(), yard.clone()], vec![turned(&shell), yard.clone()], vec![shell, turned(&yard)]]
         {
-            let footprint = Footprint { id: "a".into(), polygons: vec![rings], top: 5 * 1024, base: 0 };
+            let footprint = Footprint { id: "a".into(), polygons: vec![rings], top: 5 * 1024, base: Some(0) };
             let city = CityMesh {
                 footprints: &[footprint],
                 frame: FRAME,

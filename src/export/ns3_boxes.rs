@@ -27,7 +27,7 @@ pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<
     let row = |(footprint, [west, south, east, north]): (&Footprint, [i32; 4])| {
         let place = |x: i32, y: i32| frame.world_from_lattice(f64::from(x), f64::from(y));
         let ((x_min, y_min), (x_max, y_max)) = (place(west, south), place(east, north));
-        [x_min, x_max, y_min, y_max, meters(footprint.base), meters(footprint.top)].map(|v| v.to_string()).to_vec()
+        [x_min, x_max, y_min, y_max, meters(footprint.bottom()), meters(footprint.top)].map(|v| v.to_string()).to_vec()
     };
     let rows = footprints.iter().zip(bounds.into_iter().flatten()).map(row);
     Ok(std::iter::once(header).chain(rows).collect())
@@ -54,7 +54,7 @@ mod tests {
 
     fn footprint(corners: &[[i32; 2]]) -> Footprint {
         let ring = corners.iter().map(|p| p.map(|v| v * 512)).collect();
-        Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 20 * 1024 + 512, base: -1024 }
+        Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 20 * 1024 + 512, base: Some(-1024) }
     }
 
     #[test]

@@ -21,8 +21,18 @@ pub struct CellSets {
 }
 
 impl CellSets {
-    /// The sets of a field, by asking for each cell what it is.
+    /// The sets of a field.
     pub(super) fn of(field: &HeightField) -> Self {
+        let mut cells = CellSets::with_all_data(field);
+        if let Some(without) = field.without_data() {
+            let not = BitGrid::full(without.n_rows(), without.n_cols()).xor(without);
+            cells = CellSets { open: cells.open.and(&not), building: cells.building.and(&not) };
+        }
+        cells
+    }
+
+    /// The sets of a field, cells without data included, by asking for each cell what it is.
+    fn with_all_data(field: &HeightField) -> Self {
         let grid = field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions();
@@ -176,7 +186,7 @@ mod tests {
         let terrain: Vec<i32> = heights(5).into_iter().map(|z| if z == BLOCKS_ALL { 9 } else { z }).collect();
         for ground in [Ground::Surface, Ground::Flat(0), Ground::Terrain(Raster::new(grid.clone(), terrain))] {
             let surface = Raster::new(grid.clone(), heights(1));
-            let solids = Solids::Raster { surface, ground, building_threshold: 256 };
+            let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
             let field = HeightField::build(&grid, solids, &mut Vec::new());
             let positions = field.positions();
             for cell in 0..303 {

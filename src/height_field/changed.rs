@@ -9,6 +9,7 @@ impl HeightField {
     pub(super) fn with_receivers_on(&self, grid: &GeoRef) -> HeightField {
         let mut field = HeightField { grid: grid.clone(), ..self.clone() };
         field.roofs = self.prisms.is_some().then(|| field.rasterize_roofs());
+        field.find_cells_without_data();
         field.cells = CellSets::of(&field);
         field
     }
@@ -43,7 +44,8 @@ impl HeightField {
                     tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
                 }
             }
-            *columns = Columns::new(columns.n_rows(), n_cols, tops);
+            let steps = columns.steps();
+            *columns = Columns::new(columns.n_rows(), n_cols, tops).with_cells_of(steps);
         }
         Some(field)
     }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::cell_sets::RasterGround;
 use super::{CellKind, HeightField};
 use crate::quantity::{BLOCKS_ALL, VOID};
-use crate::raster::{GeoRef, Raster};
+use crate::raster::{BitGrid, GeoRef, Raster};
 use crate::scene::{Ground, Solids};
 
 /// How one cell is made of several. Cells without a height count for nothing, unless all are.
@@ -43,7 +43,8 @@ impl HeightField {
             RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
             RasterGround::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), building_threshold),
         };
-        let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold };
+        let voids = self.without_data().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
+        let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold, voids };
         Some(HeightField::build(&grid, solids, &mut Vec::new()))
     }
 
@@ -78,7 +79,9 @@ impl HeightField {
         }
         let RasterGround::Terrain { tops, building_threshold } = self.raster_cells()?.ground else { return None };
         let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
-        let solids = Solids::Raster { surface: terrain(), ground: Ground::Terrain(terrain()), building_threshold };
+        let ground = Ground::Terrain(terrain());
+        let solids =
+            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data().cloned() };
         Some(HeightField::build(self.grid(), solids, &mut Vec::new()))
     }
 
@@ -89,9 +92,9 @@ impl HeightField {
         let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());
         let kinds = (0..grid.n_cells()).into_par_iter();
         let kinds = kinds.map(|cell| self.cell_kind(cell, &positions.center(cell / n_cols, cell % n_cols)));
-        let tops = kinds.map(|kind| match kind {
+        let tops = kinds.enumerate().map(|(cell, kind)| match kind {
             CellKind::Open(z) | CellKind::Building(z) => z,
-            CellKind::Void => VOID,
+            CellKind::Void => self.ground_at(&positions.center(cell / n_cols, cell % n_cols)),
         });
         let surface = Raster::new(grid.clone(), tops.collect::<Vec<_>>());
         let ground = match self.flat_ground() {
@@ -102,7 +105,8 @@ impl HeightField {
                 Ground::Terrain(Raster::new(grid.clone(), grounds))
             }
         };
-        let solids = Solids::Raster { surface, ground, building_threshold: 0 };
+        let voids = self.without_data().cloned();
+        let solids = Solids::Raster { surface, ground, building_threshold: 0, voids };
         Some(HeightField::build(grid, solids, &mut Vec::new()))
     }
 }
@@ -120,6 +124,17 @@ fn coarser_grid(grid: &GeoRef, factor: usize) -> Option<GeoRef> {
         (grid.n_rows().div_ceil(factor), grid.n_cols().div_ceil(factor)),
         grid.crs().cloned(),
     )
+}
+
+/// The coarse cells of which all fine ones are in a set.
+fn all_of(fine: &BitGrid, (n_rows, n_cols): (usize, usize), factor: usize) -> BitGrid {
+    let mut others = BitGrid::new(n_rows, n_cols);
+    for row in 0..fine.n_rows() {
+        (0..fine.n_cols())
+            .filter(|col| !fine.contains(row, *col))
+            .for_each(|col| others.insert(row / factor, col / factor));
+    }
+    BitGrid::full(n_rows, n_cols).xor(&others)
 }
 
 fn pool(tops: &[i32], fine: &GeoRef, (coarse, factor): (&GeoRef, usize), pooling: Pooling) -> Vec<i32> {
@@ -156,7 +171,8 @@ mod tests {
 
     fn raster(n_rows: usize, n_cols: usize, tops: Vec<i32>, ground: Ground) -> HeightField {
         let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
-        let solids = Solids::Raster { surface: Raster::new(grid.clone(), tops), ground, building_threshold: 256 };
+        let solids =
+            Solids::Raster { surface: Raster::new(grid.clone(), tops), ground, building_threshold: 256, voids: None };
         HeightField::build(&grid, solids, &mut Vec::new())
     }
 
@@ -185,8 +201,9 @@ mod tests {
     #[test]
     fn footprints_become_the_raster_of_their_roofs() {
         let built_up = BuiltUp::new(0.3, 500.0, 15.0).expect("valid parameters");
-        let scene =
-            BuiltUpCity { built_up, size_m: 90.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }.scene().expect("a city");
+        let scene = BuiltUpCity { built_up, size_m: 90.0, margin_m: 0.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }
+            .scene()
+            .expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let raster = field.rasterized().expect("footprints");
         assert_eq!((raster.surface_m(), raster.cells()), (field.surface_m(), field.cells()));

@@ -7,17 +7,18 @@ use super::tile_maxima::TileMaxima;
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 use crate::raster::LargeVec;
 
-/// Edge length of a cell on the lattice.
+/// Edge length of a cell on the lattice of a raster scene.
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// The closed union T of the columns over the cells of a raster; nothing lies outside it.
 ///
-/// Cell `(row, col)` is the square `[col, col+1] × [n_rows−1−row, n_rows−row]` in units of 1024 lattice steps: row 0 is
+/// Cell `(row, col)` is the rectangle `[col, col+1] × [n_rows−1−row, n_rows−row]` in units of [`Columns::steps`]: row 0 is
 /// the northernmost and the local origin is the south-west corner.
 #[derive(Debug, Clone)]
 pub struct Columns {
     n_cols: usize,
     n_rows: usize,
+    steps: [i64; 2],
     tops: LargeVec<i32>,
     plateaus: Option<Plateaus>,
     /// The lowest and the highest top.
@@ -28,7 +29,7 @@ pub struct Columns {
 impl PartialEq for Columns {
     /// What else there is follows from the tops.
     fn eq(&self, other: &Self) -> bool {
-        (self.n_cols, self.n_rows) == (other.n_cols, other.n_rows) && self.tops == other.tops
+        (self.n_cols, self.n_rows, self.steps) == (other.n_cols, other.n_rows, other.steps) && self.tops == other.tops
     }
 }
 
@@ -48,7 +49,25 @@ impl Columns {
             Some(plateaus) => plateaus.extremes(),
             None => tiles.get_or_init(|| TileMaxima::of(&tops, n_cols)).extremes(),
         };
-        Columns { n_cols, n_rows, tops, plateaus, extremes, tiles }
+        Columns { n_cols, n_rows, steps: [CELL; 2], tops, plateaus, extremes, tiles }
+    }
+
+    /// The same with cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
+    #[must_use]
+    pub fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
+        self.steps = steps;
+        self
+    }
+
+    /// Width and height of a cell \[lattice steps\].
+    #[inline]
+    pub fn steps(&self) -> [i64; 2] {
+        self.steps
+    }
+
+    /// Whether a cell has 1024 × 1024 lattice steps, as the engines for whole rasters reckon with.
+    pub fn has_unit_cells(&self) -> bool {
+        self.steps == [CELL; 2]
     }
 
     /// Number of columns of cells.
@@ -126,7 +145,8 @@ impl Columns {
 
     /// Index of the cell that holds lattice position `(x, y)`, the one to its north-east on an edge.
     pub fn cell_at(&self, x: i64, y: i64) -> Option<usize> {
-        self.index(x.div_euclid(CELL), y.div_euclid(CELL))
+        let [width, height] = self.steps;
+        self.index(x.div_euclid(width), y.div_euclid(height))
     }
 
     /// Lattice position of the center of a cell.
@@ -134,15 +154,17 @@ impl Columns {
     pub fn center(&self, row: usize, col: usize) -> (i64, i64) {
         #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
         let (east, north) = (col as i64, (self.n_rows - 1 - row) as i64);
-        (east * CELL + CELL / 2, north * CELL + CELL / 2)
+        let [width, height] = self.steps;
+        (east * width + width / 2, north * height + height / 2)
     }
 
     /// The height below which the vertical line at `(x, y)` is inside the solid: the lowest of the columns whose closed
     /// squares contain the point. [`VOID`] where one of them is void or outside.
     pub fn solid_below(&self, x: i64, y: i64) -> i32 {
         // On an edge or a corner the point is interior only to what all the touching cells have in common.
-        let touching = |v: i64| (v.div_euclid(CELL) - i64::from(v.rem_euclid(CELL) == 0), v.div_euclid(CELL));
-        let ((west, east), (south, north)) = (touching(x), touching(y));
+        let touching =
+            |v: i64, cell: i64| (v.div_euclid(cell) - i64::from(v.rem_euclid(cell) == 0), v.div_euclid(cell));
+        let ((west, east), (south, north)) = (touching(x, self.steps[0]), touching(y, self.steps[1]));
         let lowest = [(west, south), (west, north), (east, south), (east, north)].map(|(e, n)| self.top(e, n));
         lowest.into_iter().min().unwrap_or(VOID)
     }

@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
+use super::data_area::KnownGround;
 use super::{CellSets, Columns, ConvexPieces, Plateaus, Prisms, Ring, convex_pieces};
 use crate::error::Warning;
-use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::{BitGrid, GeoRef, LargeVec};
-use crate::scene::{Footprint, Ground, Solids};
+use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, counted, meters};
+use crate::raster::{BitGrid, CellLattice, GeoRef, LargeVec};
+use crate::scene::{DataArea, Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
 ///
@@ -18,6 +19,11 @@ pub struct HeightField {
     pub(super) prisms: Option<(Prisms, Frame)>,
     pub(super) columns: Option<(Columns, Frame)>,
     pub(super) floor: Floor,
+    /// Where a vector scene knows the ground, if not everywhere.
+    pub(super) known_ground: Option<KnownGround>,
+    /// The cells of the receivers' grid without data though a ground is known there, if there are any: those outside of the
+    /// known ground, and those where a surface model has no height.
+    pub(super) without_data: Option<BitGrid>,
     /// Vector scenes: roof of each cell whose center is inside a building, [`VOID`] elsewhere.
     pub(super) roofs: Option<Vec<i32>>,
     pub(super) building_ids: Vec<String>,
@@ -94,9 +100,45 @@ impl Station {
 pub struct GridPositions {
     xs: Vec<(f64, i64, i64)>,
     ys: Vec<(f64, i64, i64)>,
+    /// The lattice on which distances are told: that of the prisms, if there are any, else that of the columns.
+    frame: Frame,
+    has_prisms: bool,
 }
 
 impl GridPositions {
+    /// Those of the cells of a grid in a scene without prisms.
+    pub fn on_cells(grid: &GeoRef) -> Self {
+        let xs = (0..grid.n_cols()).map(|col| Place::on_cells(grid, grid.world_from_cell(0, col).0, grid.y_min()));
+        let ys = (0..grid.n_rows()).map(|row| Place::on_cells(grid, grid.x_min(), grid.world_from_cell(row, 0).1));
+        GridPositions {
+            xs: xs.map(|place| (place.x, 0, place.on_columns.0)).collect(),
+            ys: ys.map(|place| (place.y, 0, place.on_columns.1)).collect(),
+            frame: cell_frame(grid),
+            has_prisms: false,
+        }
+    }
+
+    /// Number of rows and of columns.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ys.len(), self.xs.len())
+    }
+
+    /// Length of a lattice step along x and y \[CRS units\].
+    pub fn step_lengths(&self) -> (f64, f64) {
+        let steps = f64::from(STEPS_PER_UNIT);
+        (self.frame.unit_x / steps, self.frame.unit_y / steps)
+    }
+
+    /// Lattice steps to the east and north from a place to the center of a cell.
+    #[inline]
+    pub fn steps_from(&self, place: &Place, row: usize, col: usize) -> (i64, i64) {
+        let (x, y) = (self.xs[col], self.ys[row]);
+        match self.has_prisms {
+            true => (x.1 - place.on_prisms.0, y.1 - place.on_prisms.1),
+            false => (x.2 - place.on_columns.0, y.2 - place.on_columns.1),
+        }
+    }
+
     /// Positions of the columns of cells on the columns' lattice, west to east.
     pub fn columns_xs(&self) -> impl Iterator<Item = i64> {
         self.xs.iter().map(|x| x.2)
@@ -133,7 +175,7 @@ impl HeightField {
         let nothing = BitGrid::new(0, 0);
         let no_cells = CellSets { open: nothing.clone(), building: nothing };
         let mut field = match solids {
-            Solids::Raster { surface, ground, building_threshold } => {
+            Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
                 let floor = match ground {
                     Ground::Surface => Floor::Surface,
@@ -146,21 +188,30 @@ impl HeightField {
                     prisms: None,
                     columns: Some((columns, cell_frame(&georef))),
                     floor,
+                    known_ground: None,
+                    without_data: voids,
                     roofs: None,
                     building_ids: Vec::new(),
                     cells: no_cells,
                 }
             }
-            Solids::Vector { footprints, frame, ground, .. } => {
+            Solids::Vector { footprints, frame, ground, data_area, .. } => {
                 let prisms = prisms_of(&footprints, warnings);
+                let is_auto = matches!(data_area, DataArea::NearFootprints);
+                let known_ground = match data_area {
+                    DataArea::All => None,
+                    DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid),
+                    DataArea::Within(area) => Some(KnownGround::Area(area)),
+                };
                 let building_ids = footprints.into_iter().map(|f| f.id).collect();
                 let (columns, floor) = match ground {
                     Ground::Terrain(terrain) => {
                         let georef = terrain.georef().clone();
+                        let lattice = CellLattice::under(&frame, &georef);
                         let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
                         // PERF: the ground is asked for cell by cell.
                         columns.tops();
-                        (Some((columns, cell_frame(&georef))), Floor::Columns)
+                        (Some((columns.with_cells_of(lattice.steps), lattice.frame)), Floor::Columns)
                     }
                     Ground::Flat(z) => (None, Floor::Flat { z, building_threshold: 0 }),
                     Ground::Surface => (None, Floor::Flat { z: 0, building_threshold: 0 }),
@@ -170,16 +221,80 @@ impl HeightField {
                     prisms: Some((prisms, frame)),
                     columns,
                     floor,
+                    known_ground,
+                    without_data: None,
                     roofs: None,
                     building_ids,
                     cells: no_cells,
                 };
                 field.roofs = Some(field.rasterize_roofs());
+                field.find_cells_without_data();
+                if is_auto {
+                    field.know_all_if_little_is_open(warnings);
+                }
                 field
             }
         };
         field.cells = CellSets::of(&field);
+        field.warn_of_unknown_ground(warnings);
         field
+    }
+
+    /// Finds the cells of the receivers' grid that lie outside of the known ground.
+    pub(super) fn find_cells_without_data(&mut self) {
+        if let Some(known) = &self.known_ground {
+            self.without_data = Some(known.outside(&self.grid)).filter(|outside| outside.count() > 0);
+        }
+    }
+
+    /// Takes all ground for known where less than a tenth of what is near the footprints is open: a lone building says nothing
+    /// of a city.
+    fn know_all_if_little_is_open(&mut self, warnings: &mut Vec<Warning>) {
+        let Some(outside) = &self.without_data else { return };
+        let n_known = self.grid.n_cells() as u64 - outside.count();
+        let roofs = self.roofs.as_deref().unwrap_or(&[]);
+        let n_built = roofs.iter().filter(|roof| **roof != VOID).count() as u64;
+        if 10 * n_known.saturating_sub(n_built) >= n_known {
+            return;
+        }
+        (self.known_ground, self.without_data) = (None, None);
+        warnings.push(Warning::new(
+            379,
+            "hardly any open ground lies between the footprints, so all ground counts as known (`--data-area auto|all|FILE`)",
+        ));
+    }
+
+    /// Warns of cells of a vector scene below which no terrain is known.
+    fn warn_of_unknown_ground(&self, warnings: &mut Vec<Warning>) {
+        let is_on_terrain = self.prisms.is_some() && matches!(self.floor, Floor::Columns);
+        let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
+        let n_unknown = of_data - self.cells.open.count() - self.cells.building.count();
+        if is_on_terrain && n_unknown > 0 {
+            let does = match self.max_top() {
+                BLOCKS_ALL => "it blocks everything",
+                _ => "it blocks nothing",
+            };
+            let cells = counted(n_unknown, "cell has", "cells have");
+            let text = format!(
+                "{cells} no ground: the terrain is void there, or ends before; {does} and holds no receiver (`--nodata-as`)"
+            );
+            warnings.push(Warning::new(340, text));
+        }
+    }
+
+    /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.
+    pub fn outside_data(&self) -> Option<&BitGrid> {
+        self.without_data.as_ref().filter(|_| self.known_ground.is_some())
+    }
+
+    /// Whether a position \[CRS units\] is in the data area; everywhere is, where a scene has none.
+    pub fn is_known_at(&self, x: f64, y: f64) -> bool {
+        self.known_ground.as_ref().is_none_or(|known| known.contains(x, y))
+    }
+
+    /// Cells without data though a ground is known there, if there are any.
+    pub(super) fn without_data(&self) -> Option<&BitGrid> {
+        self.without_data.as_ref()
     }
 
     /// Which cells are open ground and which are buildings.
@@ -234,8 +349,24 @@ impl HeightField {
     pub fn columns_are_on_grid(&self) -> bool {
         self.columns.as_ref().is_some_and(|(columns, frame)| {
             let shape = (columns.n_rows(), columns.n_cols());
-            shape == (self.grid.n_rows(), self.grid.n_cols()) && *frame == cell_frame(&self.grid)
+            let of_grid = match &self.prisms {
+                Some((_, scene)) => CellLattice::under(scene, &self.grid).frame,
+                None => cell_frame(&self.grid),
+            };
+            shape == (self.grid.n_rows(), self.grid.n_cols()) && *frame == of_grid
         })
+    }
+
+    /// Whether the engine for whole rasters can decide over the columns: receivers stand at the centers of their cells, which
+    /// have as many lattice steps as it reckons with.
+    pub fn columns_can_be_swept(&self) -> bool {
+        let Some(columns) = self.columns().filter(|_| self.columns_are_on_grid()) else { return false };
+        let positions = self.positions();
+        let mut centers = (0..columns.n_cols()).map(|col| columns.center(0, col).0);
+        let mut middles = (0..columns.n_rows()).map(|row| columns.center(row, 0).1);
+        columns.has_unit_cells()
+            && positions.columns_xs().all(|x| centers.next() == Some(x))
+            && positions.columns_ys().all(|y| middles.next() == Some(y))
     }
 
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
@@ -285,10 +416,22 @@ impl HeightField {
         matches!(self.floor, Floor::Surface)
     }
 
-    /// A world position on the lattices.
+    /// A world position on the lattices: rounded to that of the prisms, if there are any, and from there to that of the columns.
     pub fn place(&self, x: f64, y: f64) -> Place {
-        let on = |frame: Option<Frame>| frame.map_or((0, 0), |f| f.lattice_from_world(x, y));
-        Place { x, y, on_prisms: on(self.prisms_frame()), on_columns: on(self.columns_frame()) }
+        let on_prisms = self.prisms_frame().map(|frame| frame.lattice_from_world(x, y));
+        let on_columns = match on_prisms {
+            Some(position) => self.on_columns(position),
+            None => self.columns_frame().map_or((0, 0), |frame| frame.lattice_from_world(x, y)),
+        };
+        Place { x, y, on_prisms: on_prisms.unwrap_or((0, 0)), on_columns }
+    }
+
+    /// A position of the prisms' lattice on that of the columns.
+    fn on_columns(&self, (x, y): (i64, i64)) -> (i64, i64) {
+        let (Some(prisms), Some(columns)) = (self.prisms_frame(), self.columns_frame()) else { return (0, 0) };
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let (x, y) = prisms.world_from_lattice(x as f64, y as f64);
+        columns.lattice_from_world(x, y)
     }
 
     /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
@@ -302,7 +445,10 @@ impl HeightField {
         // Rounding the sum could make no step of one, or two.
         let by = |(x, y): (i64, i64)| (x + east, y + north);
         match &self.prisms {
-            Some(_) => moved.on_prisms = by(place.on_prisms),
+            Some(_) => {
+                moved.on_prisms = by(place.on_prisms);
+                moved.on_columns = self.on_columns(moved.on_prisms);
+            }
             None => moved.on_columns = by(place.on_columns),
         }
         moved
@@ -310,24 +456,34 @@ impl HeightField {
 
     /// The cell centers of the receivers' grid on the lattices.
     pub fn positions(&self) -> GridPositions {
-        let xs = (0..self.grid.n_cols()).map(|col| {
-            let place = self.place(self.grid.world_from_cell(0, col).0, self.grid.y_min());
+        self.positions_on(&self.grid)
+    }
+
+    /// The cell centers of any grid on the lattices.
+    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
+        let xs = (0..grid.n_cols()).map(|col| {
+            let place = self.place(grid.world_from_cell(0, col).0, grid.y_min());
             (place.x, place.on_prisms.0, place.on_columns.0)
         });
-        let ys = (0..self.grid.n_rows()).map(|row| {
-            let place = self.place(self.grid.x_min(), self.grid.world_from_cell(row, 0).1);
+        let ys = (0..grid.n_rows()).map(|row| {
+            let place = self.place(grid.x_min(), grid.world_from_cell(row, 0).1);
             (place.y, place.on_prisms.1, place.on_columns.1)
         });
-        GridPositions { xs: xs.collect(), ys: ys.collect() }
+        let frame = self.prisms_frame().or(self.columns_frame()).unwrap_or_else(|| cell_frame(grid));
+        GridPositions { xs: xs.collect(), ys: ys.collect(), frame, has_prisms: self.prisms.is_some() }
     }
 
     /// What a cell is; `place` is its center.
     #[inline]
     pub fn cell_kind(&self, index: usize, place: &Place) -> CellKind {
+        let n_cols = self.grid.n_cols();
+        if self.without_data.as_ref().is_some_and(|cells| cells.contains(index / n_cols, index % n_cols)) {
+            return CellKind::Void;
+        }
         if let Some(roofs) = &self.roofs {
             let ground = self.ground_at(place);
             return match (ground, roofs[index]) {
-                (VOID, _) => CellKind::Void,
+                (VOID, VOID) => CellKind::Void,
                 (ground, VOID) => CellKind::Open(ground),
                 (_, roof) => CellKind::Building(roof),
             };
@@ -360,8 +516,10 @@ impl HeightField {
     /// The ground and, if it is a building, the roof of a cell of the columns; both `None` where it is void. A surface
     /// model alone is all ground.
     pub fn column_parts(&self, cell: usize) -> (Option<i32>, Option<i32>) {
-        let Some(top) = self.columns.as_ref().map(|(c, _)| c.tops()[cell]).filter(|t| *t != VOID && *t != BLOCKS_ALL)
-        else {
+        let n_cols = self.columns().map_or(1, Columns::n_cols);
+        let is_void = |cells: &BitGrid| self.prisms.is_none() && cells.contains(cell / n_cols, cell % n_cols);
+        let columns = self.columns.as_ref().filter(|_| !self.without_data.as_ref().is_some_and(is_void));
+        let Some(top) = columns.map(|(c, _)| c.tops()[cell]).filter(|t| *t != VOID && *t != BLOCKS_ALL) else {
             return (None, None);
         };
         let parts = |ground: i32, threshold: i32| {
@@ -386,9 +544,8 @@ impl HeightField {
         };
         match &self.floor {
             Floor::Surface | Floor::Columns => surface(),
-            // Under a raster scene flat ground reaches as far as the raster; under footprints it has no end.
-            Floor::Flat { z, .. } if self.prisms.is_some() || surface() != VOID => *z,
-            Floor::Flat { .. } => VOID,
+            // Ground that was typed has no end.
+            Floor::Flat { z, .. } => *z,
             Floor::Terrain { tops, .. } => cell().map_or(VOID, |cell| tops[cell]),
         }
     }
@@ -400,6 +557,11 @@ impl HeightField {
         }
         let (columns, _) = self.columns.as_ref()?;
         let cell = columns.cell_at(place.on_columns.0, place.on_columns.1)?;
+        let n_cols = columns.n_cols();
+        let is_void = |cells: &BitGrid| cells.contains(cell / n_cols, cell % n_cols);
+        if self.without_data.as_ref().is_some_and(is_void) {
+            return None;
+        }
         match self.kind_of_column(columns.top_at(cell), cell) {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
@@ -437,7 +599,10 @@ impl HeightField {
         self.each_cell(|kind, place| match kind {
             CellKind::Open(z) if surface_only => meters(z),
             CellKind::Open(_) => 0.0,
-            CellKind::Building(z) => meters(z) - meters(self.ground_at(place)),
+            CellKind::Building(z) => match self.ground_at(place) {
+                VOID => 0.0,
+                ground => meters(z) - meters(ground),
+            },
             CellKind::Void => f64::NAN,
         })
     }
@@ -460,14 +625,9 @@ impl HeightField {
     }
 }
 
-/// The lattice of the columns over the cells of a grid.
+/// The lattice of the columns over the cells of a grid, in a raster scene.
 pub fn cell_frame(georef: &GeoRef) -> Frame {
-    Frame {
-        x_origin: georef.x_min(),
-        y_origin: georef.y_min(),
-        unit_x: georef.cell_width(),
-        unit_y: georef.cell_height(),
-    }
+    CellLattice::of_cells(georef).frame
 }
 
 /// Convex pieces of all footprints, in the order of the footprints.
@@ -515,7 +675,7 @@ mod tests {
             id: "a".into(),
             polygons: vec![vec![vec![[low, low], [high, low], [high, high], [low, high]]]],
             top: 12 * 1024,
-            base: 2 * 1024,
+            base: Some(2 * 1024),
         };
         let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
         let solids = Solids::Vector {
@@ -523,6 +683,7 @@ mod tests {
             frame,
             ground: Ground::Flat(2 * 1024),
             faults: FootprintFaults::default(),
+            data_area: DataArea::All,
         };
         HeightField::build(&grid, solids, &mut Vec::new())
     }

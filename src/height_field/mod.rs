@@ -9,6 +9,7 @@ mod columns;
 mod casters;
 mod changed;
 mod coarser;
+mod data_area;
 mod field;
 mod merge;
 mod plateaus;

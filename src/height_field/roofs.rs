@@ -47,7 +47,7 @@ impl HeightField {
             let center = positions.center(index / n_cols, index % n_cols);
             let ground = self.ground_at(&center);
             let inside = self.inside_prisms_below(&center);
-            if ground == VOID || inside <= ground {
+            if inside <= ground {
                 *roof = VOID;
             }
         }

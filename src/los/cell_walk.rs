@@ -12,7 +12,7 @@ pub(super) struct Crossing {
     pub(super) d: i64,
 }
 
-/// A walk over square cells along a segment with at least one nonzero component.
+/// A walk over rectangular cells along a segment with at least one nonzero component.
 ///
 /// On a grid line parallel to the segment the walk visits the cells north or east of the line (half-open).
 #[derive(Debug, Clone)]
@@ -20,7 +20,7 @@ pub(super) struct CellWalk {
     /// Current cell, counted from the origin to the east and to the north.
     pub(super) cell: (i64, i64),
     step: (i64, i64),
-    size: i64,
+    size: [i64; 2],
     next: (i64, i64),
     length: (i64, i64),
 }
@@ -29,9 +29,10 @@ pub(super) struct CellWalk {
 const NEVER: i64 = 1 << 32;
 
 impl CellWalk {
-    /// A walk from `from` towards `to`, positions relative to the corner of cell (0, 0), cells of edge `size`.
-    pub(super) fn new(from: (i64, i64), to: (i64, i64), size: i64) -> Self {
-        let axis = |from: i64, to: i64| {
+    /// A walk from `from` towards `to`, positions relative to the corner of cell (0, 0), cells of width and
+    /// height `size`.
+    pub(super) fn new(from: (i64, i64), to: (i64, i64), size: [i64; 2]) -> Self {
+        let axis = |from: i64, to: i64, size: i64| {
             let first = if to < from { (from - 1).div_euclid(size) } else { from.div_euclid(size) };
             let (step, next) = match to.cmp(&from) {
                 std::cmp::Ordering::Greater => (1, (first + 1) * size - from),
@@ -40,8 +41,8 @@ impl CellWalk {
             };
             (first, step, next, (to - from).abs())
         };
-        let (col, step_x, next_x, length_x) = axis(from.0, to.0);
-        let (row, step_y, next_y, length_y) = axis(from.1, to.1);
+        let (col, step_x, next_x, length_x) = axis(from.0, to.0, size[0]);
+        let (row, step_y, next_y, length_y) = axis(from.1, to.1, size[1]);
         CellWalk {
             cell: (col, row),
             step: (step_x, step_y),
@@ -71,11 +72,11 @@ impl CellWalk {
         let (ex, ey) = (self.next.0 * self.length.1, self.next.1 * self.length.0);
         if self.length.0 > 0 && (ex <= ey || self.length.1 == 0) {
             self.cell.0 += self.step.0;
-            self.next.0 += self.size;
+            self.next.0 += self.size[0];
         }
         if self.length.1 > 0 && (ey <= ex || self.length.0 == 0) {
             self.cell.1 += self.step.1;
-            self.next.1 += self.size;
+            self.next.1 += self.size[1];
         }
     }
 }
@@ -85,7 +86,7 @@ mod tests {
     use super::*;
 
     fn cells(from: (i64, i64), to: (i64, i64)) -> Vec<(i64, i64)> {
-        let mut walk = CellWalk::new(from, to, 10);
+        let mut walk = CellWalk::new(from, to, [10; 2]);
         let mut cells = vec![walk.cell];
         while walk.exit().is_some() {
             walk.advance();

@@ -10,6 +10,7 @@ use super::obstruction::{Ceiling, Obstruction, surely_binds_less};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 
+/// Edge length of a cell on the lattice of a raster scene.
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// Decides whether the link between `uav` and `receiver` is clear of the interior of T.
@@ -22,7 +23,7 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
         return true;
     }
     if uav.z >= receiver.z
-        && !runs_along_a_grid_line(uav, receiver)
+        && !runs_along_a_grid_line(columns, uav, receiver)
         && let Some(own) = columns.cell_towards(receiver, dx, dy)
     {
         return rising_los(columns, own, uav, receiver);
@@ -134,16 +135,32 @@ struct Interval {
     far: Crossing,
 }
 
-fn runs_along_a_grid_line(uav: LatticePoint, receiver: LatticePoint) -> bool {
-    (uav.x == receiver.x && receiver.x.rem_euclid(CELL) == 0)
-        || (uav.y == receiver.y && receiver.y.rem_euclid(CELL) == 0)
+fn runs_along_a_grid_line(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> bool {
+    let [width, height] = columns.steps();
+    (uav.x == receiver.x && into_cell(receiver.x, width) == 0)
+        || (uav.y == receiver.y && into_cell(receiver.y, height) == 0)
+}
+
+/// The cell that holds a position along an axis, the farther one on an edge.
+///
+/// PERF: cells of raster scenes have 1024 steps, which needs no division.
+#[inline(always)]
+fn cell_of(v: i64, cell: i64) -> i64 {
+    if cell == CELL { v.div_euclid(CELL) } else { v.div_euclid(cell) }
+}
+
+/// How far a position is into its cell.
+#[inline(always)]
+fn into_cell(v: i64, cell: i64) -> i64 {
+    if cell == CELL { v.rem_euclid(CELL) } else { v.rem_euclid(cell) }
 }
 
 impl Columns {
     /// Index of the cell that a ray leaving `from` in direction `(dx, dy)` is in first, if it lies in the raster.
     fn cell_towards(&self, from: LatticePoint, dx: i64, dy: i64) -> Option<usize> {
-        let first = |v: i64, d: i64| if d < 0 { (v - 1).div_euclid(CELL) } else { v.div_euclid(CELL) };
-        self.index(first(from.x, dx), first(from.y, dy))
+        let [width, height] = self.steps();
+        let first = |v: i64, d: i64, cell: i64| cell_of(if d < 0 { v - 1 } else { v }, cell);
+        self.index(first(from.x, dx, width), first(from.y, dy, height))
     }
 }
 
@@ -181,6 +198,8 @@ struct InnerWalk {
     /// How far along each axis a crossing still counts: short of the UAV, and inside the raster.
     reach: (i64, i64),
     stride: (isize, isize),
+    /// Width and height of a cell.
+    cell: [i64; 2],
 }
 
 impl InnerWalk {
@@ -188,21 +207,22 @@ impl InnerWalk {
     fn new(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> Self {
         let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
         let length = (dx.abs(), dy.abs());
-        let (width, height) = (extent(columns.n_cols()), extent(columns.n_rows()));
+        let cell = columns.steps();
+        let (width, height) = (extent(columns.n_cols(), cell[0]), extent(columns.n_rows(), cell[1]));
         let to_border = |v: i64, d: i64, size: i64| if d < 0 { v } else { size - v };
         // Farther than any line of the proven range.
         const FAR: i64 = 1 << 32;
-        let to_line = |v: i64, d: i64| match d.signum() {
-            1 => CELL - v.rem_euclid(CELL),
-            -1 => (v - 1).rem_euclid(CELL) + 1,
+        let to_line = |v: i64, d: i64, cell: i64| match d.signum() {
+            1 => cell - into_cell(v, cell),
+            -1 => into_cell(v - 1, cell) + 1,
             _ => FAR,
         };
-        let next = (to_line(receiver.x, dx), to_line(receiver.y, dy));
+        let next = (to_line(receiver.x, dx, cell[0]), to_line(receiver.y, dy, cell[1]));
         // Along an axis the other line is never met.
         let (order, growth) = match length {
             (0, _) => ((1, 0), (0, 0)),
             (_, 0) => ((0, 1), (0, 0)),
-            _ => ((next.0 * length.1, next.1 * length.0), (CELL * length.1, CELL * length.0)),
+            _ => ((next.0 * length.1, next.1 * length.0), (cell[0] * length.1, cell[1] * length.0)),
         };
         #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]
         let row = columns.n_cols() as isize;
@@ -214,6 +234,7 @@ impl InnerWalk {
             length,
             reach: (length.0.min(to_border(receiver.x, dx, width)), length.1.min(to_border(receiver.y, dy, height))),
             stride: (if dx < 0 { -1 } else { 1 }, if dy < 0 { row } else { -row }),
+            cell,
         }
     }
 
@@ -228,7 +249,7 @@ impl InnerWalk {
                 return None;
             }
             self.index = self.index.wrapping_add_signed(self.stride.0);
-            self.next.0 += CELL;
+            self.next.0 += self.cell[0];
             self.order.0 += self.growth.0;
         }
         // At a corner both indices step at once.
@@ -237,7 +258,7 @@ impl InnerWalk {
                 return None;
             }
             self.index = self.index.wrapping_add_signed(self.stride.1);
-            self.next.1 += CELL;
+            self.next.1 += self.cell[1];
             self.order.1 += self.growth.1;
         }
         Some(Crossing { n, d })
@@ -252,8 +273,8 @@ impl InnerWalk {
     }
 }
 
-fn extent(cells: usize) -> i64 {
-    i64::try_from(cells).unwrap_or(i64::MAX / CELL) * CELL
+fn extent(cells: usize, cell: i64) -> i64 {
+    i64::try_from(cells).unwrap_or(i64::MAX / cell) * cell
 }
 
 /// Calls `visit` for every interval of the link over a column, from the receiver on, exempting its own cells.
@@ -264,7 +285,7 @@ fn visit_intervals(
     receiver: LatticePoint,
     mut visit: impl FnMut(Interval) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let inner = if runs_along_a_grid_line(uav, receiver) {
+    let inner = if runs_along_a_grid_line(columns, uav, receiver) {
         None
     } else {
         columns.cell_towards(receiver, uav.x - receiver.x, uav.y - receiver.y)
@@ -279,15 +300,16 @@ fn visit_intervals(
         }
         return ControlFlow::Continue(());
     }
-    let along_column_line = uav.x == receiver.x && receiver.x.rem_euclid(CELL) == 0;
-    let along_row_line = uav.y == receiver.y && receiver.y.rem_euclid(CELL) == 0;
+    let [width, height] = columns.steps();
+    let along_column_line = uav.x == receiver.x && into_cell(receiver.x, width) == 0;
+    let along_row_line = uav.y == receiver.y && into_cell(receiver.y, height) == 0;
     let is_own = |(east, north): (i64, i64)| {
-        let holds = |cell: i64, v: i64| cell * CELL <= v && v <= (cell + 1) * CELL;
-        holds(east, receiver.x) && holds(north, receiver.y)
+        let holds = |cell: i64, size: i64, v: i64| cell * size <= v && v <= (cell + 1) * size;
+        holds(east, width, receiver.x) && holds(north, height, receiver.y)
     };
     let top = |cell: (i64, i64)| if is_own(cell) { VOID } else { columns.top(cell.0, cell.1) };
 
-    let mut walk = CellWalk::new((receiver.x, receiver.y), (uav.x, uav.y), CELL);
+    let mut walk = CellWalk::new((receiver.x, receiver.y), (uav.x, uav.y), [width, height]);
     let mut near = Crossing { n: 0, d: 1 };
     loop {
         let exit = walk.exit();

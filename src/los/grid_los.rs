@@ -103,12 +103,14 @@ impl Method {
     pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
             (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
-            (true, true) if field.columns_are_on_grid() => {
+            (true, true) if field.columns_can_be_swept() => {
                 (Method::ShadowSweep, "footprints on terrain: shadows for the roofs, one sweep for the terrain")
             }
-            (true, true) => {
-                (Method::ShadowRay, "terrain on a grid of its own: shadows for the roofs, rays for the terrain")
-            }
+            (true, true) => (
+                Method::ShadowRay,
+                "terrain whose cells are not those of the receivers, or not of 1 m or an nth of it: shadows for the roofs, rays \
+                 for the terrain",
+            ),
             (false, _) if field.plateaus().is_some() => {
                 (Method::Shadow, "a raster of few flat blocks: shadows of their roofs")
             }

@@ -336,7 +336,7 @@ fn visit_buckets(
 ) -> ControlFlow<()> {
     let buckets = prisms.buckets();
     let relative = |p: &LatticePoint| (p.x - buckets.origin.0, p.y - buckets.origin.1);
-    let mut walk = CellWalk::new(relative(&from), relative(&to), buckets.size);
+    let mut walk = CellWalk::new(relative(&from), relative(&to), [buckets.size; 2]);
     let mut near = Crossing { n: 0, d: 1 };
     loop {
         let exit = walk.exit();

@@ -16,7 +16,7 @@ use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{GridLos, GridReceivers, Method};
 use crate::quantity::STEPS_PER_UNIT;
-use crate::raster::{BitGrid, CellBlocks, CellWindow};
+use crate::raster::{BitGrid, CellBlocks, CellWindow, set_bits};
 
 /// Which users are counted together. All comparisons are of squares, so that no root is taken for any user.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +60,27 @@ impl Band {
     }
 }
 
+/// Bands that may overlap, cut at the ends of all of them: a user is in one part at most, and a band is the sum of its parts.
+struct BandParts {
+    parts: Vec<Band>,
+    /// The parts of each band.
+    of_bands: Vec<std::ops::Range<usize>>,
+}
+
+impl BandParts {
+    /// All bands must be by the same quantity.
+    fn of(bands: &[Band]) -> Self {
+        let mut ends: Vec<f64> = bands.iter().flat_map(|band| [band.from, band.to]).collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        let index = |end: f64| ends.partition_point(|e| *e < end);
+        let of_bands = bands.iter().map(|band| index(band.from)..index(band.to)).collect();
+        let by = bands.first().map_or(By::SquaredDistance, |band| band.by);
+        let parts = ends.windows(2).map(|ends| Band { by, from: ends[0], to: ends[1] }).collect();
+        BandParts { parts, of_bands }
+    }
+}
+
 /// A real city made ready for counting.
 #[derive(Debug)]
 pub struct RealCity<'a> {
@@ -94,13 +115,23 @@ impl<'a> RealCity<'a> {
         self.blocks.count()
     }
 
+    /// The blocks that hold any user, whichever band these are in.
+    pub fn blocks_with_users(&self) -> Vec<usize> {
+        let mut holds = vec![false; self.n_blocks()];
+        for row in 0..self.receivers.cells.n_rows() {
+            let first = self.blocks.first_of_row(row);
+            set_bits(self.receivers.cells.row(row)).for_each(|col| holds[first + col / self.blocks.n_cols()] = true);
+        }
+        (0..holds.len()).filter(|block| holds[*block]).collect()
+    }
+
     /// Whether a UAV is inside a building.
     pub fn is_inside(&self, uav: &Station) -> bool {
         let inside = self.field.inside_prisms_below(&uav.place).max(self.field.inside_columns_below(&uav.place));
         uav.z < i64::from(inside)
     }
 
-    /// Counts what a UAV sees, `[block][band]`. One inside a building sees nothing.
+    /// Counts what a UAV sees, `[block][band]`; bands may overlap. One inside a building sees nothing.
     pub fn count(&self, uav: &Station, bands: &[Band]) -> Vec<Count> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -110,41 +141,48 @@ impl<'a> RealCity<'a> {
             let window = CellWindow { row: 0, col: 0, n_rows, n_cols };
             self.engine.los(uav, &self.receivers, &self.receivers.cells, window)
         };
-        let mut counts = vec![Count::default(); self.n_blocks() * bands.len()];
+        let BandParts { parts, of_bands } = BandParts::of(bands);
+        if parts.is_empty() {
+            return vec![Count::default(); self.n_blocks() * bands.len()];
+        }
+        let mut counts = vec![Count::default(); self.n_blocks() * parts.len()];
         let Place { x, y, .. } = uav.place;
         for row in 0..n_rows {
             let wanted = self.receivers.cells.row(row);
             let seen = los.row(row);
             let first_block = self.blocks.first_of_row(row);
-            let mut band = 0;
+            let mut part = 0;
             for col in (0..n_cols).filter(|col| wanted[col / 64] >> (col % 64) & 1 == 1) {
                 let (cell_x, cell_y) = grid.world_from_cell(row, col);
                 let (dx, dy) = ((x - cell_x) * self.meters_per_unit, (y - cell_y) * self.meters_per_unit);
                 let squared = dx * dx + dy * dy;
                 #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
                 let rise = (uav.z - self.receivers.height(row * n_cols + col)) as f64 / f64::from(STEPS_PER_UNIT);
-                // Neighbors are mostly in the same band.
-                if !bands[band].holds(squared, rise) {
-                    let Some(found) = bands.iter().position(|b| b.holds(squared, rise)) else { continue };
-                    band = found;
+                // Neighbors are mostly in the same part.
+                if !parts[part].holds(squared, rise) {
+                    let Some(found) = parts.iter().position(|b| b.holds(squared, rise)) else { continue };
+                    part = found;
                 }
-                let count = &mut counts[(first_block + col / self.blocks.n_cols()) * bands.len() + band];
+                let count = &mut counts[(first_block + col / self.blocks.n_cols()) * parts.len() + part];
                 count.receivers += 1;
                 count.los += seen[col / 64] >> (col % 64) & 1;
             }
         }
-        counts
+        let sum = |counts: &[Count]| {
+            let (receivers, los) = counts.iter().fold((0, 0), |sum, c| (sum.0 + c.receivers, sum.1 + c.los));
+            Count { receivers, los }
+        };
+        let of_block = |counts: &[Count]| of_bands.iter().map(|of| sum(&counts[of.clone()])).collect::<Vec<_>>();
+        counts.chunks(parts.len()).flat_map(of_block).collect()
     }
 }
 
 /// P_LoS by band from counts `[position][block][band]`, with intervals from resampled positions and blocks.
-pub fn resampled(counts: &[Vec<Count>], n_bands: usize, confidence: f64, seed: u64) -> Vec<Estimate> {
+///
+/// `blocks` are those that are resampled: those that hold any user. What is drawn depends on nothing else, so a band has the
+/// same interval whichever other bands are counted.
+pub fn resampled(counts: &[Vec<Count>], blocks: &[usize], n_bands: usize, confidence: f64, seed: u64) -> Vec<Estimate> {
     let n_positions = counts.len();
-    let n_blocks = counts.first().map_or(0, |c| c.len() / n_bands);
-    // Blocks without any user, such as those under one large building, are none of the sample.
-    let blocks: Vec<usize> = (0..n_blocks)
-        .filter(|b| counts.iter().any(|c| c[b * n_bands..(b + 1) * n_bands].iter().any(|c| c.receivers > 0)))
-        .collect();
     let sum = |weight: &(dyn Fn(usize, usize) -> f64 + Sync)| {
         let mut sums = vec![(0.0, 0.0); n_bands];
         for (p, of_position) in counts.iter().enumerate() {

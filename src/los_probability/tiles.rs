@@ -11,7 +11,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::height_field::HeightField;
-use crate::quantity::{Frame, STEPS_PER_UNIT, meters};
+use crate::quantity::{Frame, STEPS_PER_UNIT};
 use crate::raster::{GeoRef, labelled_parts};
 use crate::scene::{Footprint, covered_area};
 
@@ -28,6 +28,8 @@ pub struct BuiltUpTile {
     buildings: u64,
     /// Sum of the squared heights \[m²\].
     squares: f64,
+    /// Buildings whose heights are known.
+    heights: u64,
 }
 
 impl BuiltUpTile {
@@ -44,14 +46,15 @@ impl BuiltUpTile {
     /// γ: the scale of the Rayleigh distribution that makes the heights most likely \[m\], γ² = ΣH²/(2n); `None` for fewer
     /// than [`FEWEST_BUILDINGS`] buildings, or none that is higher than 0.
     pub fn height_scale(&self) -> Option<f64> {
-        let is_known = self.buildings >= FEWEST_BUILDINGS && self.squares > 0.0;
-        is_known.then(|| (self.squares / (2.0 * self.buildings as f64)).sqrt())
+        let is_known = self.heights >= FEWEST_BUILDINGS && self.squares > 0.0;
+        is_known.then(|| (self.squares / (2.0 * self.heights as f64)).sqrt())
     }
 
     fn add(&mut self, other: &BuiltUpTile) {
         self.ground += other.ground;
         self.built += other.built;
         self.buildings += other.buildings;
+        self.heights += other.heights;
         self.squares += other.squares;
     }
 }
@@ -107,10 +110,12 @@ impl BuiltUpTiles {
         for (k, footprint) in footprints.iter().enumerate() {
             match centroid(footprint).and_then(|centroid| edges.tile_of(centroid)) {
                 Some((row, col)) => {
-                    let height = meters(footprint.top) - meters(footprint.base);
                     let tile = &mut tiles[row * n_cols + col];
                     tile.buildings += 1;
-                    tile.squares += height * height;
+                    if let Some(height) = footprint.height_m() {
+                        tile.heights += 1;
+                        tile.squares += height * height;
+                    }
                 }
                 None => buildings_outside += 1,
             }
@@ -158,6 +163,7 @@ impl BuiltUpTiles {
             let tile = row_of(y) * georef.n_cols() + col_of(x);
             let height = part.height / part.n_cells;
             tiles[tile].buildings += 1;
+            tiles[tile].heights += 1;
             tiles[tile].squares += height * height;
         }
         let unit_m2 = grid.cell_width() * grid.cell_height() * size.meters_per_unit * size.meters_per_unit;
@@ -312,7 +318,7 @@ mod tests {
     fn the_centroid_of_a_footprint_is_that_of_its_area() {
         let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
         let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
-            centroid(&Footprint { id: String::new(), polygons, top: 1, base: 0 })
+            centroid(&Footprint { id: String::new(), polygons, top: 1, base: Some(0) })
                 .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
         };
         // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.

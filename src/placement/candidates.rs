@@ -3,7 +3,7 @@
 use crate::coverage::{Placement, Uav, surface_under};
 use crate::error::{ErrorClass, Result};
 use crate::height_field::HeightField;
-use crate::quantity::{Height, VOID};
+use crate::quantity::{Height, VOID, whole};
 use crate::raster::GeoRef;
 use crate::scene::{Area, Site};
 use crate::zones::{Zone, ZoneMap};
@@ -20,8 +20,7 @@ impl PlaceGrid {
     /// left shared by both sides. `None` unless the step is finite and above 0, or if there are too many to count.
     pub fn over(scene: &GeoRef, step: f64) -> Option<Self> {
         let (width, height) = (scene.x_max() - scene.x_min(), scene.y_max() - scene.y_min());
-        // A quotient that is whole but for rounding counts as whole.
-        let count = |length: f64| (length / step * (1.0 + 1e-12)).floor().max(1.0);
+        let count = |length: f64| whole(length / step).floor().max(1.0);
         let (n_cols, n_rows) = (count(width), count(height));
         if step.is_nan() || step <= 0.0 || n_cols * n_rows > f64::from(u32::MAX) {
             return None;
@@ -77,6 +76,8 @@ pub struct CandidateRules<'a> {
 /// Spots that are no candidates, by the first reason that holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Skipped {
+    /// Outside the data area of the scene.
+    pub no_data: u64,
     /// Outside the area that they must be in.
     pub outside: u64,
     /// Over other zones than those asked for.
@@ -98,8 +99,9 @@ impl Skipped {
     }
 
     /// Every reason in words with its count.
-    pub fn reasons(&self) -> [(&'static str, u64); 6] {
+    pub fn reasons(&self) -> [(&'static str, u64); 7] {
         [
+            ("where there are no data", self.no_data),
             ("outside the area", self.outside),
             ("over other zones", self.other_zone),
             ("kept out", self.keep_out),
@@ -159,6 +161,9 @@ pub(super) fn candidate(
     field: &HeightField,
     rules: &CandidateRules<'_>,
 ) -> Result<std::result::Result<Candidate, Reason>> {
+    if !field.is_known_at(spot.x, spot.y) {
+        return Ok(Err(|s| &mut s.no_data));
+    }
     if rules.within.is_some_and(|area| !area.contains(spot.x, spot.y)) {
         return Ok(Err(|s| &mut s.outside));
     }

@@ -30,5 +30,7 @@ pub use least_height::{LeastHeight, least_heights};
 pub use margin::{WorstMargin, ranked_margins, worst_margins};
 pub use over_grid::scores_over_grid;
 pub use refine::{Refined, refined};
-pub use sampled::{ReceiverParts, SampledCounts, count_by_part, middles_of, over_cities, places_in};
+pub use sampled::{
+    Drawn, DrawnPlaces, ReceiverParts, SampledCounts, WholeDiscs, count_by_part, middles_of, over_cities,
+};
 pub use score::{Score, Scorer, Weights, ranked, scores};

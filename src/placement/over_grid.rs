@@ -57,7 +57,7 @@ fn together(
     Ok(counts.map(|counts| {
         let score = |k: &usize| {
             let place = candidates[*k].spot.place;
-            Score { wanted: counts.wanted[place], seen: counts.seen[place] }
+            Score { wanted: scorer.wanted, seen: counts.seen[place] }
         };
         at_height.iter().map(score).collect()
     }))

@@ -11,8 +11,8 @@
 
 use rayon::prelude::*;
 
-use crate::coverage::{Mapper, Uav};
-use crate::height_field::HeightField;
+use crate::coverage::{Mapper, Uav, any_in_range};
+use crate::height_field::{GridPositions, HeightField};
 use crate::los_probability::estimate::{Count, Estimate, clustered};
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::resampled;
@@ -23,25 +23,100 @@ use crate::zones::{Zone, ZoneMap};
 /// Random places that are tried for each that is wanted: a zone of no more than a thousandth of the scene is found.
 const TRIES: usize = 10_000;
 
-/// Up to `n` places evenly spread over a zone \[CRS units\]; fewer where the zone is too small to be met.
-///
-/// Places are points of a shifted lattice over the extent of the scene that lie in the zone; the same for equal seeds.
-pub fn places_in(field: &HeightField, zones: &ZoneMap, zone: Zone, n: usize, seed: u64) -> Vec<[f64; 2]> {
-    if zones.count(zone) == 0 {
-        return Vec::new();
-    }
-    let grid = field.grid();
-    let place = |[u, v, ..]: [f64; 4]| {
-        let x = grid.x_min() + u * (grid.x_max() - grid.x_min());
-        let y = grid.y_min() + v * (grid.y_max() - grid.y_min());
-        let is_building = field.roof_at(&field.place(x, y)).is_some();
-        (zones.over(x, y, is_building) == Some(zone)).then_some([x, y])
-    };
-    let stream = u64::from(zone.code());
-    Points::new(seed, stream).take(n.saturating_mul(TRIES)).filter_map(place).take(n).collect()
+/// Places that were drawn over a zone.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DrawnPlaces {
+    /// The places \[CRS units\].
+    pub places: Vec<[f64; 2]>,
+    /// Places of the zone that were left out because their disc is cut: by the border of the scene or of its data.
+    pub n_cut: usize,
 }
 
-/// The middles of all crossroads, streets or buildings of a generated city of `size_m` × `size_m` \[m\] from the origin,
+/// Where places are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// What they are over.
+    pub zone: Zone,
+    /// How many are wanted.
+    pub n: usize,
+    /// West, south, east, north of the part of the scene that they are in \[CRS units\].
+    pub within: [f64; 4],
+    /// The disc around each of them that must lie in the data \[CRS units\], if there is one.
+    pub radius: Option<f64>,
+    /// Equal seeds draw equal places.
+    pub seed: u64,
+}
+
+impl Drawn {
+    /// Up to `n` places evenly spread over the zone: points of a shifted lattice that lie in it and have their whole disc in
+    /// the data; fewer where the zone is too small to be met.
+    pub fn places(&self, field: &HeightField, zones: &ZoneMap) -> DrawnPlaces {
+        let mut drawn = DrawnPlaces::default();
+        if zones.count(self.zone) == 0 {
+            return drawn;
+        }
+        let [west, south, east, north] = self.within;
+        let whole = WholeDiscs::of(field, self.radius);
+        let stream = u64::from(self.zone.code());
+        for [u, v, ..] in Points::new(self.seed, stream).take(self.n.saturating_mul(TRIES)) {
+            let (x, y) = (west + u * (east - west), south + v * (north - south));
+            let is_building = field.roof_at(&field.place(x, y)).is_some();
+            if zones.over(x, y, is_building) != Some(self.zone) {
+                continue;
+            }
+            if !whole.contains(x, y) {
+                drawn.n_cut += 1;
+                // Where nearly all discs are cut, looking on would take long and find a few odd places.
+                if drawn.n_cut > MOST_CUT * self.n.max(drawn.places.len()) {
+                    break;
+                }
+                continue;
+            }
+            drawn.places.push([x, y]);
+            if drawn.places.len() == self.n {
+                break;
+            }
+        }
+        drawn
+    }
+}
+
+/// Places whose discs are cut that are tried for each that is wanted.
+const MOST_CUT: usize = 1000;
+
+/// The places of a scene whose disc of some radius lies in its data: neither beyond the border nor outside of the data area.
+#[derive(Debug)]
+pub struct WholeDiscs<'a> {
+    field: &'a HeightField,
+    radius: Option<f64>,
+    positions: GridPositions,
+}
+
+impl<'a> WholeDiscs<'a> {
+    /// Discs of a radius \[CRS units\]; any place of the data without one.
+    pub fn of(field: &'a HeightField, radius: Option<f64>) -> Self {
+        WholeDiscs { field, radius, positions: field.positions() }
+    }
+
+    /// Whether the disc around a place lies in the data.
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        let grid = self.field.grid();
+        let reach = self.radius.unwrap_or(0.0);
+        // What touches the border is inside of it, whatever rounding says.
+        let slack = 1e-6 * grid.cell_width();
+        let is_inside = x - reach >= grid.x_min() - slack
+            && x + reach <= grid.x_max() + slack
+            && y - reach >= grid.y_min() - slack
+            && y + reach <= grid.y_max() + slack;
+        is_inside
+            && self.field.is_known_at(x, y)
+            && self.field.outside_data().is_none_or(|outside| {
+                !any_in_range(&self.positions, &self.field.place(x, y), self.radius.unwrap_or(0.0), outside)
+            })
+    }
+}
+
+/// The middles of all crossroads, streets or buildings of a generated city of `size_m` × `size_m` \[m\] from its origin,
 /// row by row from the south-west; none for courtyards, which it has not. Streets along x and along y alternate.
 pub fn middles_of(built_up: &BuiltUp, size_m: f64, zone: Zone) -> Vec<[f64; 2]> {
     let (street, period) = (built_up.street_width(), built_up.period());
@@ -131,7 +206,14 @@ impl SampledCounts {
         if self.n_placements == 0 {
             return vec![Estimate::none(); self.n_parts];
         }
-        resampled(&self.placements, self.n_parts, confidence, seed)
+        // Blocks that no placement has in range are none of the sample.
+        let n_blocks = self.placements.first().map_or(0, |c| c.len() / self.n_parts);
+        let has_users = |block: &usize| {
+            let parts = block * self.n_parts..(block + 1) * self.n_parts;
+            self.placements.iter().any(|counts| counts[parts.clone()].iter().any(|c| c.receivers > 0))
+        };
+        let blocks: Vec<usize> = (0..n_blocks).filter(has_users).collect();
+        resampled(&self.placements, &blocks, self.n_parts, confidence, seed)
     }
 
     /// The same with all placements and blocks as one, which says nothing of their spread.
@@ -169,7 +251,7 @@ mod tests {
     #[test]
     fn counts_by_part_and_block_are_those_of_the_mask() {
         let built_up = BuiltUp::named("urban").expect("a known city");
-        let city = BuiltUpCity { built_up, size_m: 170.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
+        let city = BuiltUpCity { built_up, size_m: 170.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
         let scene = city.scene().expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
@@ -201,7 +283,7 @@ mod tests {
     #[test]
     fn middles_are_in_their_zones_and_places_too() {
         let built_up = BuiltUp::named("high-rise").expect("a known city");
-        let city = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
+        let city = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
         let scene = city.scene().expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
@@ -215,8 +297,13 @@ mod tests {
                 Zone::Courtyard => 0,
             };
             assert_eq!(middles.len(), wanted, "{zone:?}");
-            let places = places_in(&field, &zones, zone, 100, 1);
+            let drawn = Drawn { zone, n: 100, within: [0.0, 0.0, 300.0, 300.0], radius: None, seed: 1 };
+            let places = drawn.places(&field, &zones).places;
             assert_eq!(places.len(), if zone == Zone::Courtyard { 0 } else { 100 });
+            // Discs of 100 m leave a square of 100 m.
+            let whole = Drawn { radius: Some(100.0), ..drawn }.places(&field, &zones);
+            assert!(whole.places.iter().flatten().all(|v| (100.0..=200.0).contains(v)));
+            assert_eq!((whole.places.len(), whole.n_cut > 0), (places.len(), zone != Zone::Courtyard));
             for [x, y] in middles.into_iter().chain(places) {
                 let is_building = field.roof_at(&field.place(x, y)).is_some();
                 assert_eq!(zones.over(x, y, is_building), Some(zone), "({x}, {y})");

@@ -63,17 +63,19 @@ pub(super) fn word_sum(word: u64, weights: &[u32]) -> u64 {
     sum
 }
 
-/// Wanted receivers in range and what of them is seen, in numbers or in weights.
+/// All wanted receivers and what of them is in range and seen, in numbers or in weights.
+///
+/// Receivers out of range count as not seen: a place at the border of a scene, with few in range, gains nothing by that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Score {
-    /// Wanted receivers in range, or their weight.
+    /// Wanted receivers, in range or not, or their weight.
     pub wanted: u64,
-    /// Of these, in line of sight.
+    /// Of these, in range and in line of sight.
     pub seen: u64,
 }
 
 impl Score {
-    /// The share seen; `None` where nothing is wanted in range.
+    /// The share seen; `None` where nothing is wanted.
     #[expect(clippy::cast_precision_loss, reason = "a share for reading; scores are compared as integers")]
     pub fn share(&self) -> Option<f64> {
         (self.wanted > 0).then(|| self.seen as f64 / self.wanted as f64)
@@ -95,30 +97,33 @@ impl Score {
 #[derive(Debug, Clone, Copy)]
 pub struct Scorer<'a> {
     /// The scene, made ready for the wanted receivers.
-    pub mapper: &'a Mapper<'a>,
+    pub(super) mapper: &'a Mapper<'a>,
     /// What each receiver counts; 1 without.
-    pub weights: Option<&'a Weights>,
+    pub(super) weights: Option<&'a Weights>,
+    /// All wanted receivers, or their weight.
+    pub(super) wanted: u64,
 }
 
-impl Scorer<'_> {
+impl<'a> Scorer<'a> {
+    /// Scores over a scene that was made ready for the wanted receivers; each counts 1, or its weight.
+    pub fn new(mapper: &'a Mapper<'a>, weights: Option<&'a Weights>) -> Self {
+        let cells = mapper.receiver_cells();
+        let wanted = weights.map_or_else(|| cells.count(), |weights| weights.sum(&cells));
+        Scorer { mapper, weights, wanted }
+    }
+
     /// The score of one UAV.
     pub fn score(&self, uav: &Uav) -> Score {
         match self.weights {
-            None => {
-                let (wanted, seen) = self.mapper.count(uav);
-                Score { wanted, seen }
-            }
+            None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1 },
             Some(_) => self.score_of(&self.mapper.seen(uav)),
         }
     }
 
     /// The score of what a UAV sees.
     pub fn score_of(&self, seen: &Seen) -> Score {
-        let Seen { receivers, los } = seen;
-        match self.weights {
-            None => Score { wanted: receivers.count(), seen: los.count() },
-            Some(weights) => Score { wanted: weights.sum(receivers), seen: weights.sum(los) },
-        }
+        let seen = self.weights.map_or_else(|| seen.los.count(), |weights| weights.sum(&seen.los));
+        Score { wanted: self.wanted, seen }
     }
 }
 

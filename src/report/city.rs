@@ -45,8 +45,8 @@ pub fn city_geojson(footprints: &[Footprint], frame: Frame, grid: &GeoRef, prove
                 "type": "Feature",
                 "properties": {
                     "id": footprint.id,
-                    "height": meters(footprint.top) - meters(footprint.base),
-                    "ground": meters(footprint.base),
+                    "height": footprint.height_m(),
+                    "ground": footprint.base.map(meters),
                     "z_top": meters(footprint.top),
                 },
                 "geometry": geometry,

@@ -116,7 +116,7 @@ impl PlaceFacts {
 }
 
 /// Why nothing is worth anything.
-pub const NO_RECEIVER: &str = "no wanted receiver in range";
+pub const NO_RECEIVER: &str = "no wanted receiver";
 
 /// Several UAVs together, as reported.
 #[derive(Debug, Clone)]
@@ -226,6 +226,8 @@ impl PlaceReport {
         document.insert("rx_height_m".into(), self.rx_height_m.into());
         document.insert("receivers".into(), self.receivers.into());
         document.insert("radius_m".into(), self.radius_m.into());
+        // A place at the border gains nothing by having few in range.
+        document.insert("share_of".into(), "all wanted receivers, in range or not".into());
         document.insert("goal".into(), self.goal.clone().into());
         let s = self.skipped;
         document.insert(
@@ -233,7 +235,7 @@ impl PlaceReport {
             json!({
                 "step_m": self.step_m, "heights": self.heights, "clearance_m": self.clearance_m,
                 "asked": self.n_candidates + s.total(), "tried": self.n_candidates,
-                "skipped": {"outside": s.outside, "other_zone": s.other_zone, "keep_out": s.keep_out,
+                "skipped": {"no_data": s.no_data, "outside": s.outside, "other_zone": s.other_zone, "keep_out": s.keep_out,
                             "no_base": s.no_base, "inside": s.inside, "clearance": s.clearance},
             }),
         );

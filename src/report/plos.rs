@@ -40,6 +40,8 @@ pub struct PlosRow {
     pub rx_height_m: f64,
     /// Elevation angle \[deg\]; `None` for users at many.
     pub theta_deg: Option<f64>,
+    /// How far the angles of the users may be from that \[deg\]; `None` where all have just this one.
+    pub theta_band_deg: Option<f64>,
     /// Azimuth \[deg\]; `None`: all.
     pub phi_deg: Option<f64>,
     /// Ground distance \[m\]; `None` for users at many.
@@ -107,6 +109,10 @@ pub struct RealCityFacts {
     pub city: String,
     /// UAV positions that were mapped, and how many of them were inside a building.
     pub positions: (usize, usize),
+    /// Positions that were left out because the disc around them is cut by the border of the data.
+    pub cut: usize,
+    /// P_LoS at an angle is of users within so many degrees of it \[deg\], if it is asked for at angles.
+    pub theta_band_deg: Option<f64>,
     /// The engine of the maps.
     pub engine: Method,
     /// Blocks of ground, and their edge \[m\].
@@ -200,7 +206,8 @@ pub struct PlosReport {
 }
 
 const COLUMNS: &str = "city,alpha,beta_per_km2,gamma_m,method,height_m,rx_height_m,theta_deg,phi_deg,distance_m,\
-                       placement,users,uav_in_building,p_los,ci_low,ci_high,std_error,samples,clusters,radius_m";
+                       placement,users,uav_in_building,p_los,ci_low,ci_high,std_error,samples,clusters,radius_m,\
+                       theta_band_deg";
 
 /// A number to 12 digits: more are noise, and differ between machines.
 fn digits(v: f64) -> f64 {
@@ -244,6 +251,7 @@ impl PlosReport {
                 estimate.map_or(String::new(), |e| e.samples.to_string()),
                 estimate.map_or(String::new(), |e| e.clusters.to_string()),
                 cell(row.radius_m),
+                cell(row.theta_band_deg),
             ]
         };
         std::iter::once(header).chain(self.rows.iter().map(row)).collect()
@@ -344,6 +352,8 @@ fn real_city_json(city: &RealCityFacts) -> Value {
         "city": city.city,
         "positions": city.positions.0,
         "positions_in_buildings": city.positions.1,
+        "positions_with_cut_discs": city.cut,
+        "theta_band_deg": city.theta_band_deg,
         "engine": city.engine.name(),
         "blocks": city.blocks.0,
         "block_m": city.blocks.1,

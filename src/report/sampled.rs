@@ -19,6 +19,8 @@ pub struct SampledRow {
     pub n_placements: usize,
     /// Placements that were left out because they are inside a building at this height.
     pub n_inside: usize,
+    /// Placements that were tried and left out because their disc is cut by the border of the data.
+    pub n_cut: usize,
     /// P_LoS.
     pub estimate: Estimate,
 }
@@ -35,6 +37,9 @@ impl SampledRow {
         match self.estimate {
             Estimate { p_los: None, .. } if self.n_placements == 0 && self.n_inside > 0 => {
                 Some(format!("every sampled {zone} place is inside a building at this height"))
+            }
+            Estimate { p_los: None, .. } if self.n_placements == 0 && self.n_cut > 0 => {
+                Some(format!("no {zone} place was found whose disc lies in the data"))
             }
             Estimate { p_los: None, .. } if self.n_placements == 0 => Some(format!("the scene has no {zone} place")),
             Estimate { p_los: None, .. } => Some("no receiver of the kind is in range".into()),
@@ -84,6 +89,7 @@ impl SampledReport {
             object.insert("receivers_zone".into(), row.receivers_name().into());
             object.insert("placements".into(), row.n_placements.into());
             object.insert("inside_building".into(), row.n_inside.into());
+            object.insert("disc_cut".into(), row.n_cut.into());
             object.insert("p_los".into(), e.p_los.into());
             object.insert("ci_low".into(), e.interval.map(|i| i.0).into());
             object.insert("ci_high".into(), e.interval.map(|i| i.1).into());
@@ -110,6 +116,13 @@ impl SampledReport {
         document.insert("rx_height_m".into(), self.rx_height_m.into());
         document.insert("radius_m".into(), self.radius_m.into());
         document.insert("cities".into(), self.n_cities.into());
+        document.insert(
+            "discs".into(),
+            match self.radius_m {
+                Some(_) => "whole: the disc of each placement lies in the data".into(),
+                None => Value::Null,
+            },
+        );
         document.insert("places".into(), if self.is_centered { "centers" } else { "anywhere in the zone" }.into());
         document.insert(
             "interval".into(),
@@ -121,7 +134,7 @@ impl SampledReport {
     /// The table: one row per placement zone, height and receivers.
     pub fn table(&self) -> Vec<Vec<String>> {
         let header = "placement,height_m,receivers_zone,radius_m,rx_height_m,cities,placements,inside_building,p_los,\
-                      ci_low,ci_high,std_error,samples,clusters,reason";
+                      ci_low,ci_high,std_error,samples,clusters,reason,disc_cut";
         let mut rows = vec![header.split(',').map(str::to_string).collect::<Vec<_>>()];
         let optional = |v: Option<f64>| v.map_or(String::new(), |v| v.to_string());
         rows.extend(self.rows.iter().map(|row| {
@@ -142,6 +155,7 @@ impl SampledReport {
                 e.samples.to_string(),
                 e.clusters.to_string(),
                 row.reason().unwrap_or_default(),
+                row.n_cut.to_string(),
             ]
         }));
         rows

@@ -8,7 +8,8 @@ use super::vector::{Selection, read_features};
 use crate::error::{Error, Result};
 use crate::raster::{BitGrid, Crs, GeoRef};
 
-/// A region of the plane: the union of polygons, each the region that its rings enclose by the even-odd rule.
+/// A region of the plane: the union of polygons, each what its first ring encloses less what its other rings, the holes, do,
+/// all by the even-odd rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Area {
     polygons: Vec<Vec<Vec<[f64; 2]>>>,
@@ -22,7 +23,11 @@ impl Area {
 
     /// Whether a position \[CRS units\] is inside. A point on an edge belongs to the side north-east of it.
     pub fn contains(&self, x: f64, y: f64) -> bool {
-        self.polygons.iter().any(|polygon| crossings(polygon, y).iter().filter(|at| **at <= x).count() % 2 == 1)
+        let is_inside = |ring: &Vec<[f64; 2]>| crossings(ring, y).iter().filter(|at| **at <= x).count() % 2 == 1;
+        self.polygons.iter().any(|rings| match rings.split_first() {
+            Some((shell, holes)) => is_inside(shell) && !holes.iter().any(is_inside),
+            None => false,
+        })
     }
 
     /// The cells of a grid whose centers are inside.
@@ -31,13 +36,16 @@ impl Area {
         let mut cells = BitGrid::new(n_rows, n_cols);
         for row in 0..n_rows {
             let y = grid.world_from_cell(row, 0).1;
-            for polygon in &self.polygons {
-                let mut at = crossings(polygon, y);
-                at.sort_unstable_by(f64::total_cmp);
-                for ends in at.chunks_exact(2) {
-                    let first = |x: f64| first_center(grid, x);
-                    (first(ends[0])..first(ends[1])).for_each(|col| cells.insert(row, col));
+            for rings in &self.polygons {
+                let mut inside = vec![false; n_cols];
+                for (k, ring) in rings.iter().enumerate() {
+                    let mut at = crossings(ring, y);
+                    at.sort_unstable_by(f64::total_cmp);
+                    for ends in at.chunks_exact(2) {
+                        inside[first_center(grid, ends[0])..first_center(grid, ends[1])].fill(k == 0);
+                    }
                 }
+                (0..n_cols).filter(|col| inside[*col]).for_each(|col| cells.insert(row, col));
             }
         }
         cells
@@ -52,17 +60,10 @@ impl Area {
     }
 }
 
-/// Where the edges of a polygon cross the horizontal line at `y`.
-fn crossings(polygon: &[Vec<[f64; 2]>], y: f64) -> Vec<f64> {
-    let mut found = Vec::new();
-    for ring in polygon {
-        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-            if (a[1] <= y) != (b[1] <= y) {
-                found.push(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
-            }
-        }
-    }
-    found
+/// Where the edges of a ring cross the horizontal line at `y`.
+fn crossings(ring: &[[f64; 2]], y: f64) -> Vec<f64> {
+    let edges = ring.iter().zip(ring.iter().cycle().skip(1)).filter(|(a, b)| (a[1] <= y) != (b[1] <= y));
+    edges.map(|(a, b)| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])).collect()
 }
 
 /// The first column whose center is at or east of `x`, the number of columns if there is none.
@@ -137,7 +138,9 @@ mod tests {
     fn an_area_with_a_hole_holds_the_cells_whose_centers_it_contains() {
         let grid = GeoRef::new((0.0, 10.0), (1.0, 1.0), (10, 12), None).expect("a valid grid");
         let square = |a: f64, b: f64| vec![[a, a], [b, a], [b, b], [a, b]];
-        let area = Area::new(vec![vec![square(1.0, 8.2), square(3.0, 5.0)], vec![square(7.0, 9.0)]]);
+        // A third ring lies outside of its shell: a hole there takes nothing out, and adds nothing.
+        let holed = vec![square(1.0, 8.2), square(3.0, 5.0), square(9.2, 9.9)];
+        let area = Area::new(vec![holed, vec![square(7.0, 9.0)]]);
         let cells = area.cells(&grid);
         for row in 0..10 {
             for col in 0..12 {

@@ -9,7 +9,7 @@
 use std::path::Path;
 
 use super::faults::Fault;
-use super::footprints::FootprintOptions;
+use super::footprints::{FootprintOptions, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property};
 use crate::error::{Error, Result};
@@ -46,8 +46,6 @@ const HEIGHT: &str = "height";
 #[derive(Debug, Default)]
 pub(super) struct Buildings {
     pub(super) footprints: Vec<RawFootprint>,
-    /// Names of properties, where none is the one that heights are read from.
-    pub(super) other_names: Vec<String>,
 }
 
 /// One feature with areas.
@@ -82,14 +80,15 @@ impl Buildings {
     /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
     ///
     /// # Errors
-    /// E302 for a coordinate that is not finite.
+    /// E302 for a coordinate that is not finite, E365 if no feature has the property that heights are read from.
     pub(super) fn of(
         path: &Path,
         set: FeatureSet,
         options: &FootprintOptions,
         log: &mut FaultLog,
     ) -> Result<Buildings> {
-        let mut buildings = Buildings { other_names: other_names(&set, options), ..Buildings::default() };
+        refuse_unknown_property(path, &set, options)?;
+        let mut buildings = Buildings::default();
         for (index, feature) in set.features.into_iter().enumerate() {
             let number = index + 1;
             let says = Says { feature: &feature, name_limit: set.name_limit, options };
@@ -143,21 +142,54 @@ pub(super) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
     (polygons, unclosed)
 }
 
-/// A few names of properties, where no feature has the one that heights are read from.
-fn other_names(set: &FeatureSet, options: &FootprintOptions) -> Vec<String> {
-    let name = options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT);
-    let is_known = |feature: &Feature| feature.heights.is_some() || feature.property(name, set.name_limit).is_some();
-    if set.features.iter().any(is_known) {
-        return Vec::new();
+/// The property that heights are read from.
+pub(super) fn height_property(options: &FootprintOptions) -> &str {
+    options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT)
+}
+
+/// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
+/// property that nobody named.
+fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
+    let name = height_property(options);
+    let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
+    let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
+    let is_named = options.top_field.is_some() || options.height_field.is_some();
+    let by_storeys = options.missing == MissingHeight::Levels && !is_named && has(&options.levels_field);
+    let by_itself = !is_named && areas().any(|feature| feature.heights.is_some());
+    if areas().next().is_none() || has(name) || by_storeys || by_itself {
+        return Ok(());
     }
     const MOST: usize = 12;
-    let mut names: Vec<String> = Vec::new();
-    for (name, _) in set.features.iter().take(100).flat_map(|f| &f.properties) {
-        if names.len() < MOST && !names.contains(name) {
-            names.push(name.clone());
+    let mut like_heights: Vec<&str> = Vec::new();
+    let mut others: Vec<&str> = Vec::new();
+    for (name, value) in areas().take(100).flat_map(|feature| &feature.properties) {
+        let list = if looks_like_a_height(name, value) { &mut like_heights } else { &mut others };
+        if list.len() < MOST && !list.contains(&name.as_str()) {
+            list.push(name);
         }
     }
-    names
+    let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let path = path.display();
+    let text = format!("cannot use {path}: no feature has the property `{name}`, wanted one that holds heights");
+    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), others.as_slice()) {
+        ([], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
+        ([], others) => format!("no property looks like a height; there are {}", quoted(others)),
+        (found, _) => {
+            format!("{} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum", quoted(found))
+        }
+    }))
+}
+
+/// Whether a property may hold the height of a building, or the number of its storeys.
+fn looks_like_a_height(name: &str, value: &Property) -> bool {
+    const WORDS: [&str; 14] = [
+        "height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "level", "storey",
+        "stories", "floors", "z_",
+    ];
+    const WHOLE: [&str; 5] = ["h", "z", "top", "roof", "elev"];
+    let name = name.to_lowercase();
+    let is_named_so = WORDS.iter().any(|word| name.contains(word)) || WHOLE.contains(&name.as_str());
+    is_named_so && !matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)
 }
 
 /// A feature and how it is read.

@@ -14,9 +14,9 @@ use rand_distr::{Distribution, Exp1};
 
 use super::faults::FootprintFaults;
 use super::footprints::Footprint;
-use super::{Ground, Scene, Solids};
+use super::{DataArea, Ground, Scene, Solids};
 use crate::error::{Error, Result};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps};
+use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, whole};
 use crate::raster::GeoRef;
 
 /// The built-up parameters of a city.
@@ -166,6 +166,8 @@ pub struct BuiltUpCity {
     pub built_up: BuiltUp,
     /// Edge length of the square city \[m\].
     pub size_m: f64,
+    /// How far ground and buildings go on beyond it on all sides \[m\]: 0, or for discs around places at its edge.
+    pub margin_m: f64,
     /// Edge length of a cell of the receivers' grid \[m\].
     pub cell_m: f64,
     /// Seed of the building heights.
@@ -197,7 +199,8 @@ impl BuiltUpCity {
         })
     }
 
-    /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge.
+    /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
+    /// margin if there is one. A margin changes no building within the city.
     ///
     /// # Errors
     /// Usage error for a bad size or cell; limit error above 65 536 m.
@@ -211,13 +214,17 @@ impl BuiltUpCity {
         };
         positive("--size", self.size_m)?;
         positive("--cell", self.cell_m)?;
-        if self.size_m > MAX_EXTENT_UNITS {
+        let n_margin = whole(self.margin_m / self.cell_m).ceil();
+        let margin_m = n_margin * self.cell_m;
+        let size_m = self.size_m + 2.0 * margin_m;
+        if size_m > MAX_EXTENT_UNITS {
             return Err(Error::limit(
                 502,
-                format!("cannot generate a city: `--size` is {} m, wanted at most {MAX_EXTENT_UNITS} m", self.size_m),
-            ));
+                format!("cannot generate a city: it is {size_m} m wide, wanted at most {MAX_EXTENT_UNITS} m"),
+            )
+            .with_hint("choose a smaller `--size`"));
         }
-        let n_cells = (self.size_m / self.cell_m - 1e-9).ceil().max(1.0);
+        let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin;
         if n_cells > MAX_EXTENT_UNITS {
             return Err(Error::limit(
                 502,
@@ -225,7 +232,7 @@ impl BuiltUpCity {
             )
             .with_hint("choose a larger `--cell`"));
         }
-        let n_buildings = (self.size_m / self.built_up.period()).powi(2);
+        let n_buildings = (size_m / self.built_up.period()).powi(2);
         if n_buildings > MOST_BUILDINGS {
             return Err(Error::limit(
                 502,
@@ -240,7 +247,7 @@ impl BuiltUpCity {
         )]
         let n = n_cells as usize;
         let extent = self.cell_m * n_cells;
-        let grid = GeoRef::new((0.0, extent), (self.cell_m, self.cell_m), (n, n), None)
+        let grid = GeoRef::new((-margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
             .ok_or_else(|| Error::internal(901, "a checked city has a valid grid"))?;
         let ground = height_steps(self.ground_m).ok_or_else(|| {
             Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
@@ -249,26 +256,31 @@ impl BuiltUpCity {
             name: format!("a generated city ({}; seed {})", self.built_up, self.seed),
             grid,
             solids: Solids::Vector {
-                footprints: self.footprints(ground),
+                footprints: self.footprints(ground, margin_m),
                 frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
                 ground: Ground::Flat(ground),
                 faults: FootprintFaults::default(),
+                data_area: DataArea::All,
             },
             built_up: Some(self.built_up),
             sources: Vec::new(),
             attribution: None,
+            height_gap: None,
         })
     }
 
-    /// The buildings row by row from the south-west, cut at the city's edge.
-    fn footprints(&self, ground: i32) -> Vec<Footprint> {
+    /// The buildings row by row from the south-west, cut at the edge.
+    fn footprints(&self, ground: i32, margin_m: f64) -> Vec<Footprint> {
         let (street, period) = (self.built_up.street_width(), self.built_up.period());
         #[expect(clippy::cast_possible_truncation, reason = "at most 65536 m in steps of 1/1024 m")]
-        let edge = (self.size_m * f64::from(STEPS_PER_UNIT)).round() as i64;
-        #[expect(clippy::cast_possible_truncation, reason = "at most `edge`, which is at most 2^26")]
-        let cut = |v: i64| v.min(edge) as i32;
-        let spans: Vec<(i32, [i32; 2])> = (0_i32..)
-            .take_while(|k| f64::from(*k) * period + street < self.size_m)
+        let edge = |v: f64| (v * f64::from(STEPS_PER_UNIT)).round() as i64;
+        let (low, high) = (edge(-margin_m), edge(self.size_m + margin_m));
+        #[expect(clippy::cast_possible_truncation, reason = "between the edges, which are within ±2^26")]
+        let cut = |v: i64| v.clamp(low, high) as i32;
+        #[expect(clippy::cast_possible_truncation, reason = "a city has far fewer than 2^31 columns")]
+        let first = -((margin_m / period).ceil() as i32);
+        let spans: Vec<(i32, [i32; 2])> = (first..)
+            .take_while(|k| f64::from(*k) * period + street < self.size_m + margin_m)
             .map(|k| (k, self.built_up.building_span(k).map(cut)))
             .filter(|(_, [a, b])| a < b)
             .collect();
@@ -281,7 +293,7 @@ impl BuiltUpCity {
                     id: format!("{i},{j}"),
                     polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
                     top: ground + height,
-                    base: ground,
+                    base: Some(ground),
                 });
             }
         }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::building::height_property;
 use super::footprints::{FootprintOptions, MissingHeight};
 use crate::error::Warning;
 use crate::quantity::counted;
@@ -17,6 +18,8 @@ pub struct FootprintFaults {
     pub unclosed: usize,
     /// Polygons without area: left out.
     pub degenerate: usize,
+    /// Polygons with a hole outside of their shell, or reaching out of it: what is outside is left out.
+    pub stray_holes: usize,
     /// Footprints without a usable height: treated by the [`MissingHeight`] policy.
     pub missing_height: usize,
     /// Of these, the footprints whose height is that of their storeys.
@@ -25,7 +28,7 @@ pub struct FootprintFaults {
     pub negative_height: usize,
     /// Heights written with a decimal comma: read as such.
     pub decimal_comma: usize,
-    /// Footprints over terrain cells that are all nodata: left out.
+    /// Footprints with a height above ground over terrain that is not known: left out.
     pub no_ground: usize,
     /// Footprints farther than 65 536 m from the grid's corner: left out.
     pub too_far: usize,
@@ -42,29 +45,22 @@ pub(super) struct HeightWords {
     /// The property that holds them.
     pub(super) property: String,
     /// What is done without one.
-    treated: String,
+    pub(super) treated: String,
     drops: bool,
-    /// Names of other properties, where no feature has the one.
-    other_names: Vec<String>,
 }
 
 impl HeightWords {
-    pub(super) fn of(options: &FootprintOptions, other_names: Vec<String>) -> HeightWords {
+    pub(super) fn of(options: &FootprintOptions) -> HeightWords {
         let treated = match options.missing {
             MissingHeight::Fail => "refused".to_string(),
-            MissingHeight::Drop => "left out".to_string(),
+            MissingHeight::Few | MissingHeight::Drop => "left out".to_string(),
             MissingHeight::Levels => {
                 format!("3 m for each of `{}` and `roof:levels`, left out without that", options.levels_field)
             }
             MissingHeight::Median => "given the median height".to_string(),
         };
-        let named = options.top_field.as_ref().or(options.height_field.as_ref());
-        HeightWords {
-            property: named.cloned().unwrap_or_else(|| "height".into()),
-            treated,
-            drops: options.missing == MissingHeight::Drop,
-            other_names,
-        }
+        let drops = matches!(options.missing, MissingHeight::Few | MissingHeight::Drop);
+        HeightWords { property: height_property(options).to_string(), treated, drops }
     }
 }
 
@@ -75,6 +71,8 @@ pub enum Fault {
     NotAnArea,
     /// Rings that cross or touch themselves.
     SelfIntersection,
+    /// A hole outside of its shell, or reaching out of it.
+    StrayHole,
     /// A ring whose last point is not its first.
     UnclosedRing,
     /// A polygon without area.
@@ -101,9 +99,10 @@ pub enum Fault {
 
 impl Fault {
     /// All kinds.
-    pub const ALL: [Fault; 13] = [
+    pub const ALL: [Fault; 14] = [
         Fault::NotAnArea,
         Fault::SelfIntersection,
+        Fault::StrayHole,
         Fault::UnclosedRing,
         Fault::TooSmall,
         Fault::NoGround,
@@ -122,6 +121,7 @@ impl Fault {
         match self {
             Fault::NotAnArea => "not-an-area",
             Fault::SelfIntersection => "self-intersection",
+            Fault::StrayHole => "stray-hole",
             Fault::UnclosedRing => "unclosed-ring",
             Fault::TooSmall => "too-small",
             Fault::NoGround => "no-ground",
@@ -141,6 +141,7 @@ impl Fault {
         match self {
             Fault::NotAnArea => 350,
             Fault::SelfIntersection => 351,
+            Fault::StrayHole => 368,
             Fault::UnclosedRing => 352,
             Fault::TooSmall => 353,
             Fault::NoGround => 357,
@@ -162,9 +163,15 @@ impl Fault {
             Fault::SelfIntersection => {
                 ["polygon with crossing or touching rings", "polygons with crossing or touching rings"]
             }
+            Fault::StrayHole => {
+                ["polygon with a hole outside of its shell", "polygons with holes outside of their shells"]
+            }
             Fault::UnclosedRing => ["ring that does not end where it begins", "rings that do not end where they begin"],
             Fault::TooSmall => ["polygon without area", "polygons without area"],
-            Fault::NoGround => ["footprint over nodata terrain", "footprints over nodata terrain"],
+            Fault::NoGround => [
+                "footprint with a height above ground where no terrain is known",
+                "footprints with heights above ground where no terrain is known",
+            ],
             Fault::TooFar => {
                 ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"]
             }
@@ -184,6 +191,7 @@ impl Fault {
     pub(super) fn done(self) -> &'static str {
         match self {
             Fault::SelfIntersection => "repaired by the even-odd rule",
+            Fault::StrayHole => "what is outside is no building",
             Fault::UnclosedRing => "closed",
             Fault::DecimalComma => "the comma is read as a point",
             Fault::Floating => "taken as solid from the ground up",
@@ -214,6 +222,7 @@ impl FootprintFaults {
         match fault {
             Fault::NotAnArea => &mut self.not_areas,
             Fault::SelfIntersection => &mut self.repaired,
+            Fault::StrayHole => &mut self.stray_holes,
             Fault::UnclosedRing => &mut self.unclosed,
             Fault::TooSmall => &mut self.degenerate,
             Fault::NoGround => &mut self.no_ground,
@@ -239,16 +248,6 @@ impl FootprintFaults {
             let [one, many] = fault.names();
             let what = counted(self.of(fault) as u64, one, many);
             warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", path.display())));
-        }
-        if self.missing_height > 0 && !words.other_names.is_empty() {
-            let names: Vec<String> = words.other_names.iter().map(|name| format!("`{name}`")).collect();
-            let text = format!(
-                "{}: no feature has the property `{}`; there are {} (`--height-field NAME`)",
-                path.display(),
-                words.property,
-                names.join(", ")
-            );
-            warnings.push(Warning::new(365, text));
         }
     }
 }

@@ -19,10 +19,10 @@ use super::repairs::{Culprit, FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
 use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
-use super::{Ground, NodataAs, Scene, Solids, Source, name_of, refuse_degrees, refuse_two_crs};
+use super::{DataArea, Ground, NodataAs, Scene, Solids, Source, name_of, read_area, refuse_degrees, refuse_two_crs};
 use crate::error::{Error, Result, Warning};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, height_steps, meters, tidy};
-use crate::raster::{Crs, GeoRef, InputKind, Transformation};
+use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
+use crate::raster::{Crs, GeoRef, InputKind, Raster, Transformation};
 
 /// A building: polygons on the lattice and a flat top; solid from below the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,11 +33,22 @@ pub struct Footprint {
     pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
     /// Top \[1/1024 m above the datum\].
     pub top: i32,
-    /// The ground that the height was measured from \[1/1024 m above the datum\].
-    pub base: i32,
+    /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
+    /// allows.
+    pub base: Option<i32>,
 }
 
 impl Footprint {
+    /// Height above the ground that it stands on \[m\], if that is known.
+    pub fn height_m(&self) -> Option<f64> {
+        self.base.map(|base| meters(self.top) - meters(base))
+    }
+
+    /// Where it begins, for models of it: at the ground that it stands on, and where none is known at the datum.
+    pub fn bottom(&self) -> i32 {
+        self.base.unwrap_or(self.top.min(0))
+    }
+
     /// Whether the outline is one rectangle: four corners, each within a degree of a right angle; vertices on its sides
     /// count for nothing.
     pub fn is_rectangle(&self) -> bool {
@@ -61,16 +72,54 @@ impl Footprint {
 /// What to do with footprints whose height is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MissingHeight {
+    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
+    #[default]
+    Few,
     /// Refuse the file.
     Fail,
     /// Leave the footprint out, and say so.
-    #[default]
     Drop,
     /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
     /// is missing too.
     Levels,
     /// The median of the known heights.
     Median,
+}
+
+/// Which of the terrain columns that a footprint's area overlaps it stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BaseRule {
+    /// The lowest, as OpenStreetMap defines `height`.
+    #[default]
+    Lowest,
+    /// Their mean, each weighted by the area that is overlapped.
+    Mean,
+    /// The highest.
+    Highest,
+}
+
+/// Where the ground of a footprint scene is known, as it was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DataAreaChoice {
+    /// Near the footprints; everywhere if the extent was typed.
+    #[default]
+    Auto,
+    /// Everywhere.
+    All,
+    /// Within the polygons of a file.
+    Within(PathBuf),
+}
+
+/// The largest share of the footprint area that may go without heights unless a policy was chosen.
+const FEW: f64 = 0.02;
+
+/// Footprints whose heights are missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightGap {
+    /// Their share of the area of all footprints.
+    pub area_share: f64,
+    /// What was done about them, in words.
+    pub done: String,
 }
 
 /// How footprints are read.
@@ -100,8 +149,12 @@ pub struct FootprintOptions {
     pub crs: Option<Crs>,
     /// Another CRS for the scene than that of the file.
     pub project: Option<Projection>,
-    /// What nodata cells of the terrain do.
+    /// What nodata cells of the terrain, and ground beyond it, do.
     pub nodata_as: NodataAs,
+    /// Which ground a footprint stands on.
+    pub base: BaseRule,
+    /// Where the ground is known.
+    pub data_area: DataAreaChoice,
     /// Whether to hash inputs of any size.
     pub always_hash: bool,
 }
@@ -123,6 +176,8 @@ impl Default for FootprintOptions {
             crs: None,
             project: None,
             nodata_as: NodataAs::default(),
+            base: BaseRule::default(),
+            data_area: DataAreaChoice::default(),
             always_hash: false,
         }
     }
@@ -205,24 +260,70 @@ fn read(
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
     let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
-    let ground = match terrain {
+    let data_area = data_area(options, &grid, warnings)?;
+    let mut ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
     warn_of_the_ground(path, &raw, &ground, warnings);
     let making = Making { path, options, ground: &ground, frame };
-    let footprints = making.prisms(raw, &mut log, warnings)?;
+    let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
+    if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
+        ground = Ground::Terrain(blocking_where_unknown(terrain, &grid));
+    }
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
     let faults = log.counts;
     let scene = Scene {
         name: name_of(path),
         grid,
-        solids: Solids::Vector { footprints, frame, ground, faults },
+        solids: Solids::Vector { footprints, frame, ground, faults, data_area },
         built_up: None,
         sources,
         attribution,
+        height_gap,
     };
     Ok((scene, log.into_list()))
+}
+
+/// Where the ground is known.
+///
+/// # Errors
+/// Those of reading the file of the area.
+fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
+    match (&options.data_area, options.extent) {
+        (DataAreaChoice::All, _) => Ok(DataArea::All),
+        (DataAreaChoice::Within(path), _) => read_area(path, grid).map(DataArea::Within),
+        (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
+        (DataAreaChoice::Auto, Some(_)) => {
+            let text = "all of `--extent` counts as known ground, also where no building is near (`--data-area auto|all|FILE`)";
+            warnings.push(Warning::new(378, text));
+            Ok(DataArea::All)
+        }
+    }
+}
+
+/// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
+fn blocking_where_unknown(terrain: &Raster<i32>, grid: &GeoRef) -> Raster<i32> {
+    let from = terrain.georef();
+    let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
+    let [west, east] = [from.x_min() - grid.x_min(), grid.x_max() - from.x_max()].map(|l| beyond(l, from.cell_width()));
+    let [south, north] =
+        [from.y_min() - grid.y_min(), grid.y_max() - from.y_max()].map(|l| beyond(l, from.cell_height()));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most the cells of the receivers' grid"
+    )]
+    let [west_n, east_n, south_n, north_n] = [west, east, south, north].map(|n| n as usize);
+    let (n_rows, n_cols) = (from.n_rows() + south_n + north_n, from.n_cols() + west_n + east_n);
+    let mut cells = vec![BLOCKS_ALL; n_rows * n_cols];
+    for row in 0..from.n_rows() {
+        let to = &mut cells[(row + north_n) * n_cols + west_n..][..from.n_cols()];
+        to.iter_mut().zip(terrain.row(row)).filter(|(_, z)| **z != VOID).for_each(|(to, z)| *to = *z);
+    }
+    let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
+    let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
+    georef.map_or_else(|| terrain.clone(), |georef| Raster::new(georef, cells))
 }
 
 /// Brings the places that are listed so far, those of a file within `bounds`, into the system of the scene.
@@ -304,12 +405,21 @@ struct Making<'a> {
 }
 
 impl Making<'_> {
-    /// Positions to the lattice, repair, heights.
-    fn prisms(self, raw: Buildings, log: &mut FaultLog, warnings: &mut Vec<Warning>) -> Result<Vec<Footprint>> {
-        let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, self.ground, self.frame)).collect();
+    /// Positions to the lattice, repair, heights; and what of the footprints has none.
+    fn prisms(
+        self,
+        raw: Buildings,
+        log: &mut FaultLog,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Vec<Footprint>, Option<HeightGap>)> {
+        let of_ground = (self.ground, self.options.base);
+        let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         let median = median_height(&shaped);
-        let words = HeightWords::of(self.options, raw.other_names);
+        let words = HeightWords::of(self.options);
         let missing_share = missing_area_share(&shaped);
+        if self.options.missing == MissingHeight::Few && missing_share > FEW {
+            return Err(self.too_many_missing(&shaped, (missing_share, median), &words));
+        }
         let mut footprints = Vec::with_capacity(shaped.len());
         for shaped in shaped {
             note_shape(&shaped, log);
@@ -321,15 +431,40 @@ impl Making<'_> {
                 log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
                 continue;
             }
-            let Some(base) = shaped.base else {
+            if shaped.base.is_none() && !above_datum {
                 log.note(Fault::NoGround, Culprit::of(&shaped.raw));
                 continue;
-            };
-            let top = self.top(&shaped, (height, above_datum), base)?;
+            }
+            let top = self.top(&shaped, (height, above_datum))?;
+            let base = shaped.base;
             footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
         }
         log.counts.warn(self.path, &words, missing_share, warnings);
-        Ok(footprints)
+        let gap = HeightGap { area_share: missing_share, done: words.treated };
+        Ok((footprints, (missing_share > 0.0).then_some(gap)))
+    }
+
+    /// The refusal of a file that lacks heights, with what each policy would do.
+    fn too_many_missing(self, shaped: &[Shaped], (share, median): (f64, Option<f64>), words: &HeightWords) -> Error {
+        let missing: Vec<&Shaped> = shaped.iter().filter(|s| is_without_height(s)).collect();
+        let n = shaped.iter().filter(|s| is_usable(s)).count();
+        let by_storeys = missing.iter().filter(|s| s.raw.levels.is_some()).count();
+        let text = format!(
+            "cannot use {}: {} of {n} footprints, {:.1} % of the footprint area, have no usable `{}`; wanted at most {:.0} %, or \
+             `--missing POLICY`",
+            self.path.display(),
+            missing.len(),
+            100.0 * share,
+            words.property,
+            100.0 * FEW
+        );
+        let of_median = median.map_or("has none to take".to_string(), |m| format!("gives them {} m", tidy(m)));
+        Error::file(309, text).with_hint(format!(
+            "`--missing drop` leaves them out, as if nothing stood there; `levels` gives {by_storeys} of them 3 m a storey of \
+             `{}` and leaves {} out; `median` {of_median}; or name another property with `--height-field`",
+            self.options.levels_field,
+            missing.len() - by_storeys
+        ))
     }
 
     /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
@@ -359,7 +494,7 @@ impl Making<'_> {
                 return Err(Error::file(309, text)
                     .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
             }
-            MissingHeight::Drop => None,
+            MissingHeight::Few | MissingHeight::Drop => None,
             // Storeys are counted from the ground, whatever the property would have been measured from.
             MissingHeight::Levels => {
                 let height = shaped.raw.levels.map(|levels| (levels * METERS_PER_LEVEL, false));
@@ -378,9 +513,10 @@ impl Making<'_> {
     ///
     /// # Errors
     /// E205 for one beyond it.
-    fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool), base: i32) -> Result<i32> {
+    fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool)) -> Result<i32> {
+        let above = if above_datum { Some(0) } else { shaped.base };
         height_steps(height)
-            .and_then(|steps| if above_datum { Some(steps) } else { base.checked_add(steps) })
+            .and_then(|steps| above?.checked_add(steps))
             .filter(|top| height_steps(meters(*top)).is_some())
             .ok_or_else(|| {
                 let (path, id) = (self.path.display(), &shaped.raw.id);
@@ -392,6 +528,11 @@ impl Making<'_> {
     }
 }
 
+/// Whether a building that can be used has no height.
+fn is_without_height(shaped: &Shaped) -> bool {
+    is_usable(shaped) && shaped.raw.height == FoundHeight::Missing
+}
+
 /// Whether anything is left of a building after repair, and near enough.
 fn is_usable(shaped: &Shaped) -> bool {
     !shaped.too_far && !shaped.polygons.is_empty()
@@ -401,6 +542,7 @@ fn is_usable(shaped: &Shaped) -> bool {
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
     shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, Culprit::polygon(raw, *k)));
     (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
     shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
     if shaped.too_far {
@@ -423,8 +565,7 @@ fn median_height(shaped: &[Shaped]) -> Option<f64> {
 fn missing_area_share(shaped: &[Shaped]) -> f64 {
     let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
     let total: f64 = shaped.iter().map(area).sum();
-    let is_missing = |s: &&Shaped| is_usable(s) && s.raw.height == FoundHeight::Missing;
-    let missing: f64 = shaped.iter().filter(is_missing).map(area).sum();
+    let missing: f64 = shaped.iter().filter(|s| is_without_height(s)).map(area).sum();
     if total > 0.0 { missing / total } else { 0.0 }
 }
 

@@ -30,9 +30,12 @@ pub use area::{Area, read_area};
 pub use building::HeightUnit;
 pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use faults::{Fault, FootprintFaults};
-pub use footprints::{Footprint, FootprintOptions, MissingHeight, read_footprints, read_footprints_and_repairs};
+pub use footprints::{
+    BaseRule, DataAreaChoice, Footprint, FootprintOptions, HeightGap, MissingHeight, read_footprints,
+    read_footprints_and_repairs,
+};
 pub use mesh::{MeshOptions, read_mesh};
-pub use outline::{covered_area, even_odd};
+pub use outline::{Region, covered_area, even_odd, region_of};
 pub use projection::Projection;
 pub use repairs::Repair;
 pub use sites::{Site, read_sites};
@@ -48,7 +51,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::quantity::Frame;
-use crate::raster::{Crs, CrsKind, GeoRef, InputKind, Raster, degrees_refusal};
+use crate::raster::{BitGrid, Crs, CrsKind, GeoRef, InputKind, Raster, degrees_refusal};
 
 /// A city and the grid of receivers over it.
 #[derive(Debug, Clone)]
@@ -65,6 +68,8 @@ pub struct Scene {
     pub sources: Vec<Source>,
     /// Whom pictures must credit, where the data say so.
     pub attribution: Option<String>,
+    /// Footprints without heights, where there are any.
+    pub height_gap: Option<HeightGap>,
 }
 
 /// What a file is called in captions: its stem, spelled as words.
@@ -85,6 +90,9 @@ pub enum Solids {
         ground: Ground,
         /// A cell whose surface is more than this above the ground is a building \[1/1024 m\].
         building_threshold: i32,
+        /// The cells whose surface is that of the terrain, because the surface model has none there: what stands on them is
+        /// not known, so they hold no receiver.
+        voids: Option<BitGrid>,
     },
     /// Prisms over footprints.
     Vector {
@@ -96,7 +104,22 @@ pub enum Solids {
         ground: Ground,
         /// What was mended or left out.
         faults: FootprintFaults,
+        /// Where anything is known of the ground.
+        data_area: DataArea,
     },
+}
+
+/// Where a vector scene knows the ground. Cells elsewhere hold no data: no receiver, no zone, no candidate.
+#[derive(Debug, Clone, Default)]
+pub enum DataArea {
+    /// Everywhere.
+    #[default]
+    All,
+    /// What is between the footprints: their closing by a disc of 100 m, holes filled. Everywhere, where less than a tenth
+    /// of that is open ground.
+    NearFootprints,
+    /// An area that the user drew.
+    Within(Area),
 }
 
 /// What stands below the buildings.

@@ -1,4 +1,4 @@
-//! The outline of a building: onto the lattice, repaired by the even-odd rule, and the ground under it.
+//! The outline of a building: onto the lattice, repaired, and the ground under it.
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
@@ -7,8 +7,9 @@ use i_overlay::i_float::int::point::IntPoint;
 
 use super::Ground;
 use super::building::RawFootprint;
+use super::footprints::BaseRule;
 use crate::quantity::{Frame, VOID};
-use crate::raster::Raster;
+use crate::raster::{CellLattice, Raster, covered_shares, overlapped_cells};
 
 /// A footprint after rounding and repair.
 pub(super) struct Shaped {
@@ -18,19 +19,28 @@ pub(super) struct Shaped {
     pub(super) repaired: Vec<usize>,
     /// Which of them have no area.
     pub(super) degenerate: Vec<usize>,
+    /// Which of them have a hole that lies outside of their shell, or reaches out of it.
+    pub(super) stray_holes: Vec<usize>,
     pub(super) too_far: bool,
-    /// The lowest ground under the footprint, `None` over nodata.
+    /// The ground that it stands on, `None` where none is known.
     pub(super) base: Option<i32>,
 }
 
-/// Brings a footprint onto the lattice, repairs its polygons and finds the ground under it.
-pub(super) fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped {
-    let mut shaped =
-        Shaped { polygons: Vec::new(), repaired: Vec::new(), degenerate: Vec::new(), too_far: false, base: None, raw };
+/// Brings a footprint onto the lattice, repairs its polygons and finds the ground that it stands on.
+pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), frame: Frame) -> Shaped {
+    let mut shaped = Shaped {
+        polygons: Vec::new(),
+        repaired: Vec::new(),
+        degenerate: Vec::new(),
+        stray_holes: Vec::new(),
+        too_far: false,
+        base: None,
+        raw,
+    };
     let limit = 1_i64 << 26;
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
         let mut rings: Vec<Vec<[i32; 2]>> = Vec::new();
-        for ring in polygon {
+        for (number, ring) in polygon.iter().enumerate() {
             let mut points: Vec<[i32; 2]> = Vec::with_capacity(ring.len());
             for &[x, y] in ring {
                 let (x, y) = frame.lattice_from_world(x, y);
@@ -49,44 +59,83 @@ pub(super) fn shape(raw: RawFootprint, ground: &Ground, frame: Frame) -> Shaped 
             }
             if points.len() >= 3 {
                 rings.push(points);
+            } else if number == 0 {
+                // Without a shell there is nothing to take holes out of.
+                break;
             }
         }
-        let (mended, repaired) = even_odd(&rings);
-        if mended.is_empty() {
+        let region = region_of(&rings);
+        if region.polygons.is_empty() {
             shaped.degenerate.push(k);
-        } else if repaired {
+        } else if region.is_repaired {
             shaped.repaired.push(k);
         }
-        shaped.polygons.extend(mended);
+        if region.has_stray_hole {
+            shaped.stray_holes.push(k);
+        }
+        shaped.polygons.extend(region.polygons);
     }
     shaped.base = match ground {
         Ground::Surface => None,
         Ground::Flat(z) => Some(*z),
-        Ground::Terrain(terrain) => lowest_under(&shaped.raw.polygons, terrain),
+        Ground::Terrain(terrain) => base_on(&shaped.polygons, &frame, terrain, rule),
     };
     shaped
 }
 
-/// The region that rings enclose by the even-odd rule, as polygons (shell first) whose edges do not cross, and whether
-/// that changed the polygon.
+/// The region of a polygon, mended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    /// Polygons, shell first, whose edges do not cross.
+    pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    /// Whether it is another one than the rings say as they are.
+    pub is_repaired: bool,
+    /// Whether a hole lies outside of the shell, or reaches out of it: that part is no region.
+    pub has_stray_hole: bool,
+}
+
+/// The region of a polygon of rings, the shell first: what the shell encloses less what each hole does, both by the even-odd
+/// rule.
 ///
 /// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than a step. Coordinates
 /// are within ±2^26.
-pub fn even_odd(rings: &[Vec<[i32; 2]>]) -> (Vec<Vec<Vec<[i32; 2]>>>, bool) {
-    let contours: Vec<Vec<IntPoint<i32>>> =
-        rings.iter().map(|r| r.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect();
-    let shapes = Overlay::<i32>::from_subj(&contours).overlay(OverlayRule::Subject, FillRule::EvenOdd);
-    let polygons: Vec<Vec<Vec<[i32; 2]>>> = shapes
-        .into_iter()
-        .map(|shape| shape.into_iter().map(|c| c.into_iter().map(|p| [p.x, p.y]).collect()).collect())
-        .collect();
-    // A valid polygon comes back with the area of its shell less that of its holes and with as many rings.
+pub fn region_of(rings: &[Vec<[i32; 2]>]) -> Region {
+    let polygons = even_odd(rings);
+    // A valid polygon comes back with the area of its shell less that of its holes and with as many rings. A hole that is not
+    // in the shell would have added its area.
     let area = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs();
     let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i64>();
     let after: i64 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i64>()).sum();
     let n_rings: usize = polygons.iter().map(Vec::len).sum();
-    let repaired = before != after || n_rings != rings.len();
-    (polygons, repaired)
+    if before == after && n_rings == rings.len() {
+        return Region { polygons, is_repaired: false, has_stray_hole: false };
+    }
+    let Some((shell, holes)) = rings.split_first().filter(|(_, holes)| !holes.is_empty()) else {
+        return Region { polygons, is_repaired: true, has_stray_hole: false };
+    };
+    // Each ring by itself, wound alike, so that regions add up by their winding numbers.
+    let shell = even_odd(std::slice::from_ref(shell)).concat();
+    let holes: Vec<_> = holes.iter().flat_map(|hole| even_odd(std::slice::from_ref(hole)).concat()).collect();
+    let less = |a: &[Vec<[i32; 2]>], b: &[Vec<[i32; 2]>]| {
+        let overlaid = Overlay::<i32>::from_subj_and_clip(&contours(a), &contours(b));
+        polygons_of(overlaid, OverlayRule::Difference, FillRule::NonZero)
+    };
+    let has_stray_hole = !less(&holes, &shell).is_empty();
+    Region { polygons: less(&shell, &holes), is_repaired: true, has_stray_hole }
+}
+
+/// The region that rings enclose by the even-odd rule, as polygons (shell first) whose edges do not cross.
+pub fn even_odd(rings: &[Vec<[i32; 2]>]) -> Vec<Vec<Vec<[i32; 2]>>> {
+    polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
+}
+
+fn contours(rings: &[Vec<[i32; 2]>]) -> Vec<Vec<IntPoint<i32>>> {
+    rings.iter().map(|ring| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect()
+}
+
+fn polygons_of(mut overlay: Overlay<i32>, rule: OverlayRule, fill: FillRule) -> Vec<Vec<Vec<[i32; 2]>>> {
+    let ring = |contour: Vec<IntPoint<i32>>| contour.into_iter().map(|p| [p.x, p.y]).collect();
+    overlay.overlay(rule, fill).into_iter().map(|shape| shape.into_iter().map(ring).collect()).collect()
 }
 
 /// Twice the area of what some polygons (shell first, edges that do not cross) cover of a rectangle from its south-west to
@@ -128,58 +177,43 @@ pub(super) fn polygon_area(polygon: &[Vec<[i32; 2]>]) -> f64 {
     polygon.first().map_or(0.0, area) - polygon.iter().skip(1).map(area).sum::<f64>()
 }
 
-/// The lowest terrain under a footprint: over the cells of its vertices and the cell centers inside.
+/// The ground that a footprint stands on, by the terrain columns that its area overlaps; `None` if none of them is known.
 ///
 /// OpenStreetMap measures `height` from the lowest point where the building meets the ground.
-fn lowest_under(polygons: &[Vec<Vec<[f64; 2]>>], terrain: &Raster<i32>) -> Option<i32> {
+fn base_on(polygons: &[Vec<Vec<[i32; 2]>>], frame: &Frame, terrain: &Raster<i32>, rule: BaseRule) -> Option<i32> {
     let georef = terrain.georef();
-    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
-    let mut lowest: Option<i32> = None;
-    let mut meet = |height: i32| {
-        if height != VOID {
-            lowest = Some(lowest.map_or(height, |l| l.min(height)));
-        }
+    let lattice = CellLattice::under(frame, georef);
+    let on_lattice = |p: &[i32; 2]| {
+        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
+        let (x, y) = lattice.frame.lattice_from_world(x, y);
+        [x, y]
     };
-    for polygon in polygons {
-        let in_cells: Vec<Vec<(f64, f64)>> =
-            polygon.iter().map(|r| r.iter().map(|&[x, y]| georef.cells_from_world(x, y)).collect()).collect();
-        let points = || in_cells.iter().flatten();
-        for &(x, y) in points() {
-            if x >= 0.0 && y >= 0.0 && x < n_cols as f64 && y < n_rows as f64 {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
-                let (col, from_south) = (x as usize, y as usize);
-                meet(terrain.row(n_rows - 1 - from_south)[col]);
+    let ring = |ring: &Vec<[i32; 2]>| ring.iter().map(on_lattice).collect::<Vec<_>>();
+    let polygons: Vec<Vec<Vec<[i64; 2]>>> = polygons.iter().map(|rings| rings.iter().map(ring).collect()).collect();
+    let shape = (georef.n_rows(), georef.n_cols());
+    if rule == BaseRule::Mean {
+        let (mut sum, mut area) = (0.0, 0.0);
+        covered_shares(&polygons, lattice.steps, shape, |row, col, share| {
+            let z = terrain.row(row)[col];
+            if z != VOID {
+                sum += share * f64::from(z);
+                area += share;
             }
-        }
-        let south = points().map(|p| p.1).fold(f64::INFINITY, f64::min).max(0.0);
-        let north = points().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max).min(n_rows as f64);
-        if south >= north {
-            continue;
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
-        let rows = south as usize..(north.ceil() as usize).min(n_rows);
-        for from_south in rows {
-            let y = from_south as f64 + 0.5;
-            let mut crossings: Vec<f64> = Vec::new();
-            for ring in &in_cells {
-                for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-                    if (a.1 <= y) != (b.1 <= y) {
-                        crossings.push(a.0 + (y - a.1) / (b.1 - a.1) * (b.0 - a.0));
-                    }
-                }
-            }
-            crossings.sort_unstable_by(f64::total_cmp);
-            for pair in crossings.chunks_exact(2) {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
-                let (from, to) = (
-                    (pair[0] + 0.5).floor().clamp(0.0, n_cols as f64) as usize,
-                    (pair[1] + 0.5).floor().clamp(0.0, n_cols as f64) as usize,
-                );
-                terrain.row(n_rows - 1 - from_south)[from..to.max(from)].iter().for_each(|&h| meet(h));
-            }
-        }
+        });
+        #[expect(clippy::cast_possible_truncation, reason = "between the heights of two cells")]
+        return (area > 0.0).then(|| (sum / area + 0.5).floor() as i32);
     }
-    lowest
+    let mut base: Option<i32> = None;
+    overlapped_cells(&polygons, lattice.steps, shape, |row, cols| {
+        for z in terrain.row(row)[cols].iter().copied().filter(|z| *z != VOID) {
+            base = Some(match (base, rule) {
+                (None, _) => z,
+                (Some(base), BaseRule::Highest) => base.max(z),
+                (Some(base), _) => base.min(z),
+            });
+        }
+    });
+    base
 }
 
 #[cfg(test)]
@@ -189,8 +223,9 @@ mod tests {
 
     #[test]
     fn a_bow_tie_becomes_two_triangles_and_counts_as_repaired() {
-        let (polygons, repaired) = even_odd(&[vec![[0, 0], [200, 200], [200, 0], [0, 200]]]);
-        assert!(repaired);
+        let region = region_of(&[vec![[0, 0], [200, 200], [200, 0], [0, 200]]]);
+        assert!(region.is_repaired && !region.has_stray_hole);
+        let polygons = region.polygons;
         let area: i64 = polygons.iter().flatten().map(|r| doubled_area(r).abs()).sum();
         assert_eq!((polygons.len(), area), (2, 40_000));
     }
@@ -198,8 +233,8 @@ mod tests {
     #[test]
     fn a_valid_polygon_with_a_hole_is_left_alone() {
         let rings = [vec![[0, 0], [90, 7], [100, 100], [3, 80]], vec![[40, 40], [40, 60], [60, 60]]];
-        let (polygons, repaired) = even_odd(&rings);
-        assert!(!repaired);
+        let Region { polygons, is_repaired, has_stray_hole } = region_of(&rings);
+        assert!(!is_repaired && !has_stray_hole);
         assert_eq!(polygons.len(), 1);
         assert_eq!(polygons[0].len(), 2);
     }
@@ -225,17 +260,53 @@ mod tests {
     #[test]
     fn a_hole_equal_to_its_shell_leaves_nothing() {
         let square = vec![[0, 0], [10, 0], [10, 10], [0, 10]];
-        assert!(even_odd(&[square.clone(), square]).0.is_empty());
-        assert!(even_odd(&[]).0.is_empty());
+        assert!(region_of(&[square.clone(), square]).polygons.is_empty());
+        assert!(region_of(&[]).polygons.is_empty());
     }
 
     #[test]
-    fn the_base_of_a_building_is_the_lowest_ground_under_it() {
+    fn what_a_hole_covers_is_never_a_building() {
+        let square = |w: i32, s: i32, side: i32| vec![[w, s], [w + side, s], [w + side, s + side], [w, s + side]];
+        let area = |region: &Region| {
+            let of_ring = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs() / 2;
+            region.polygons.iter().map(|p| of_ring(&p[0]) - p[1..].iter().map(of_ring).sum::<i64>()).sum::<i64>()
+        };
+        let shell = square(0, 0, 100);
+        for (holes, wanted, is_stray) in [
+            (vec![square(200, 0, 10)], 10_000, true),
+            (vec![square(90, 90, 20)], 10_000 - 100, true),
+            (vec![square(100, 0, 10)], 10_000, true),
+            (vec![square(0, 0, 200)], 0, true),
+            // Holes that overlap, one in another, one twice, one at the wall.
+            (vec![square(10, 10, 20), square(20, 20, 20)], 10_000 - 700, false),
+            (vec![square(10, 10, 30), square(20, 20, 5)], 10_000 - 900, false),
+            (vec![square(10, 10, 30), square(10, 10, 30)], 10_000 - 900, false),
+            (vec![square(0, 10, 30)], 10_000 - 900, false),
+        ] {
+            let rings: Vec<_> = std::iter::once(shell.clone()).chain(holes).collect();
+            let region = region_of(&rings);
+            assert_eq!((area(&region), region.has_stray_hole), (wanted, is_stray), "{rings:?}");
+        }
+    }
+
+    #[test]
+    fn a_building_stands_on_the_columns_that_its_area_overlaps() {
         let grid = GeoRef::new((0.0, 4.0), (1.0, 1.0), (4, 4), None).expect("a valid grid");
-        let terrain = Raster::new(grid, (0..16).collect::<Vec<_>>());
-        // Columns 1–2, rows 1–2 from the north: values 5, 6, 9, 10; the vertex (3, 1) lies in cell (row 2, col 3).
-        let ring = vec![[1.2, 1.2], [2.8, 1.2], [2.8, 2.8], [1.2, 2.8]];
-        assert_eq!(lowest_under(&[vec![ring]], &terrain), Some(5));
-        assert_eq!(lowest_under(&[vec![vec![[9.0, 9.0], [9.5, 9.0], [9.0, 9.5]]]], &terrain), None);
+        let terrain = Raster::new(grid, (0..16).map(|z| 10 * z).collect::<Vec<_>>());
+        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
+        let base = |[w, s, e, n]: [i32; 4], rule| {
+            let ring = vec![[w, s], [e, s], [e, n], [w, n]];
+            base_on(&[vec![ring]], &frame, &terrain, rule)
+        };
+        // Columns 1 and 2, rows 1 and 2 from the north: 50, 60, 90, 100.
+        let whole = [1024, 1024, 3072, 3072];
+        let of = |area| [BaseRule::Lowest, BaseRule::Mean, BaseRule::Highest].map(|rule| base(area, rule));
+        assert_eq!(of(whole), [Some(50), Some(75), Some(100)]);
+        // A step more to the west reaches column 0; a step less leaves column 1 only.
+        assert_eq!(base([1023, 1024, 3072, 3072], BaseRule::Lowest), Some(40));
+        assert_eq!(base([2048, 1024, 3072, 3072], BaseRule::Lowest), Some(60));
+        // A quarter of column 1 and all of column 2 of row 1: (50 + 4 · 60) / 5.
+        assert_eq!(base([1792, 2048, 3072, 3072], BaseRule::Mean), Some(58));
+        assert_eq!(of([9000, 0, 9100, 100]), [None; 3]);
     }
 }

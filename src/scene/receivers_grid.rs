@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::quantity::MAX_EXTENT_UNITS;
+use crate::quantity::{MAX_EXTENT_UNITS, whole};
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
 /// What was asked for.
@@ -52,12 +52,10 @@ pub(super) fn receivers_grid(
             let g = terrain.georef();
             [g.x_min(), g.y_min(), g.x_max(), g.y_max()]
         }
-        (None, None, Some([west, south, east, north])) => [
-            (west / cell).floor() * cell,
-            (south / cell).floor() * cell,
-            (east / cell).ceil() * cell,
-            (north / cell).ceil() * cell,
-        ],
+        (None, None, Some([west, south, east, north])) => {
+            let (down, up) = (|v: f64| whole(v / cell).floor() * cell, |v: f64| whole(v / cell).ceil() * cell);
+            [down(west), down(south), up(east), up(north)]
+        }
         (None, None, None) => {
             return Err(Error::file(
                 308,
@@ -66,7 +64,7 @@ pub(super) fn receivers_grid(
             .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
         }
     };
-    let cells = |length: f64| (length / cell - 1e-9).ceil().max(1.0);
+    let cells = |length: f64| whole(length / cell).ceil().max(1.0);
     let (n_cols, n_rows) = (cells(east - west), cells(north - south));
     if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
         return Err(Error::limit(

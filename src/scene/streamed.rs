@@ -125,6 +125,7 @@ impl StreamedSurface {
             built_up: None,
             sources: self.sources.clone(),
             attribution: None,
+            height_gap: None,
         })
     }
 
@@ -160,6 +161,7 @@ impl StreamedSurface {
                 StreamedGround::Terrain(..) => Ground::Terrain(Raster::new(grid, ground)),
             },
             building_threshold: self.building_threshold,
+            voids: None,
         })
     }
 
@@ -241,9 +243,12 @@ impl WindowedSolids for StreamedSurface {
         let ground = self.ground(window)?;
         let mut cells = Vec::new();
         self.surface.read(window, &mut cells)?;
-        raise(&mut cells, &ground, (self.nodata_as, Empty::Nodata));
+        let voids = match ground {
+            Ground::Surface if self.nodata_as == NodataAs::Clear => None,
+            _ => raise(&mut cells, (window.n_rows, window.n_cols), &ground, (self.nodata_as, Empty::Nodata)),
+        };
         let surface = Raster::new(self.grid.part(window), cells);
-        Ok(Solids::Raster { surface, ground, building_threshold: self.building_threshold })
+        Ok(Solids::Raster { surface, ground, building_threshold: self.building_threshold, voids })
     }
 }
 

@@ -11,7 +11,7 @@ use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use super::{Ground, NodataAs, Scene, Solids, Source, name_of};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
-use crate::raster::{Crs, GeoRef, Raster};
+use crate::raster::{BitGrid, Crs, GeoRef, Raster};
 
 /// Fewest cells that are worth handing to a thread.
 const PART: usize = 1 << 16;
@@ -98,7 +98,7 @@ pub fn surface_grid(path: &Path, options: &SurfaceOptions) -> Result<GeoRef> {
 /// What is said of cells without a height, if there are any.
 pub(super) fn warning_of_voids(path: &Path, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
     let effect = match nodata_as {
-        NodataAs::Clear => "blocks nothing",
+        NodataAs::Clear => "blocks nothing but by the ground known there",
         NodataAs::Block => "blocks everything",
     };
     let (path, cells) = (path.display(), counted(n_void, "cell", "cells"));
@@ -156,18 +156,21 @@ pub(super) fn scene_of(
     };
     let georef = surface.georef().clone();
     let mut cells = surface.into_cells();
-    if !matches!((&ground, options.nodata_as), (Ground::Surface, NodataAs::Clear)) {
-        raise(&mut cells, &ground, (options.nodata_as, empty));
-    }
+    let voids = match (&ground, options.nodata_as) {
+        // Cells without a height are known as they are.
+        (Ground::Surface, NodataAs::Clear) => None,
+        _ => raise(&mut cells, (georef.n_rows(), georef.n_cols()), &ground, (options.nodata_as, empty)),
+    };
     surface = Raster::new(georef.clone(), cells);
     let building_threshold = building_threshold(options)?;
     Ok(Scene {
         name: name_of(path),
         grid: georef,
-        solids: Solids::Raster { surface, ground, building_threshold },
+        solids: Solids::Raster { surface, ground, building_threshold, voids },
         built_up: None,
         sources,
         attribution: None,
+        height_gap: None,
     })
 }
 
@@ -202,23 +205,45 @@ pub(super) fn warning_of_surface_alone(path: &Path) -> Warning {
     )
 }
 
-/// Raises surface cells to the ground below them, and those that block everything to a height that no real top reaches.
-pub(super) fn raise(cells: &mut [i32], ground: &Ground, (nodata_as, empty): (NodataAs, Empty)) {
-    // VOID is below every height, so an empty cell that is ground takes the ground's.
-    let is_raised = |s: i32| s != VOID || empty == Empty::Ground;
-    if let Ground::Terrain(terrain) = ground {
-        cells.par_iter_mut().with_min_len(PART).zip(terrain.cells()).for_each(|(s, t)| {
-            if is_raised(*s) {
-                *s = (*s).max(*t);
+/// Raises surface cells to the ground below them, those without a height too, and returns the latter: what stands on them is
+/// not known. Where these block everything, they get a height that no real top reaches instead.
+pub(super) fn raise(
+    cells: &mut [i32],
+    (n_rows, n_cols): (usize, usize),
+    ground: &Ground,
+    (nodata_as, empty): (NodataAs, Empty),
+) -> Option<BitGrid> {
+    let mut voids = None;
+    if empty == Empty::Nodata {
+        match nodata_as {
+            NodataAs::Block => cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = BLOCKS_ALL),
+            NodataAs::Clear => voids = voids_of(cells, (n_rows, n_cols)),
+        }
+    }
+    // VOID is below every height, so a cell without one takes the ground's.
+    match ground {
+        Ground::Terrain(terrain) => {
+            let raised = cells.par_iter_mut().with_min_len(PART).zip(terrain.cells());
+            raised.for_each(|(s, t)| *s = (*s).max(*t));
+        }
+        Ground::Flat(z) => cells.par_iter_mut().with_min_len(PART).for_each(|s| *s = (*s).max(*z)),
+        Ground::Surface => {}
+    }
+    voids
+}
+
+/// The cells without a height, if there are any.
+fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> {
+    cells.par_iter().with_min_len(PART).any(|s| *s == VOID).then(|| {
+        let mut voids = BitGrid::new(n_rows, n_cols);
+        let per_row = voids.words_per_row();
+        voids.words_mut().par_chunks_mut(per_row).zip(cells.par_chunks(n_cols)).for_each(|(words, cells)| {
+            for (word, cells) in words.iter_mut().zip(cells.chunks(64)) {
+                *word = cells.iter().rev().fold(0, |word, s| word << 1 | u64::from(*s == VOID));
             }
         });
-    }
-    if let Ground::Flat(z) = ground {
-        cells.par_iter_mut().with_min_len(PART).filter(|s| is_raised(**s)).for_each(|s| *s = (*s).max(*z));
-    }
-    if nodata_as == NodataAs::Block {
-        cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = BLOCKS_ALL);
-    }
+        voids
+    })
 }
 
 /// How far above the ground a surface is a building \[1/1024 m\].

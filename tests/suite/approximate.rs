@@ -203,7 +203,14 @@ fn r2_takes_the_answer_of_the_nearest_ray() {
 
 /// The raster of a generated city.
 fn raster_city(name: &str, seed: u64) -> HeightField {
-    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m: 600.0, cell_m: 1.0, seed, ground_m: 0.0 };
+    let city = BuiltUpCity {
+        built_up: BuiltUp::named(name).unwrap(),
+        size_m: 600.0,
+        margin_m: 0.0,
+        cell_m: 1.0,
+        seed,
+        ground_m: 0.0,
+    };
     let scene = city.scene().unwrap();
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     as_raster(&field, Ground::Flat(0), 0, &mut Random(1))

@@ -66,7 +66,7 @@ fn ways(entry: &Entry) -> &'static [Way] {
 }
 
 /// What the list leaves open, and what this program does: file, way, and the code of the refusal.
-const REFUSED: [(&str, Way, &str); 18] = [
+const REFUSED: [(&str, Way, &str); 24] = [
     // Nothing but the terrain could say where these lie.
     ("geojson/empty_featurecollection.geojson", Way::Alone, "E308"),
     ("geojson/empty_featurecollection.geojson", Way::Info, "E308"),
@@ -89,6 +89,13 @@ const REFUSED: [(&str, Way, &str); 18] = [
     ("geojson/invalid_utf8.geojson", Way::OnTerrain, "E302"),
     ("geojson/invalid_utf8.geojson", Way::Alone, "E302"),
     ("geojson/invalid_utf8.geojson", Way::Info, "E302"),
+    // More than 2 % of the footprint area without a height: a map would show ground where houses stand. `info` warns.
+    ("geojson/null_properties.geojson", Way::OnTerrain, "E309"),
+    ("geojson/null_properties.geojson", Way::Alone, "E309"),
+    ("geojson/height_null.geojson", Way::OnTerrain, "E309"),
+    ("geojson/height_null.geojson", Way::Alone, "E309"),
+    ("geojson/height_bool_object.geojson", Way::OnTerrain, "E309"),
+    ("geojson/height_bool_object.geojson", Way::Alone, "E309"),
 ];
 
 /// One answer with what it left behind.
@@ -362,7 +369,12 @@ fn a_terrain_on_another_grid_is_brought_to_that_of_the_surface_with_a_warning() 
 fn odd_footprints_are_what_they_mean() {
     let Some(folder) = bad() else { return };
     let on = |name: &str, rest: &str| {
-        map(&folder, &format!("geojson/{name}.geojson --terrain good/terrain.tif --uav 500032,5000032,60 {rest}"))
+        map(
+            &folder,
+            &format!(
+                "geojson/{name}.geojson --terrain good/terrain.tif --data-area all --uav 500032,5000032,60 {rest}"
+            ),
+        )
     };
     let cells = |name: &str| {
         let answer = run_in(
@@ -387,11 +399,13 @@ fn odd_footprints_are_what_they_mean() {
     assert_eq!(warnings, ["W359"]);
     assert_eq!(empty["sites"][0]["p_los"], 1.0);
     // Repeated vertices change nothing.
-    let good = map(&folder, "good/buildings.geojson --terrain good/terrain.tif --uav 500032,5000032,60").0;
+    let good =
+        map(&folder, "good/buildings.geojson --terrain good/terrain.tif --data-area all --uav 500032,5000032,60").0;
     assert_eq!(good["sites"][0]["receivers"], 64 * 64 - 140 - 144);
     // What was mended or left out is counted in words.
     let warning = |name: &str| {
-        let words = format!("info {name} --terrain good/terrain.tif --json");
+        let area = if name.ends_with(".geojson") { "--data-area all" } else { "--json" };
+        let words = format!("info {name} --terrain good/terrain.tif --json {area}").replace("--json --json", "--json");
         run_in(&folder, &words.split(' ').collect::<Vec<_>>()).done().err
     };
     for (name, text) in [
@@ -408,11 +422,11 @@ fn odd_footprints_are_what_they_mean() {
         assert_eq!(warning(&format!("geojson/{name}.geojson")), text);
     }
     let text = "warning[W320]: `raster/nan_patch.tif` has 16 cells with NaN (rows 5 to 8, columns 5 to 8): read as void\n\
-                warning[W340]: raster/nan_patch.tif: 16 cells without a height: nodata blocks nothing and holds no \
+                warning[W340]: raster/nan_patch.tif: 16 cells without a height: nodata blocks nothing but by the ground known there and holds no \
                 receiver (`--nodata-as`)\n";
     assert_eq!(warning("raster/nan_patch.tif"), text);
-    // Without a height a footprint is left out, with a warning; `--missing fail` refuses it.
-    let (dropped, warnings) = on("null_properties", "");
+    // Without a height a footprint is left out where that is asked for, with a warning; `--missing fail` refuses it.
+    let (dropped, warnings) = on("null_properties", "--missing drop");
     assert_eq!((warnings, &dropped["sites"][0]["receivers"]), (vec!["W354".to_string()], &(64 * 64 - 140).into()));
     let words = "map geojson/null_properties.geojson --missing fail --uav 500032,5000032,60 --json";
     let answer = run_in(&folder, &words.split(' ').collect::<Vec<_>>());

@@ -23,7 +23,7 @@ const CITY: &str = r#"{"type": "FeatureCollection", "features": [
   {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30},
    "geometry": {"type": "Polygon", "coordinates": [[[5,5],[15,5],[15,12],[5,12],[5,5]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
-   "geometry": {"type": "Polygon", "coordinates": [[[34,8],[44,8],[44,14],[34,14],[34,8]]]}}]}"#;
+   "geometry": {"type": "Polygon", "coordinates": [[[42.6,13],[44,13],[44,14],[42.6,14],[42.6,13]]]}}]}"#;
 
 pub(crate) fn grid<T: ToString>(values: &[T], n_cols: usize) -> String {
     let rows: Vec<String> =
@@ -196,7 +196,7 @@ fn rough_field() -> (HeightField, Uav) {
     let georef = GeoRef::new((0.0, 40.0), (1.0, 1.0), (40, 48), None).unwrap();
     let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect::<Vec<_>>();
     let surface = Raster::new(georef.clone(), tops);
-    let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 256 };
+    let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 256, voids: None };
     let field = HeightField::build(&georef, solids, &mut Vec::new());
     let site = Site { id: "1".into(), x: 20.25, y: 17.75, height: Height::AboveGround(35.0) };
     let uav = Uav::place(&site, &field, None).unwrap();

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use skyshed::scene::{BuiltUp, BuiltUpCity, Footprint, Solids};
 
 fn city(name: &str, seed: u64, size_m: f64) -> BuiltUpCity {
-    BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m: 1.0, seed, ground_m: 0.0 }
+    BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }
 }
 
 fn footprints(city: &BuiltUpCity) -> Vec<Footprint> {
@@ -32,7 +32,7 @@ fn fingerprint(footprints: &[Footprint]) -> String {
     let mut hasher = Sha256::new();
     for footprint in footprints {
         hasher.update(footprint.id.as_bytes());
-        for number in corners(footprint).into_iter().flatten().chain([footprint.top, footprint.base]) {
+        for number in corners(footprint).into_iter().flatten().chain([footprint.top, footprint.base.unwrap()]) {
             hasher.update(number.to_le_bytes());
         }
     }

@@ -15,7 +15,7 @@ const FOOTPRINTS: &str = r#"{"type": "FeatureCollection", "features": [
   {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30},
    "geometry": {"type": "Polygon", "coordinates": [[[5,5],[15,5],[15,12],[5,12],[5,5]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
-   "geometry": {"type": "Polygon", "coordinates": [[[34,8],[44,8],[44,14],[34,14],[34,8]]]}}]}"#;
+   "geometry": {"type": "Polygon", "coordinates": [[[42.6,13],[44,13],[44,14],[42.6,14],[42.6,13]]]}}]}"#;
 
 /// An ASCII grid of 50 × 50 cells of 1 m from (0, 0), with a height for each column and row from the north.
 fn grid(height: impl Fn(usize, usize) -> String) -> String {
@@ -109,7 +109,7 @@ fn help_names_defaults_with_their_units() {
         ("--rx-height <M>", "[m]", "1.5"),
         ("--building-threshold <M>", "[m]", "0.25"),
         ("--size <M>", "[m]", "1000"),
-        ("--missing <MISSING>", "height", "drop"),
+        ("--base <BASE>", "terrain", "lowest"),
         ("--receivers <RECEIVERS>", "receivers", "ground"),
         ("--nodata-as <NODATA_AS>", "nodata", "clear"),
         ("--method <METHOD>", "", "auto"),
@@ -263,11 +263,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
             4,
             "error[E203]: cannot place UAV `1` at (1000000, 10) with height 50agl: with the cells",
         ),
-        (
-            "map dsm.asc --ground 0 --uav 11,12.5,9 -o out.png",
-            4,
-            "error[E204]: cannot place UAV `1` at (11, 12.5) with",
-        ),
+        ("map dsm.asc --uav 11,12.5,9 -o out.png", 4, "error[E204]: cannot place UAV `1` at (11, 12.5) with"),
         (
             "SMALL --uav 10,10,30roof",
             4,

@@ -212,7 +212,7 @@ fn what_makes_no_sense_is_refused() {
 }
 
 /// Flags that change the document: what it is without them, and the flag.
-const FLAGS: [(&str, &str); 22] = [
+const FLAGS: [(&str, &str); 24] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -221,6 +221,8 @@ const FLAGS: [(&str, &str); 22] = [
     ("CITY", "--cell 2"),
     ("CITY", "--crs EPSG:25832"),
     ("CITY", "--terrain slope.asc"),
+    ("CITY --terrain slope.asc", "--base highest"),
+    ("CITY", "--data-area all"),
     ("CITY", "--uav 40,30,50"),
     ("CITY", "--uavs sites.csv"),
     ("CITY", "--rx-height 9"),

@@ -3,7 +3,7 @@
 use crate::cli::{plan, scenes};
 
 /// Flags of `map` that change its document: a scene and a UAV without it, the flag, and where the documents differ.
-const PLAN_FLAGS: [(&str, &str, &str); 20] = [
+const PLAN_FLAGS: [(&str, &str, &str); 22] = [
     ("city.geojson --uav 2,2,50", "--ground 5", "/sites/0/height_amsl_m"),
     ("city.geojson --uav 2,2,50", "--height-field tall", "/digest"),
     ("city.geojson --uav 2,2,50", "--top-field z_top", "/digest"),
@@ -14,6 +14,8 @@ const PLAN_FLAGS: [(&str, &str, &str); 20] = [
     ("city.geojson --uav 2,2,50", "--cell 0.5", "/scene/cell_m/0"),
     ("city.geojson --uav 2,2,50", "--crs EPSG:25832", "/scene/crs"),
     ("city.geojson --uav 2,2,50", "--terrain slope.asc", "/digest"),
+    ("city.geojson --uav 2,2,50 --terrain slope.asc", "--base highest", "/digest"),
+    ("city.geojson --uav 2,2,50", "--data-area all", "/digest"),
     ("city.geojson --uav 2,2,50", "--uav 40,40,50", "/sites/1/id"),
     ("city.geojson --uav 2,2,50", "--uavs sites.csv", "/sites/1/id"),
     ("city.geojson --uav 2,2,50", "--rx-height 9", "/digest"),

@@ -167,6 +167,9 @@ fn a_city_on_a_slope_keeps_tops_and_grounds() {
     // Storeys count from the ground also where tops are measured from the datum.
     let storeys = json!({"type": "Feature", "properties": {"building:levels": 4}, "geometry": {"type": "Polygon",
         "coordinates": [[[20, 20], [30, 20], [30, 30], [20, 30], [20, 20]]]}});
+    let known = json!({"type": "Feature", "properties": {"z": 9}, "geometry": {"type": "Polygon",
+        "coordinates": [[[40, 40], [42, 40], [42, 42], [40, 42], [40, 40]]]}});
+    let storeys = json!({"type": "FeatureCollection", "features": [storeys, known]});
     folder.write("storeys.geojson", &storeys.to_string());
     folder.type_in("city storeys.geojson --terrain slope.asc --top-field z --missing levels -o s.geojson").done();
     assert_near(&folder.json("s.geojson")["features"][0]["properties"]["z_top"], 4.0 + 12.0);

@@ -16,7 +16,7 @@ const CITY: &str = r#"{"type": "FeatureCollection", "attribution": "drawn by han
   {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
    "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
-   "geometry": {"type": "Polygon", "coordinates": [[[90,90],[130,90],[130,130],[90,130],[90,90]]]}}]}"#;
+   "geometry": {"type": "Polygon", "coordinates": [[[121,121],[130,121],[130,130],[121,130],[121,121]]]}}]}"#;
 
 const HEADER: &str = "city,alpha,beta_per_km2,gamma_m,method,height_m,rx_height_m,theta_deg,phi_deg,distance_m,placement,\
                       users,uav_in_building,p_los,ci_low,ci_high,std_error,samples,clusters";
@@ -184,7 +184,9 @@ fn a_real_city_is_mapped_and_the_city_that_fits_it_laid_over() {
     }
     // Where a UAV cannot be inside a building, more is seen.
     let low = |flag: &str| {
-        let line = format!("city.geojson --cell 2 --radius 60 --positions 60 --height 10 --method maps {flag}");
+        let line = format!(
+            "city.geojson --data-area all --cell 2 --radius 40 --positions 60 --height 10 --method maps {flag}"
+        );
         self::document(&folder, &line)["rows"][0]["p_los"].as_f64().unwrap()
     };
     assert!(low("--uav-clear-of-roof") > low(""), "UAVs inside buildings see nothing");
@@ -194,11 +196,11 @@ fn a_real_city_is_mapped_and_the_city_that_fits_it_laid_over() {
 fn users_and_uavs_of_a_real_city_are_told_apart_by_zone() {
     let folder = folder();
     folder.type_in("city itu:urban --size 300 -o grid.geojson").done();
-    let line = "grid.geojson --cell 2 --method maps --radius 100,400 --height 40 --positions 40 --block 50";
+    let line = "grid.geojson --cell 2 --method maps --radius 50,100 --height 40 --positions 40 --block 50";
     let document = document(&folder, &format!("{line} --users outdoor,street,crossroad --placement street,crossroad"));
     let rows = document["rows"].as_array().unwrap();
     for placement in ["street", "crossroad"] {
-        for radius in [100.0, 400.0] {
+        for radius in [50.0, 100.0] {
             let of = |users: &str| {
                 let is_it = |r: &&Value| {
                     (r["users"].as_str(), r["placement"].as_str(), r["radius_m"].as_f64())
@@ -236,7 +238,7 @@ fn a_raster_has_maps_but_no_city_that_fits() {
 }
 
 /// Lines that change the digest: a study without a flag, and the flag.
-const FLAGS: [(&str, &str); 36] = [
+const FLAGS: [(&str, &str); 39] = [
     ("itu:urban --phi 45", "--theta 40"),
     ("itu:urban", "--distance 50:200:50"),
     ("itu:urban", "--radius 50,100"),
@@ -267,6 +269,9 @@ const FLAGS: [(&str, &str); 36] = [
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--top-field z_top"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--extent 0,0,150,150"),
     ("city.geojson --theta 30 --height 25 --cell 5 --block 30 --top-field z_top", "--ground 3"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--theta-band 9"),
+    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--data-area all"),
+    ("city.geojson --theta 30 --height 25 --block 30 --terrain slope.asc", "--base highest"),
     ("city.geojson --theta 30 --height 25 --block 30 --top-field z_top", "--terrain slope.asc"),
     ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--building-threshold 0.7"),
     ("dsm.asc --ground 0 --theta 5 --height 20 --block 30", "--nodata-as block"),

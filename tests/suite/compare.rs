@@ -22,7 +22,7 @@ const CITY: &str = r#"{"type": "FeatureCollection", "features": [
   {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
    "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
-   "geometry": {"type": "Polygon", "coordinates": [[[90,90],[130,90],[130,130],[90,130],[90,90]]]}}]}"#;
+   "geometry": {"type": "Polygon", "coordinates": [[[123,123],[130,123],[130,130],[123,130],[123,123]]]}}]}"#;
 
 /// An ASCII grid of some columns from (0, 0), cells of 1 m.
 fn grid<T: ToString>(values: &[T], n_cols: usize, nodata: i32) -> String {
@@ -353,7 +353,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 21] = [
+const FLAGS: [(&str, &str); 23] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -363,6 +363,8 @@ const FLAGS: [(&str, &str); 21] = [
     ("CITY", "--cell 5"),
     ("CITY", "--crs EPSG:25832"),
     ("CITY", "--terrain slope.asc"),
+    ("CITY --terrain slope.asc", "--base highest"),
+    ("CITY", "--data-area all"),
     ("CITY", "--uav 5,70,50"),
     ("CITY", "--uavs sites.csv"),
     ("CITY", "--mask saved.tif"),

@@ -6,7 +6,7 @@ use skyshed::coverage::{Control, IdleFootprints, MapOptions, Mapper, Uav};
 use skyshed::height_field::HeightField;
 use skyshed::quantity::{Frame, Height};
 use skyshed::raster::GeoRef;
-use skyshed::scene::{BuiltUp, BuiltUpCity, Footprint, FootprintFaults, Ground, Site, Solids};
+use skyshed::scene::{BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 
 use crate::program::Folder;
 use crate::support::{Random, slow};
@@ -22,13 +22,14 @@ fn squares(buildings: &[([i32; 2], i32)]) -> HeightField {
         id: k.to_string(),
         polygons: vec![vec![ring(*corner)]],
         top: top * 1024,
-        base: 0,
+        base: Some(0),
     };
     let solids = Solids::Vector {
         footprints: buildings.iter().enumerate().map(footprint).collect(),
         frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
         ground: Ground::Flat(0),
         faults: FootprintFaults::default(),
+        data_area: DataArea::All,
     };
     HeightField::build(&grid, solids, &mut Vec::new())
 }
@@ -71,7 +72,7 @@ fn maps_are_the_same_without_what_was_dropped() {
     for seed in 0..if slow() { 60 } else { 8 } {
         let name = random.choose(&["suburban", "urban", "dense-urban", "high-rise"]);
         let built_up = BuiltUp::named(name).unwrap();
-        let city = BuiltUpCity { built_up, size_m: 400.0, cell_m: 1.0, seed, ground_m: 0.0 };
+        let city = BuiltUpCity { built_up, size_m: 400.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
         let scene = city.scene().unwrap();
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         #[expect(clippy::cast_precision_loss, reason = "a few hundred meters")]

@@ -18,7 +18,14 @@ use crate::support::{Random, slow, truth};
 const ENVIRONMENTS: [&str; 4] = ["suburban", "urban", "dense-urban", "high-rise"];
 
 fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
-    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m: 1.0, seed, ground_m: 0.0 };
+    let city = BuiltUpCity {
+        built_up: BuiltUp::named(name).unwrap(),
+        size_m,
+        margin_m: 0.0,
+        cell_m: 1.0,
+        seed,
+        ground_m: 0.0,
+    };
     let scene = city.scene().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
@@ -31,7 +38,7 @@ pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random:
         if z > 0 && noise > 0 { z + i32::try_from(random.within(-noise, noise)).unwrap() } else { z }
     });
     let surface = Raster::new(field.grid().clone(), cells.collect::<Vec<_>>());
-    let solids = Solids::Raster { surface, ground, building_threshold: 256 };
+    let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
     HeightField::build(field.grid(), solids, &mut Vec::new())
 }
 
@@ -160,7 +167,7 @@ fn hostile_rasters_agree_with_rays_from_every_kind_of_place() {
         .map(|kind| {
             let uav_z = 30 * 1024;
             let surface = Raster::new(grid.clone(), hostile(kind, n, uav_z));
-            let solids = Solids::Raster { surface, ground: Ground::Surface, building_threshold: 256 };
+            let solids = Solids::Raster { surface, ground: Ground::Surface, building_threshold: 256, voids: None };
             let field = HeightField::build(&grid, solids, &mut Vec::new());
             let half = f64::from(n / 2);
             let mut total = (0, 0);

@@ -93,7 +93,7 @@ fn plateau(random: &mut Random) -> HeightField {
     };
     let cells = (0..24 * 24).map(|_| height(random)).collect::<Vec<_>>();
     let surface = Raster::new(grid.clone(), cells);
-    let solids = Solids::Raster { surface, ground: Ground::Flat(ground), building_threshold: 256 };
+    let solids = Solids::Raster { surface, ground: Ground::Flat(ground), building_threshold: 256, voids: None };
     HeightField::build(&grid, solids, &mut Vec::new())
 }
 
@@ -170,8 +170,12 @@ fn a_wall_that_blocks_everything_is_never_overcome() {
     // Three cells: the receiver in the west is behind nodata that blocks everything.
     let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 3), None).unwrap();
     let cells = vec![0, skyshed::quantity::BLOCKS_ALL, 0];
-    let solids =
-        Solids::Raster { surface: Raster::new(grid.clone(), cells), ground: Ground::Flat(0), building_threshold: 256 };
+    let solids = Solids::Raster {
+        surface: Raster::new(grid.clone(), cells),
+        ground: Ground::Flat(0),
+        building_threshold: 256,
+        voids: None,
+    };
     let field = HeightField::build(&grid, solids, &mut Vec::new());
     assert_ne!(field.ground_at(&field.place(2.5, 0.5)), VOID);
     let uav = uav_at(&field, 2.5, 0.5, 10 * M);
@@ -288,7 +292,8 @@ fn the_heights_of_a_curve_are_chosen_or_asked_for() {
     }
     // Where no ground is known heights are above the datum.
     folder.write("row.asc", "ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 10\n0 5 0\n");
-    let line = "map row.asc --ground 0 --uav -5,5,40amsl --height-curve b.csv --height-curve b.svg -q";
+    folder.write("low.asc", "ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 10\n0 0 0\n");
+    let line = "map row.asc --terrain low.asc --uav -5,5,40amsl --height-curve b.csv --height-curve b.svg -q";
     folder.type_in(&format!("{line} --curve-heights 0:40:40")).done();
     assert_eq!(rows(&folder, "b.csv")[2][..3], ["1", "", "40"]);
     assert!(folder.text("b.svg").contains("UAV height above the datum [m]"));

@@ -15,7 +15,7 @@ use skyshed::height_field::{CellKind, HeightField, Station};
 use skyshed::los::{columns_ceiling, columns_least_height, columns_los, link_los, prisms_ceiling, prisms_los};
 use skyshed::quantity::{Frame, VOID};
 use skyshed::raster::{GeoRef, LargeVec, Raster};
-use skyshed::scene::{Footprint, FootprintFaults, Ground, Solids};
+use skyshed::scene::{DataArea, Footprint, FootprintFaults, Ground, Solids};
 
 use crate::oracle::{Columns, P3, Prism};
 use crate::shapes::{M, moved, plan, prism, random_columns, random_end, random_prism_end, random_prisms, star};
@@ -300,8 +300,12 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
         _ => 0,
     };
     let cells = (0..n * n).map(|_| height(random)).collect::<Vec<_>>();
-    let solids =
-        Solids::Raster { surface: Raster::new(grid.clone(), cells), ground: Ground::Flat(0), building_threshold: 256 };
+    let solids = Solids::Raster {
+        surface: Raster::new(grid.clone(), cells),
+        ground: Ground::Flat(0),
+        building_threshold: 256,
+        voids: None,
+    };
     HeightField::build(&grid, solids, &mut Vec::new())
 }
 
@@ -317,7 +321,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
             };
             let ring = star(random, 6).iter().map(at).collect();
             let top = i32::try_from(random.within(1, 12)).unwrap() * 1024;
-            Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: 0 }
+            Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0) }
         })
         .collect();
     let solids = Solids::Vector {
@@ -325,6 +329,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
         frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
         ground: Ground::Flat(0),
         faults: FootprintFaults::default(),
+        data_area: DataArea::All,
     };
     HeightField::build(&grid, solids, &mut Vec::new())
 }
@@ -504,10 +509,11 @@ fn a_receiver_on_a_roof_sees_what_its_own_roof_does_not_hide() {
     let grid = GeoRef::new((0.0, 12.0), (1.0, 1.0), (12, 12), None).unwrap();
     let ring = vec![[4096, 4096], [8192, 4096], [8192, 8192], [4096, 8192]];
     let solids = Solids::Vector {
-        footprints: vec![Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: 0 }],
+        footprints: vec![Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: Some(0) }],
         frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
         ground: Ground::Flat(0),
         faults: FootprintFaults::default(),
+        data_area: DataArea::All,
     };
     let field = HeightField::build(&grid, solids, &mut Vec::new());
     for (x, z, rx_height, n_los) in

@@ -146,7 +146,8 @@ fn towns_of_blocks_agree_with_ray() {
 
 fn city(name: &str, seed: u64) -> HeightField {
     let built_up = BuiltUp::named(name).unwrap();
-    let scene = BuiltUpCity { built_up, size_m: 520.0, cell_m: 1.0, seed, ground_m: 0.0 }.scene().unwrap();
+    let scene =
+        BuiltUpCity { built_up, size_m: 520.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }.scene().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 

@@ -159,11 +159,11 @@ fn every_command_that_reads_footprints_lists_repairs() {
         "compare city.geojson --uav 8,20,50 --uav 9,20,50",
         "plos city.geojson --method maps --theta 45 --height 50 --positions 2",
     ];
-    folder.type_in("info city.geojson --repairs expected.csv -q").done();
+    folder.type_in("info city.geojson --missing drop --repairs expected.csv -q").done();
     let expected = folder.text("expected.csv");
     for (k, line) in lines.iter().enumerate() {
         let file = format!("mended_{k}.csv");
-        let said = folder.type_in(&format!("{line} --repairs {file}")).done().err;
+        let said = folder.type_in(&format!("{line} --missing drop --repairs {file}")).done().err;
         assert_eq!(folder.text(&file), expected, "{line}");
         assert!(said.contains(&format!("11 things mended or left out; wrote {file}")), "{line}: {said}");
     }
@@ -190,7 +190,7 @@ fn a_list_of_repairs_is_refused_where_there_is_none() {
     // Two outputs of one name, before any work.
     refused("map city.geojson --uav 8,20,50 -o same.csv --repairs ./same.csv --overwrite", 2, "E105");
     // A run that fails leaves no list.
-    refused("map city.geojson --uav 2,2,5 -o a.png --repairs a.csv", 4, "E201");
+    refused("map city.geojson --missing drop --uav 2,2,5 -o a.png --repairs a.csv", 4, "E201");
     folder.type_in("info city.geojson --repairs kept.csv --overwrite -q").done();
     assert!(folder.text("kept.csv").starts_with("feature,id,layer"));
 }

@@ -41,7 +41,7 @@ fn from_maps(built_up: BuiltUp, n_cities: u64) -> Vec<Vec<Estimate>> {
     let size_m = (2.0 * RADII_M[3] + 2.0 * built_up.period()).ceil();
     let mut totals = vec![vec![Vec::new(); RADII_M.len()]; PLACEMENTS.len()];
     for seed in 1..=n_cities {
-        let city = BuiltUpCity { built_up, size_m, cell_m: 1.0, seed, ground_m: 0.0 };
+        let city = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
         let scene = city.scene().unwrap();
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
@@ -105,7 +105,7 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     let folder = Folder::new();
     // The middle of the first crossroad: streets are 1000/√500 − 1000·√(0.3/500) m wide.
     let middle = 0.5 * (1000.0 / 500.0_f64.sqrt() - 1000.0 * (0.3_f64 / 500.0).sqrt());
-    let scene = "itu:urban --size 250 --radius 120";
+    let scene = "itu:urban --size 250";
     let map = folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --json")).done().json();
     let line = format!("place {scene} --sample crossroad:1 --centers --height 60 --receivers all");
     let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg")).done().json();

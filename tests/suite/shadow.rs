@@ -306,7 +306,8 @@ fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: 
 }
 
 pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
-    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m, seed, ground_m: 0.0 };
+    let city =
+        BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m, seed, ground_m: 0.0 };
     let scene = city.scene().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }

@@ -244,7 +244,7 @@ fn scores_over_a_grid_are_those_of_each_candidate() {
         assert!(is_together(45 * 1024) && is_together(60 * 1024));
         assert!(kept.iter().any(|candidate| !is_together(candidate.uav.station.z)), "both ways are taken");
         for weights in [None, Some(&weights)] {
-            let scorer = Scorer { mapper: &mapper, weights };
+            let scorer = Scorer::new(&mapper, weights);
             let control = Control::default();
             let found = scores_over_grid(&scorer, &places, &kept, &control).unwrap();
             let uavs: Vec<&Uav> = kept.iter().map(|candidate| &candidate.uav).collect();

@@ -171,6 +171,7 @@ fn the_simulators_agree_with_rays_through_the_city_as_built() {
             let city = BuiltUpCity {
                 built_up: asked.built_up,
                 size_m: simulator.city_size_m(),
+                margin_m: 0.0,
                 cell_m: 50.0,
                 seed: draw.seed,
                 ground_m: 0.0,

@@ -272,22 +272,24 @@ const FLAGS: [(&str, &str); 24] = [
     ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--building-threshold 5"),
     ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--nodata-as block"),
     ("stress dsm.asc --ground 0 --uav 2.5,2.5,9", "--crs EPSG:25832"),
-    ("stress a.geojson --uav 2,2,9", "--height-field tall"),
-    ("stress a.geojson --uav 2,2,9", "--top-field top"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--height-field tall"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--top-field top"),
     ("stress a.geojson --uav 2,2,9", "--missing levels"),
-    ("stress a.geojson --uav 2,2,9", "--height-unit ft"),
-    ("stress a.geojson --uav 2,2,9", "--extent 0,0,5,5"),
-    ("stress a.geojson --uav 2,2,9", "--cell 0.5"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--height-unit ft"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--extent 0,0,5,5"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--cell 0.5"),
     ("stress itu:urban --uav 9,9,50", "--size 100"),
-    ("stress a.geojson", "--uav 2,2,9"),
+    ("stress a.geojson --missing drop", "--uav 2,2,9"),
     ("stress --scenes 1", "--json"),
-    ("stress a.geojson --uav 2,2,9", "--method ray"),
+    ("stress a.geojson --uav 2,2,9 --missing drop", "--method ray"),
     ("stress --scenes 1", "--output -"),
     ("stress --scenes 1", "--threads 0"),
 ];
 
 /// Flags that change no answer, and the tests that show what they do.
-const OTHER: [(&str, &str); 12] = [
+const OTHER: [(&str, &str); 14] = [
+    ("--base", "other_bases_are_the_mean_by_area_and_the_highest"),
+    ("--data-area", "ground_beyond_the_last_house_holds_no_data"),
     ("--repairs", "every_command_that_reads_footprints_lists_repairs"),
     ("--project", "rows_6_to_9_of_reference_systems"),
     ("--levels-field", "every_flag_changes_the_plan"),
@@ -377,6 +379,6 @@ fn what_makes_no_sense_is_refused() {
     assert!(folder.text("old.csv").starts_with("family,method,exact,"));
     folder.type_in("stress --scenes 1 -o t.svg --title Ties -q").done();
     assert!(folder.text("t.svg").contains(">Ties<"));
-    folder.type_in("stress a.geojson --uav 2,2,9 -o c.svg --attribution Surveyors -q").done();
+    folder.type_in("stress a.geojson --missing drop --uav 2,2,9 -o c.svg --attribution Surveyors -q").done();
     assert!(folder.text("c.svg").contains(">Surveyors<"));
 }

@@ -68,7 +68,7 @@ pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
     Prisms::new(prisms.iter().enumerate().flat_map(|(building, prism)| {
         let rings: Vec<Vec<[i32; 2]>> =
             prism.rings.iter().map(|r| r.iter().map(|p| [narrow(p[0]), narrow(p[1])]).collect()).collect();
-        let (polygons, _) = even_odd(&rings);
+        let polygons = even_odd(&rings);
         let pieces = polygons.into_iter().flat_map(|polygon| match convex_pieces(&polygon) {
             ConvexPieces::Exact(pieces) => pieces,
             ConvexPieces::Hull(_) => panic!("{polygon:?} was not triangulated"),

@@ -21,7 +21,14 @@ fn built(scene: Scene) -> HeightField {
 }
 
 fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
-    let city = BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, cell_m: 1.0, seed, ground_m: 0.0 };
+    let city = BuiltUpCity {
+        built_up: BuiltUp::named(name).unwrap(),
+        size_m,
+        margin_m: 0.0,
+        cell_m: 1.0,
+        seed,
+        ground_m: 0.0,
+    };
     built(city.scene().unwrap())
 }
 
@@ -143,8 +150,12 @@ fn a_difference_is_counted_by_hand() {
     // 32 × 16 cells, open but for a wall 1 cell wide in column 16, 20 m high; the UAV 10 m high at the west end.
     let grid = GeoRef::new((0.0, 16.0), (1.0, 1.0), (16, 32), None).unwrap();
     let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect::<Vec<_>>();
-    let solids =
-        Solids::Raster { surface: Raster::new(grid.clone(), tops), ground: Ground::Flat(0), building_threshold: 256 };
+    let solids = Solids::Raster {
+        surface: Raster::new(grid.clone(), tops),
+        ground: Ground::Flat(0),
+        building_threshold: 256,
+        voids: None,
+    };
     let field = HeightField::build(&grid, solids, &mut Vec::new());
     let uav =
         Uav::place(&Site { id: "1".into(), x: 1.5, y: 8.5, height: Height::AboveGround(10.0) }, &field, None).unwrap();
@@ -268,7 +279,7 @@ fn maps_over_a_real_city_are_as_coarse_as_a_tolerance_allows() {
     let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let munich = munich.to_str().unwrap();
     let study = format!(
-        "plos {munich} --extent 691300,5334500,691700,5334900 --method maps --height 60,120 --radius 100,200 --positions 60 --json"
+        "plos {munich} --extent 691300,5334500,691700,5334900 --method maps --height 60,120 --radius 50,100 --positions 60 --json"
     );
     let exact = values(&folder.type_in(&study).done().json());
     let mut n_simpler = 0;

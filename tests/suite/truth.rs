@@ -16,8 +16,8 @@ use skyshed::los::link_los;
 use skyshed::quantity::{Height, LatticePoint, VOID, height_steps};
 use skyshed::raster::GeoTiff;
 use skyshed::scene::{
-    Footprint, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, SurfaceOptions, read_footprints,
-    read_surface,
+    DataAreaChoice, Footprint, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, SurfaceOptions,
+    read_footprints, read_surface,
 };
 
 use crate::oracle;
@@ -54,6 +54,7 @@ fn footprint_scene(buildings: &Path, terrain: &Path) -> Scene {
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
+        data_area: DataAreaChoice::All,
         terrain: Some(terrain.to_path_buf()),
         ..FootprintOptions::default()
     };

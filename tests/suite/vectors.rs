@@ -172,13 +172,24 @@ fn properties_of_openstreetmap_are_read_and_counted() {
     let inches = (472.0 * 0.0254_f64 * 1024.0).round() / 1024.0;
     assert_eq!(tops("--missing levels"), [15.0, inches, 20.0, 7.5, 100.0]);
     let feet = |v: f64| (v * 0.3048 * 1024.0 + 0.5).floor() / 1024.0;
-    assert_eq!(tops("--height-unit ft"), [inches, 20.0, feet(7.5), feet(100.0)]);
-    assert_eq!(tops("--missing levels --levels-field storeys --height-field none"), [6.0]);
-    let said = folder.type_in("info osm.geojson --height-field tall").done().err;
-    assert!(
-        said.contains("warning[W365]: osm.geojson: no feature has the property `tall`; there are `building`, "),
-        "{said}"
-    );
+    assert_eq!(tops("--height-unit ft --missing drop"), [inches, 20.0, feet(7.5), feet(100.0)]);
+    assert_eq!(tops("--missing levels --levels-field storeys"), [inches, 20.0, 7.5, 100.0]);
+    // A name that no feature has is always an error.
+    for line in
+        ["info osm.geojson --height-field tall", "city osm.geojson --top-field tall --missing levels -o a.geojson"]
+    {
+        let answer = folder.type_in(line);
+        let lines = answer.refused(3);
+        assert_eq!(
+            lines[0],
+            "error[E365]: cannot use osm.geojson: no feature has the property `tall`, wanted one that holds heights"
+        );
+        assert!(
+            lines[1].contains("`height`, ") && lines[1].contains("may hold heights: `--height-field NAME`"),
+            "{lines:?}"
+        );
+    }
+    let said = folder.type_in("info osm.geojson").done().err;
     for code in ["W361", "W362", "W363"] {
         assert!(said.contains(code), "{code}: {said}");
     }
@@ -287,7 +298,7 @@ fn what_cannot_be_a_scene_is_refused_in_words() {
         (
             "a.shp --missing fail --height-field tall",
             3,
-            "error[E309]: cannot use a.shp: feature `1` has no usable `tall`",
+            "error[E365]: cannot use a.shp: no feature has the property `tall`, wanted one that holds heights",
         ),
     ] {
         let answer = folder.type_in(&format!("info {file}"));

@@ -187,10 +187,14 @@ fn rows_14_to_19_of_shapes() {
 #[test]
 fn rows_20_to_25_of_uavs_and_receivers() {
     let folder = folder();
-    // 20: outside the raster nothing is known and nothing lies: only a height above the datum places a UAV there.
-    let said = refused(&folder, "map wall.asc --ground 0 --uav 50,10,30 --json", (4, "E204"));
+    // 20: outside the raster nothing is known and nothing lies: only a height above the datum places a UAV there, unless the
+    // ground was typed, which holds everywhere.
+    let said = refused(&folder, "map wall.asc --uav 50,10,30 --json", (4, "E204"));
     assert!(said.contains("30amsl"), "{said}");
-    mapped(&folder, "wall.asc --ground 0 --uav 50,10,30amsl");
+    mapped(&folder, "wall.asc --uav 50,10,30amsl");
+    mapped(&folder, "wall.asc --ground 0 --uav 50,10,30");
+    let said = refused(&folder, "map wall.asc --ground 4 --uav 50,10,3amsl --json", (4, "E202"));
+    assert!(said.contains("the lowest height in the clear is `0agl`"), "{said}");
     // 21: inside a building, with what to ask instead.
     let said = refused(&folder, "map wall.asc --ground 0 --uav 10.5,10.5,5 --json", (4, "E201"));
     assert!(said.contains("roof at 10 m") && said.contains("`5roof`"), "{said}");

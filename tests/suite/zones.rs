@@ -6,7 +6,7 @@ use skyshed::height_field::HeightField;
 use skyshed::quantity::Frame;
 use skyshed::raster::{GeoRef, Raster};
 use skyshed::scene::{
-    BuiltUp, BuiltUpCity, Footprint, FootprintFaults, FootprintOptions, Ground, NodataAs, Scene, Solids,
+    BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, FootprintOptions, Ground, NodataAs, Scene, Solids,
     SurfaceOptions, even_odd, read_footprints, read_surface,
 };
 use skyshed::zones::{NONE, Zone, ZoneBasis, ZoneMap};
@@ -22,10 +22,16 @@ fn vector_scene(rings: Vec<Vec<[i32; 2]>>, width: usize, height: usize) -> Heigh
     let footprints = rings
         .into_iter()
         .enumerate()
-        .map(|(k, ring)| Footprint { id: k.to_string(), polygons: even_odd(&[ring]).0, top: 10 * STEPS, base: 0 })
+        .map(|(k, ring)| Footprint { id: k.to_string(), polygons: even_odd(&[ring]), top: 10 * STEPS, base: Some(0) })
         .collect();
     let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
-    let solids = Solids::Vector { footprints, frame, ground: Ground::Flat(0), faults: FootprintFaults::default() };
+    let solids = Solids::Vector {
+        footprints,
+        frame,
+        ground: Ground::Flat(0),
+        faults: FootprintFaults::default(),
+        data_area: DataArea::All,
+    };
     HeightField::build(&grid, solids, &mut Vec::new())
 }
 
@@ -219,7 +225,7 @@ fn a_kiosk_in_a_street_does_not_divide_it() {
 }
 
 fn city(built_up: BuiltUp, size_m: f64) -> HeightField {
-    let scene = BuiltUpCity { built_up, size_m, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+    let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 
@@ -283,7 +289,7 @@ fn as_raster(field: &HeightField, cell: (f64, f64)) -> HeightField {
     let surface = Raster::new(grid.clone(), tops);
     HeightField::build(
         &grid,
-        Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS },
+        Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS, voids: None },
         &mut Vec::new(),
     )
 }
@@ -398,7 +404,7 @@ fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
     let open = field.cells().open.count() as f64;
     let share = |zone: Zone| map.count(zone) as f64 / open;
     assert!((0.05..0.3).contains(&share(Zone::Crossroad)), "{}", share(Zone::Crossroad));
-    assert!((0.05..0.2).contains(&share(Zone::Courtyard)), "{}", share(Zone::Courtyard));
+    assert!((0.1..0.35).contains(&share(Zone::Courtyard)), "{}", share(Zone::Courtyard));
     for n_threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         assert_eq!(pool.install(|| ZoneMap::of(&build(&munich()), None)), map);
@@ -439,7 +445,8 @@ fn a_mirrored_or_turned_city_has_mirrored_or_turned_zones() {
     let half_turn = symmetry(&scene, |[x, y]| [x_sum - x, y_sum - y], |row, col| (n_rows - 1 - row, n_cols - 1 - col));
     assert!(half_turn > 0.995, "{half_turn}");
     let built_up = BuiltUp::named("urban").unwrap();
-    let mut city = BuiltUpCity { built_up, size_m: 300.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+    let mut city =
+        BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
     city.built_up = None;
     let quarter_turn = symmetry(&city, |[x, y]| [300 * i64::from(STEPS) - y, x], |row, col| (299 - col, row));
     assert!(quarter_turn > 0.995, "{quarter_turn}");
@@ -486,7 +493,7 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
             let surface = Raster::new(grid.clone(), heights.clone());
             let field = HeightField::build(
                 &grid,
-                Solids::Raster { surface, ground, building_threshold: STEPS },
+                Solids::Raster { surface, ground, building_threshold: STEPS, voids: None },
                 &mut Vec::new(),
             );
             let map = ZoneMap::of(&field, None);

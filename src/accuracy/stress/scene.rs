@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::height_field::{CellKind, HeightField, Station};
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
-use crate::scene::{Footprint, FootprintFaults, Ground, Site, Solids, even_odd};
+use crate::scene::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids, even_odd};
 
 /// Edge length of a cell on the lattice of a board, and lattice steps to the meter.
 pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
@@ -195,12 +195,14 @@ impl StressScene {
                 surface: Raster::new(grid.clone(), board.tops.clone()),
                 ground: ground.map_or(Ground::Surface, Ground::Flat),
                 building_threshold: narrow(CELL / 4),
+                voids: None,
             },
             StressSolid::Prisms(prisms) => Solids::Vector {
                 footprints: prisms.iter().enumerate().map(footprint).collect(),
                 frame: self.world,
                 ground: Ground::Flat(0),
                 faults: FootprintFaults::default(),
+                data_area: DataArea::All,
             },
         };
         let mut warnings = Vec::new();
@@ -236,7 +238,7 @@ impl StressScene {
 
 /// A footprint as files have it: repaired by the even-odd rule.
 fn footprint((k, prism): (usize, &StressPrism)) -> Footprint {
-    Footprint { id: k.to_string(), polygons: even_odd(&prism.rings).0, top: prism.top, base: 0 }
+    Footprint { id: k.to_string(), polygons: even_odd(&prism.rings), top: prism.top, base: Some(0) }
 }
 
 /// A number of lattice steps that is known to be small.

@@ -15,7 +15,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::args::InfoArgs;
+use super::args::{InfoArgs, Missing};
 use super::messages;
 use super::words::pretty;
 use crate::error::{Error, Result};
@@ -24,6 +24,10 @@ use output::Output;
 use places::Places;
 
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
+    // What is wrong with a file is told, not refused.
+    let mut args = args.clone();
+    args.scene.missing.get_or_insert(Missing::Drop);
+    let args = &args;
     let path = Path::new(&args.scene.scene);
     if let Some(output) = Output::of(path) {
         return answer(args, &output.document(&command), &output.text());
@@ -35,7 +39,7 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
 }
 
 /// Flags that say something of a scene.
-const OF_SCENES: [&str; 16] = [
+const OF_SCENES: [&str; 18] = [
     "uav",
     "zones",
     "tile",
@@ -47,6 +51,8 @@ const OF_SCENES: [&str; 16] = [
     "height_unit",
     "levels_field",
     "missing",
+    "base",
+    "data_area",
     "layer",
     "extent",
     "cell",

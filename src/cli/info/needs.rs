@@ -214,6 +214,7 @@ fn other_cities(args: &InfoArgs, built_up: Option<BuiltUp>) -> Result<Vec<Height
         let city = BuiltUpCity {
             built_up,
             size_m: args.scene.size,
+            margin_m: 0.0,
             cell_m: args.scene.cell.unwrap_or(1.0),
             seed: args.scene.seed.wrapping_add(k),
             ground_m: args.scene.ground.unwrap_or(0.0),

@@ -94,12 +94,12 @@ struct Named {
 
 impl Found {
     fn of(args: &InfoArgs, scene: Scene, mut warnings: Vec<Warning>) -> Result<Found> {
-        let Scene { name, grid, solids, built_up, sources, attribution } = scene;
+        let Scene { name, grid, solids, built_up, sources, attribution, .. } = scene;
         let unit = meters_per_unit(&grid);
         let size = Tiles::size(args, &grid, unit)?;
         let (faults, heights, rectangles) = match &solids {
             Solids::Vector { footprints, faults, .. } => {
-                let heights = footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect();
+                let heights = footprints.iter().filter_map(Footprint::height_m).collect();
                 let rectangles = footprints.iter().filter(|f| f.is_rectangle()).count();
                 (Some(*faults), heights, Some(Rectangles { rectangles, footprints: footprints.len() }))
             }
@@ -122,10 +122,10 @@ impl Found {
                 .with_hint("give `--terrain FILE` or `--ground Z`"));
         }
         let tiles = size.map(|size| Tiles::of(&field, footprints.as_ref(), size)).transpose()?;
-        let area_km2 = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min()) * unit * unit / 1e6;
         #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
-        let built_up_ratio = counts.building as f64 / (counts.building + counts.open) as f64;
-        let estimate = BuiltUp::estimated(built_up_ratio, &heights, area_km2);
+        let (n_known, n_built) = ((counts.building + counts.open) as f64, counts.building as f64);
+        let area_km2 = n_known * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
+        let estimate = BuiltUp::estimated(n_built / n_known, &heights, area_km2);
         let scene = Named { name, built_up, sources, attribution };
         let rasters =
             std::iter::once(PathBuf::from(&args.scene.scene)).filter(|path| is_raster(path) && path.is_file());
@@ -314,7 +314,7 @@ impl Found {
         }
         if let Some(b) = self.estimate {
             text += &format!(
-                "estimated  α = {:.3}, β = {:.0}/km², γ = {:.1} m, over the whole extent\n",
+                "estimated  α = {:.3}, β = {:.0}/km², γ = {:.1} m, over the ground with data\n",
                 b.built_up_ratio, b.buildings_per_km2, b.height_scale
             );
         }
@@ -401,7 +401,7 @@ fn zones_json(zones: &ZoneMap, meters_per_unit: f64) -> Value {
 fn faults_json(f: FootprintFaults) -> Value {
     json!({
         "not_areas": f.not_areas, "repaired": f.repaired, "unclosed": f.unclosed, "degenerate": f.degenerate,
-        "missing_height": f.missing_height, "negative_height": f.negative_height, "decimal_comma": f.decimal_comma,
+        "stray_holes": f.stray_holes, "missing_height": f.missing_height, "negative_height": f.negative_height, "decimal_comma": f.decimal_comma,
         "no_ground": f.no_ground, "too_far": f.too_far, "from_levels": f.from_levels, "not_buildings": f.not_buildings,
         "floating": f.floating, "parts": f.parts,
     })

@@ -53,7 +53,7 @@ impl Search<'_> {
     }
 
     fn scorer(&self) -> Scorer<'_> {
-        Scorer { mapper: self.mapper, weights: self.weights }
+        Scorer::new(self.mapper, self.weights)
     }
 
     fn value(&self, score: Score) -> PlaceValue {

@@ -128,6 +128,10 @@ pub(in crate::cli) struct PlosArgs {
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000),
           help_heading = "Effort")]
     pub(in crate::cli) positions: u64,
+    /// Over a real city P_LoS at an angle is that of users who see the UAV within so many degrees of it
+    #[arg(long, value_name = "DEG", value_parser = number, default_value = "2.5", allow_hyphen_values = true,
+          help_heading = "Effort")]
+    pub(in crate::cli) theta_band: f64,
     /// Edge of the blocks of a real city that are resampled for its intervals [m]; default: an eighth of the city, at
     /// least 100 m
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, help_heading = "Effort")]

@@ -26,7 +26,7 @@ pub(super) fn coarsest_within(
     let mut compared: Vec<Vec<Station>> = Vec::with_capacity(groups.len());
     let mut are_all = true;
     for group in &groups {
-        let mut uavs = real.positions(args, group)?;
+        let (mut uavs, _) = real.positions(args, sweeps, group)?;
         are_all &= uavs.len() <= COMPARED;
         uavs.truncate(COMPARED);
         compared.push(uavs);

@@ -339,6 +339,7 @@ fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow
         height_m: setting.uav_height_m,
         rx_height_m: setting.rx_height_m,
         theta_deg: setting.theta_deg(),
+        theta_band_deg: None,
         phi_deg: setting.phi_deg,
         distance_m,
         radius_m,

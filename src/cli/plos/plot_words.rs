@@ -178,6 +178,12 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool)
             tidy(real.blocks.1),
             real.engine
         );
+        if let Some(band) = real.theta_band_deg {
+            line += &format!("; P_LoS at θ is of users within θ ± {}°", tidy(band));
+        }
+        if real.cut > 0 {
+            line += "; only positions whose discs lie in the data";
+        }
         if let Some(fit) = &real.fit {
             line += &format!(
                 "; {} buildings, γ = {:.2} ± {:.2} m, Kolmogorov–Smirnov distance {:.3}",

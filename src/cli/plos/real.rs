@@ -15,10 +15,11 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::{Band, RealCity, resampled};
 use crate::los_probability::setting::{Placement, Users};
-use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps, meters};
+use crate::placement::WholeDiscs;
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::report::{PlosRow, PlosValue, RealCityFacts};
-use crate::scene::{BuiltUp, Solids, Source};
+use crate::scene::{BuiltUp, Footprint, Solids, Source};
 use crate::zones::{Zone, ZoneMap};
 
 /// Values that share their UAV positions and their users.
@@ -50,8 +51,6 @@ pub(super) struct Sight {
     method: Method,
     block_m: f64,
     bands: Vec<Band>,
-    /// Whether the bands are the rings of discs.
-    is_nested: bool,
 }
 
 impl Sight {
@@ -62,11 +61,7 @@ impl Sight {
 
     /// What a UAV sees, `[block][band]`.
     pub(super) fn count(&self, city: &RealCity<'_>, uav: &Station) -> Vec<Count> {
-        let mut counts = city.count(uav, &self.bands);
-        if self.is_nested {
-            add_inner_rings(&mut counts, self.bands.len());
-        }
-        counts
+        city.count(uav, &self.bands)
     }
 }
 
@@ -92,7 +87,7 @@ impl Real {
         let scene = read_scene(args, warnings)?;
         let grid = scene.grid.clone();
         let heights: Vec<f64> = match &scene.solids {
-            Solids::Vector { footprints, .. } => footprints.iter().map(|f| meters(f.top) - meters(f.base)).collect(),
+            Solids::Vector { footprints, .. } => footprints.iter().filter_map(Footprint::height_m).collect(),
             Solids::Raster { .. } => Vec::new(),
         };
         check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
@@ -100,7 +95,7 @@ impl Real {
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = meters_per_unit(&grid);
-        let area_km2 = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min()) * unit * unit / 1e6;
+        let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
         Ok(Real { word: args.scene.clone(), field, zones, fit, sources: scene.sources, attribution: scene.attribution })
     }
@@ -136,8 +131,8 @@ impl Real {
         if block_m <= 0.0 {
             return Err(Error::usage(113, format!("`--block` is `{block_m}`, wanted above 0 m")));
         }
-        let (bands, is_nested) = bands(&sweeps.far);
-        let sight = Sight { method, block_m, bands, is_nested };
+        let theta_band = checked_theta_band(args)?;
+        let sight = Sight { method, block_m, bands: bands(&sweeps.far, theta_band) };
         let (coarse, tolerance) = match args.tolerance {
             Some(tolerance) => {
                 let (coarse, facts) = coarsest_within(self, args, (sweeps, &sight), tolerance)?;
@@ -149,11 +144,12 @@ impl Real {
         let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
         let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
         let mut rows = Vec::new();
-        let (mut n_positions, mut n_inside, mut n_blocks) = (0, 0, 0);
+        let (mut n_positions, mut n_inside, mut n_cut, mut n_blocks) = (0, 0, 0, 0);
         for group in Group::all(sweeps) {
             let city = self.city(args, (field, zones), group.users, &sight)?;
             n_blocks = city.n_blocks();
-            let uavs = self.positions(args, &group)?;
+            let (uavs, cut) = self.positions(args, sweeps, &group)?;
+            n_cut += cut;
             let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
             let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
             n_positions += uavs.len();
@@ -161,13 +157,16 @@ impl Real {
             let uavs: Vec<Station> =
                 uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
             let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| sight.count(&city, uav)).collect();
-            let estimates = resampled(&counts, sight.n_bands(), args.ci, args.scene.seed);
+            let blocks = city.blocks_with_users();
+            let estimates = resampled(&counts, &blocks, sight.n_bands(), args.ci, args.scene.seed);
             let row = |(far, e): (&Far, Estimate)| self.row(args, (group, *far), e);
             rows.extend(sweeps.far.iter().zip(estimates).map(row));
         }
         let facts = RealCityFacts {
             city: self.word.clone(),
             positions: (n_positions, n_inside),
+            cut: n_cut,
+            theta_band_deg: matches!(sweeps.far.first(), Some(Far::Theta(_))).then_some(theta_band),
             engine: method,
             blocks: (n_blocks, block_m),
             fit: self.fit.clone(),
@@ -230,6 +229,7 @@ impl Real {
             height_m: height,
             rx_height_m: args.rx_height,
             theta_deg,
+            theta_band_deg: matches!(far, Far::Theta(_)).then_some(args.theta_band),
             phi_deg: None,
             distance_m,
             radius_m,
@@ -240,8 +240,8 @@ impl Real {
         }
     }
 
-    /// Evenly spread positions over the city.
-    pub(super) fn positions(&self, args: &PlosArgs, group: &Group) -> Result<Vec<Station>> {
+    /// Evenly spread positions over the data of the city, and how many were left out because a disc around them is cut.
+    pub(super) fn positions(&self, args: &PlosArgs, sweeps: &Sweeps, group: &Group) -> Result<(Vec<Station>, usize)> {
         let Group { placement, height, .. } = *group;
         let grid = self.field.grid();
         let above = height_steps(height)
@@ -259,60 +259,57 @@ impl Real {
                 Placement::Street => zone_below(x, y, &place) == Some(Zone::Street),
                 Placement::Crossroad => zone_below(x, y, &place) == Some(Zone::Crossroad),
                 _ => true,
-            };
+            } && self.field.is_known_at(x, y);
             (ground != VOID && is_wanted).then(|| Station { place, z: i64::from(ground) + i64::from(above) })
         };
+        let unit = meters_per_unit(grid);
+        let widest = sweeps.far.iter().filter_map(|far| match far {
+            Far::Radius(radius) => Some(*radius / unit),
+            _ => None,
+        });
+        let radius = widest.fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
+        let whole = radius.map(|radius| WholeDiscs::of(&self.field, Some(radius)));
         let n = usize::try_from(args.positions).unwrap_or(usize::MAX);
         // A zone that no place of so many is in is too small to be met by chance.
         let most = n.saturating_mul(10_000);
-        let found: Vec<Station> = Points::new(args.scene.seed, 0).take(most).filter_map(station).take(n).collect();
+        let mut n_cut = 0;
+        let is_whole = |station: &Station| {
+            let is_whole = whole.as_ref().is_none_or(|discs| discs.contains(station.place.x, station.place.y));
+            n_cut += usize::from(!is_whole);
+            is_whole
+        };
+        let drawn = Points::new(args.scene.seed, 0).take(most).filter_map(station);
+        let found: Vec<Station> = drawn.filter(is_whole).take(n).collect();
+        if found.is_empty() && n_cut > 0 {
+            let text = format!("cannot place UAVs over {}: no disc of the largest radius lies in its data", self.word);
+            return Err(Error::site(216, text).with_hint("a smaller `--radius`, or a larger `--extent`"));
+        }
         if found.is_empty() {
             return Err(Error::site(204, format!("cannot place UAVs over {}: there is no such place", self.word)));
         }
-        Ok(found)
+        Ok((found, n_cut))
     }
 }
 
-/// A band around each angle or distance, up to half-way to its neighbors; and whether they are the rings of discs.
-fn bands(far: &[Far]) -> (Vec<Band>, bool) {
-    let values: Vec<f64> = far
-        .iter()
-        .map(|f| match *f {
-            Far::Theta(v) | Far::Distance(v) | Far::Radius(v) => v,
-        })
-        .collect();
-    // Half a step to each side; a lone value stands for what a step of 5° or a tenth would be.
-    let half = |k: usize, other: Option<usize>, alone: f64| match other {
-        Some(other) => (values[other] - values[k]).abs() / 2.0,
-        None => alone,
-    };
-    let ends = |k: usize, alone: f64| {
-        let (before, after) = (k.checked_sub(1), (k + 1 < values.len()).then_some(k + 1));
-        let low = half(k, before.or(after), alone);
-        let high = half(k, after.or(before), alone);
-        ((values[k] - low).max(0.0), values[k] + high)
-    };
-    let band = |k: usize| match far[k] {
-        Far::Theta(_) => {
-            let (low, high) = ends(k, 2.5);
-            Band::elevation(low, high.min(90.0))
-        }
+/// The half width of a band of elevation angles [deg].
+fn checked_theta_band(args: &PlosArgs) -> Result<f64> {
+    let band = args.theta_band;
+    if band > 0.0 && band <= 45.0 {
+        return Ok(band);
+    }
+    Err(Error::usage(113, format!("`--theta-band` is `{band}`, wanted above 0° and at most 45°")))
+}
+
+/// A band for each angle, distance or radius, which depends on no other: θ ± the half width, 5 % (at least 0.5 m) to both
+/// sides of a distance, all users within a radius.
+fn bands(far: &[Far], theta_band: f64) -> Vec<Band> {
+    let band = |far: &Far| match *far {
+        Far::Theta(v) => Band::elevation((v - theta_band).max(0.0), (v + theta_band).min(90.0)),
         Far::Distance(v) => {
-            let (low, high) = ends(k, (0.05 * v).max(0.5));
-            Band::distance(low, high)
+            let half = (0.05 * v).max(0.5);
+            Band::distance((v - half).max(0.0), v + half)
         }
-        Far::Radius(v) => Band::distance(if k > 0 { values[k - 1].next_up() } else { 0.0 }, v.next_up()),
+        Far::Radius(v) => Band::distance(0.0, v.next_up()),
     };
-    ((0..values.len()).map(band).collect(), matches!(far.first(), Some(Far::Radius(_))))
-}
-
-/// Makes counts of rings, `[block][ring]`, counts of discs.
-fn add_inner_rings(counts: &mut [Count], n_rings: usize) {
-    for of_block in counts.chunks_mut(n_rings) {
-        for k in 1..n_rings {
-            let inner = of_block[k - 1];
-            of_block[k].receivers += inner.receivers;
-            of_block[k].los += inner.los;
-        }
-    }
+    far.iter().map(band).collect()
 }
