@@ -13,11 +13,11 @@ use crate::height_field::Station;
 use crate::los::Method;
 use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
-use crate::render::{self, LinkProfile, ProfileStep, StepKind};
+use crate::render::{self, LinkProfile, PictureForm, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
 use crate::scene::Site;
 
-const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::Stdout];
+const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let rx = match (&args.track, &args.rx) {
@@ -38,6 +38,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
             bare: false,
         },
     )?;
+    args.size.refuse_without_picture(&outputs)?;
     let scene = ready(&args.scene, args.engine.max_memory)?;
     check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
@@ -56,7 +57,9 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     for (path, format) in &outputs {
         let bytes = match format {
             Format::Json => pretty(&report.document()).into_bytes(),
-            Format::Png | Format::Svg => picture(&scene, &uav, &receiver, &report, *format == Format::Svg)?,
+            Format::Png | Format::Svg | Format::Pdf => {
+                picture(&scene, &uav, &receiver, &report, &args.size.form(*format))?
+            }
             _ => continue,
         };
         interrupt::check()?;
@@ -236,7 +239,7 @@ fn in_words(report: &LinkReport) -> String {
     text
 }
 
-fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as_vectors: bool) -> Result<Vec<u8>> {
+fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, form: &PictureForm) -> Result<Vec<u8>> {
     let field = &scene.field;
     if report.distance_m <= 0.0 {
         return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
@@ -262,11 +265,7 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as
         obstruction,
     };
     let provenance = [("skyshed".to_string(), report.document().to_string())];
-    let drawn = if as_vectors {
-        render::draw_link_profile_svg(&profile, &provenance).map(String::into_bytes)
-    } else {
-        render::draw_link_profile(&profile, &provenance)
-    };
+    let drawn = render::draw_link_profile(&profile, form, &provenance);
     drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
 }
 

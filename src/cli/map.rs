@@ -28,9 +28,10 @@ use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tal
 use crate::scene::{Site, StreamedSurface, read_sites};
 
 /// Formats of `skyshed map`.
-const FORMATS: [Format; 13] = [
+const FORMATS: [Format; 14] = [
     Format::Png,
     Format::Svg,
+    Format::Pdf,
     Format::GeoTiff,
     Format::Exr,
     Format::AsciiGrid,
@@ -95,7 +96,9 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
         return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
     }
-    let files = [outputs.as_slice(), curve_plan.outputs()].concat();
+    // A pixel of a bare file is a cell: it has neither words nor a size.
+    let is_drawn = |(_, format): &&(PathBuf, Format)| !(args.bare && *format == Format::Png);
+    let files: Vec<_> = outputs.iter().filter(is_drawn).chain(curve_plan.outputs()).cloned().collect();
     args.words.refuse_without_picture(&files)?;
     let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
     let Given { sites: given_sites, scene: given_scene, unit } = given;

@@ -8,7 +8,7 @@ use super::tolerance::in_words as tolerance_in_words;
 use super::words::unbreakable;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally};
 use crate::error::Result;
-use crate::export::Layer;
+use crate::export::{Format, Layer};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MapPicture, Mark};
@@ -32,8 +32,8 @@ pub(super) struct MapDrawing<'a> {
 }
 
 impl MapDrawing<'_> {
-    /// The picture as PNG, or as vectors.
-    pub(super) fn draw(&self, as_vectors: bool, provenance: &[(String, String)]) -> Result<Vec<u8>> {
+    /// The picture as a file of a format.
+    pub(super) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let grid = self.scene.field.grid();
         let shown = grid.part(self.window_in_range());
         let unit = meters_per_unit(grid);
@@ -91,11 +91,7 @@ impl MapDrawing<'_> {
             others_name,
             counts: self.counts,
         };
-        if as_vectors {
-            render::draw_map_svg(&picture, provenance).map(String::into_bytes).map_err(undrawable)
-        } else {
-            render::draw_map(&picture, provenance).map_err(undrawable)
-        }
+        render::draw_map(&picture, &self.words.size.form(format), provenance).map_err(undrawable)
     }
 
     /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.

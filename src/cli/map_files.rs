@@ -79,8 +79,7 @@ impl Writer<'_> {
         let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
         match format {
             Format::Png if self.args.bare => self.bare(path),
-            Format::Png => one(self.picture(false)?),
-            Format::Svg => one(self.picture(true)?),
+            Format::Png | Format::Svg | Format::Pdf => one(self.picture(format)?),
             // The time of writing is not known before the file is written.
             Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
             Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
@@ -134,7 +133,7 @@ impl Writer<'_> {
         Ok(files)
     }
 
-    fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
+    fn picture(&self, format: Format) -> Result<Vec<u8>> {
         let drawing = MapDrawing {
             scene: self.scene,
             coverages: self.coverages,
@@ -146,8 +145,9 @@ impl Writer<'_> {
             counts: None,
             note: None,
         };
-        drawing.draw(as_vectors, &self.provenance())
+        drawing.draw(format, &self.provenance())
     }
+
     /// The polygons that were asked for.
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.scene.field.grid();

@@ -4,7 +4,7 @@ use super::words::{picture_provenance, title_of, unbreakable};
 use crate::error::{Error, Result};
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{SampledReport, SampledRow};
 use crate::zones::Zone;
 
@@ -12,7 +12,7 @@ use crate::zones::Zone;
 pub(super) fn plot(
     report: &SampledReport,
     (title, credit): (Option<&str>, Option<&str>),
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Vec<u8>> {
     let placements = in_order(report, |row| row.placement);
     let receivers = in_order(report, |row| row.receivers);
@@ -69,11 +69,7 @@ pub(super) fn plot(
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
     let provenance = picture_provenance(&report.provenance());
-    let drawn = if as_vectors {
-        render::draw_curve_sheet_svg(&sheet, &provenance).map(String::into_bytes)
-    } else {
-        render::draw_curve_sheet(&sheet, &provenance)
-    };
+    let drawn = render::draw_curve_sheet(&sheet, form, &provenance);
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
 }
 

@@ -9,6 +9,7 @@ use super::lettering;
 use super::map_layers::{self, Backing};
 use super::marks::{Mark, draw_marks};
 use super::paint;
+use super::picture_form::PictureForm;
 use super::sheet::{Drawing, Sheet, Type, pixels};
 
 const MARGIN: f64 = 40.0;
@@ -68,21 +69,17 @@ pub struct ComparePair<'a> {
     pub second: usize,
 }
 
-/// Draws placements as PNG.
+/// Draws placements.
 ///
 /// # Errors
 /// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, a cell size that
 /// is not positive, or a keyword of `provenance` that PNG does not allow.
-pub fn draw_compare_sheet(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(sheet)?.to_png(provenance)
-}
-
-/// Draws placements as an SVG document: words and marks as vectors, the maps as embedded PNG.
-///
-/// # Errors
-/// As [`draw_compare_sheet`].
-pub fn draw_compare_sheet_svg(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(sheet)?.to_svg(provenance)
+pub fn draw_compare_sheet(
+    sheet: &CompareSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
 }
 
 /// Columns of maps, and the length \[px\] that the longer side of a map aims at.
@@ -397,11 +394,13 @@ mod tests {
             surface_m: None,
             others_name: "",
         };
-        assert!(draw_compare_sheet(&sheet, &[]).is_err());
+        assert!(draw_compare_sheet(&sheet, &PictureForm::PNG, &[]).is_err());
         let two = [one[0], CompareMap { mask: &[1, 1], ..one[0] }];
-        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &[]).is_err());
+        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &PictureForm::PNG, &[]).is_err());
         let pair = [ComparePair { title: "", detail: "", first: 0, second: 2 }];
         let two = [one[0]; 2];
-        assert!(draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &[]).is_err());
+        assert!(
+            draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &PictureForm::PNG, &[]).is_err()
+        );
     }
 }

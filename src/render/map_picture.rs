@@ -8,6 +8,7 @@ use super::furniture::{self, TITLE};
 use super::map_layers;
 use super::marks::{Mark, draw_marks};
 use super::paint;
+use super::picture_form::PictureForm;
 use super::sheet::{Drawing, Sheet};
 use crate::coverage::Tally;
 
@@ -111,23 +112,19 @@ pub struct MapClass<'a> {
     pub color: [u8; 3],
 }
 
-/// Draws a map as PNG.
+/// Draws a map.
 ///
 /// Cost: one pass over the cells, in parallel. Memory beyond the input is that of the picture.
 ///
 /// # Errors
 /// An empty raster, an array of another length, a cell size that is not positive, or a keyword of `provenance` that
 /// PNG does not allow.
-pub fn draw_map(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(picture)?.to_png(provenance)
-}
-
-/// Draws a map as one SVG document: words and marks as vectors, the map itself as an embedded PNG.
-///
-/// # Errors
-/// As [`draw_map`].
-pub fn draw_map_svg(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(picture)?.to_svg(provenance)
+pub fn draw_map(
+    picture: &MapPicture<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(picture)?.write(form, provenance)
 }
 
 fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
@@ -247,6 +244,7 @@ fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::render::colors;
+    use crate::render::text;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -275,7 +273,7 @@ mod tests {
         let sheet = compose(&picture).expect("the picture is valid");
         let (left, top, map) = &sheet.images[0];
         assert_eq!(map.dimensions(), (960, 640));
-        let file = draw_map(&picture, &[]).expect("the picture is valid");
+        let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
         let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
         assert_eq!(image.width(), crate::render::sheet::pixels(sheet.width));
         assert_eq!(image.get_pixel(left + 100, top + 100).0, colors::NLOS);
@@ -321,7 +319,7 @@ mod tests {
     fn equal_input_gives_equal_bytes() {
         let mask: Vec<u8> = (0..5000_u16).map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3")).collect();
         let picture = picture(Layer::Los(&mask), 100, 50);
-        assert_eq!(draw_map(&picture, &[]), draw_map(&picture, &[]));
+        assert_eq!(draw_map(&picture, &PictureForm::PNG, &[]), draw_map(&picture, &PictureForm::PNG, &[]));
     }
 
     #[test]
@@ -331,7 +329,7 @@ mod tests {
         for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
             let mask = vec![1; n_cols * n_rows];
             let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
-            let file = draw_map(&picture, &[]).expect("the picture is valid");
+            let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
             let image = image::load_from_memory(&file).expect("it is a PNG");
             assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
         }
@@ -339,17 +337,18 @@ mod tests {
 
     #[test]
     fn input_of_the_wrong_shape_is_refused() {
-        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &[]).is_err());
-        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &[]).is_err());
+        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &PictureForm::PNG, &[]).is_err());
         let flat = MapPicture { cell_m: (1.0, 0.0), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&flat, &[]).is_err());
+        assert!(draw_map(&flat, &PictureForm::PNG, &[]).is_err());
         let surface = MapPicture { surface_m: Some(&[1.0; 3]), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&surface, &[]).is_err());
+        assert!(draw_map(&surface, &PictureForm::PNG, &[]).is_err());
     }
 
     #[test]
     fn vector_output_holds_the_same_words() {
-        let svg = draw_map_svg(&picture(Layer::Los(&[0, 1]), 2, 1), &[]).expect("the picture is valid");
+        let svg =
+            text(draw_map(&picture(Layer::Los(&[0, 1]), 2, 1), &PictureForm::SVG, &[])).expect("the picture is valid");
         assert!(svg.starts_with("<svg") && svg.contains("No line of sight") && svg.contains("<image"));
     }
 }

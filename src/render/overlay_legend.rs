@@ -2,6 +2,7 @@
 
 use super::colors::{LOS, NLOS};
 use super::furniture::{Swatch, legend_entry, stack};
+use super::picture_form::PictureForm;
 use super::sheet::{Drawing, Sheet};
 
 /// Space around the entries and between them \[px\].
@@ -25,5 +26,5 @@ pub fn draw_overlay_legend(title: &str, provenance: &[(String, String)]) -> Resu
         images: Vec::new(),
         furniture,
     };
-    sheet.to_png(provenance)
+    sheet.write(&PictureForm::PNG, provenance)
 }

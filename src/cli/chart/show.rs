@@ -9,10 +9,9 @@ use crate::cli::receivers::{cell_names, setting_line};
 use crate::cli::words::{title_of, unbreakable};
 use crate::coverage::Uav;
 use crate::error::Result;
-use crate::export::Format;
 use crate::los_probability::models::Model;
 use crate::quantity::{counted, tidy};
-use crate::render::{Tradeoff, TradeoffPoint, draw_tradeoff, draw_tradeoff_svg, grouped};
+use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
 use crate::report::{ChartReport, PlosChartReport};
 
 /// A picture with its words.
@@ -48,8 +47,8 @@ struct Point {
 const MOST_UAVS: usize = 4;
 
 impl Picture {
-    /// Draws it as a file of this format.
-    pub(super) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
+    /// Draws it as a file.
+    pub(super) fn draw(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let points: Vec<TradeoffPoint<'_>> = self
             .points
             .iter()
@@ -69,11 +68,7 @@ impl Picture {
             points: &points,
             front: &self.front,
         };
-        let drawn = match format {
-            Format::Svg => draw_tradeoff_svg(&plot, provenance).map(String::into_bytes),
-            _ => draw_tradeoff(&plot, provenance),
-        };
-        drawn.map_err(undrawable)
+        draw_tradeoff(&plot, form, provenance).map_err(undrawable)
     }
 }
 

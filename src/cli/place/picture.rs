@@ -57,10 +57,8 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
-    let drawn = match format {
-        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
-        _ => render::draw_map(&picture, &provenance),
-    };
+    let form = job.args.words.size.form(format);
+    let drawn = render::draw_map(&picture, &form, &provenance);
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
 }
 

@@ -120,11 +120,8 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
-    match format {
-        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
-        _ => render::draw_map(&picture, &provenance),
-    }
-    .map_err(undrawable)
+    let form = job.args.words.size.form(format);
+    render::draw_map(&picture, &form, &provenance).map_err(undrawable)
 }
 
 /// More UAVs than this are not listed in the caption.

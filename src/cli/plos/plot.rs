@@ -8,7 +8,7 @@ use crate::cli::words::{picture_provenance, unbreakable};
 use crate::error::{Error, Result};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::rayleigh_cdf;
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{PlosReport, PlosRow};
 
 /// What pictures need beside the report.
@@ -32,7 +32,7 @@ pub(super) fn draw(
     sweeps: &Sweeps,
     facts: &Facts,
     report: &PlosReport,
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Vec<u8>> {
     let varying = sweeps.varying();
     let is_heat = match args.plot {
@@ -51,9 +51,9 @@ pub(super) fn draw(
     let caption = caption(facts, report, !is_heat);
     let provenance = picture_provenance(&report.provenance());
     let drawn = if is_heat {
-        heat_maps(report, &varying, &title, &caption, &provenance, as_vectors)?
+        heat_maps(report, &varying, &title, &caption, &provenance, form)?
     } else {
-        curves((report, facts), &varying, &title, &caption, &provenance, as_vectors)?
+        curves((report, facts), &varying, &title, &caption, &provenance, form)?
     };
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
 }
@@ -74,7 +74,7 @@ fn curves(
     title: &str,
     caption: &[String],
     provenance: &[(String, String)],
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Drawn> {
     let (x, values) = varying.first().cloned().unwrap_or_else(|| {
         // A single value is a point on the axis of what it was asked for.
@@ -163,11 +163,7 @@ fn curves(
         _ => 3,
     };
     let sheet = CurveSheet { title, caption, panels: &sheet_panels, columns };
-    Ok(if as_vectors {
-        render::draw_curve_sheet_svg(&sheet, provenance).map(String::into_bytes)
-    } else {
-        render::draw_curve_sheet(&sheet, provenance)
-    })
+    Ok(render::draw_curve_sheet(&sheet, form, provenance))
 }
 
 /// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.
