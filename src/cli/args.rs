@@ -384,10 +384,11 @@ impl ReceiversArg {
 pub(super) enum LayerArg {
     /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata
     Los,
-    /// Receiver height less the least height in line of sight [m]
+    /// Receiver height less the least visible height [m]
     Margin,
-    /// Least receiver height in line of sight [m above the datum]
-    Ceiling,
+    /// Least receiver height in line of sight [m above the datum]; once called ceiling
+    #[value(alias = "ceiling")]
+    LeastReceiverHeight,
     /// Least UAV height over its place that sees the receiver [m above the datum]
     LeastHeight,
     /// How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, down, all

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::Method;
-use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
+use crate::los::{LeastHeight, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::render::{self, LinkProfile, PictureForm, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
@@ -141,7 +141,7 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
 
 fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -> LinkReport {
     let field = &scene.field;
-    let (prisms, columns) = link_ceilings(field, &uav.station, receiver);
+    let (prisms, columns) = link_least_receiver_heights(field, &uav.station, receiver);
     let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
     let steps = f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
@@ -150,7 +150,7 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
     let (from, to) = (receiver.place, uav.station.place);
     let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
 
-    // The ceiling is never below what the receiver stands on: the roof if it is on or above one, else the ground.
+    // The least visible height is never below what the receiver stands on: the roof if it is on or above one, else the ground.
     let ground = field.ground_at(&receiver.place);
     let roof = field.roof_at(&receiver.place).filter(|roof| receiver.z >= i64::from(*roof));
     let floor = match (roof, ground) {
@@ -158,20 +158,20 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
         (None, VOID) => f64::NEG_INFINITY,
         (None, ground) => f64::from(ground),
     };
-    let ceiling = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
-    let margin = receiver_z - ceiling;
+    let least = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
+    let margin = receiver_z - least;
     let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
 
     let columns_kind = if field.prisms().is_some() { "terrain" } else { "cell" };
     let higher = match (&prisms, &columns) {
-        (Ceiling::At(p), Ceiling::At(c)) => {
+        (LeastHeight::At(p), LeastHeight::At(c)) => {
             let (a, b) = (prisms.height_steps(), columns.height_steps());
             let prisms_win = a > b || (a >= b && p.near <= c.near);
             if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
         }
-        (Ceiling::At(p), Ceiling::Clear) => Some((*p, true)),
-        (Ceiling::Clear, Ceiling::At(c)) => Some((*c, false)),
-        (Ceiling::Clear, Ceiling::Clear) => None,
+        (LeastHeight::At(p), LeastHeight::Clear) => Some((*p, true)),
+        (LeastHeight::Clear, LeastHeight::At(c)) => Some((*c, false)),
+        (LeastHeight::Clear, LeastHeight::Clear) => None,
     };
     let obstruction = higher.filter(|_| !los).map(|(o, of_prisms)| {
         let t = obstructing_fraction(&o, uav_z >= receiver_z);

@@ -155,7 +155,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let options = MapOptions {
         layers: HeightLayers {
             margin: layers.contains(&Layer::Margin),
-            ceiling: layers.contains(&Layer::Ceiling),
+            least_receiver_height: layers.contains(&Layer::LeastReceiverHeight),
             least_height: layers.contains(&Layer::LeastHeight),
             stability: layers.contains(&Layer::Stability),
         },
@@ -308,7 +308,7 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
         let layer = match layer {
             LayerArg::Los => Layer::Los,
             LayerArg::Margin => Layer::Margin,
-            LayerArg::Ceiling => Layer::Ceiling,
+            LayerArg::LeastReceiverHeight => Layer::LeastReceiverHeight,
             LayerArg::LeastHeight => Layer::LeastHeight,
             LayerArg::Stability => Layer::Stability,
             LayerArg::Count => Layer::Count,

@@ -68,7 +68,7 @@ impl MapDrawing<'_> {
             let subject = match (&layer, self.coverages.len()) {
                 (render::Layer::Field { .. }, _) => match self.layers.first() {
                     Some(Layer::Margin) => "Margin of line of sight in",
-                    Some(Layer::Ceiling) => "Least receiver height in line of sight in",
+                    Some(Layer::LeastReceiverHeight) => "Least receiver height in line of sight in",
                     _ => "Least UAV height that sees",
                 },
                 (render::Layer::Stability { .. }, _) => "Stability of line of sight in",
@@ -134,7 +134,7 @@ impl MapDrawing<'_> {
             uav: site.uav.clone(),
             mask: crop(&site.mask, n_cols, window).into(),
             margin: part(&site.margin),
-            ceiling: part(&site.ceiling),
+            least_receiver_height: part(&site.least_receiver_height),
             least_height: part(&site.least_height),
             stability: site
                 .stability
@@ -153,7 +153,7 @@ impl MapDrawing<'_> {
         let wanted = self.layers.iter().find_map(|layer| match layer {
             Layer::Los | Layer::Count | Layer::Which => Some(render::Layer::Los(mask)),
             Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
-            Layer::Ceiling => field(&site.ceiling, "Ceiling, above the datum"),
+            Layer::LeastReceiverHeight => field(&site.least_receiver_height, "Ceiling, above the datum"),
             Layer::LeastHeight => field(&site.least_height, "Least UAV height, above the datum"),
             Layer::Stability => site.stability.as_ref().map(|s| render::Layer::Stability { turns: &s.turns, mask }),
         });
