@@ -436,7 +436,8 @@ pub(super) struct MapArgs {
     /// 99 % confidence, measured on a sample of receivers that are decided exactly; says what was taken and measured
     #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true)]
     pub(super) tolerance: Option<f64>,
-    /// Layers to make, separated by commas
+    /// Layers to make, separated by commas; pictures show the first, of several UAVs the number that see a cell for `los`,
+    /// colors or a map each for the others
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
     /// File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on

@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
+use super::map_drawing::draws_each;
 use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
@@ -164,8 +165,9 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
 
     // Masks are kept for what is written cell by cell, unless that is done while they are made; for counts they are laid over
     // each other and dropped.
+    let shows_masks = |f: Format| holds_masks(f, args) || f.is_picture() && draws_each(&layers);
     let keeps_masks =
-        uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| holds_masks(*f, args));
+        uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| shows_masks(*f));
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let is_shifted = layers.contains(&Layer::Stability);
     let direct = written_at_once(&outputs, &layers, args)

@@ -13,6 +13,7 @@ mod info;
 mod interrupt;
 mod link;
 mod map;
+mod map_classes;
 mod map_drawing;
 mod map_files;
 mod map_sites;

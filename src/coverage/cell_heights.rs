@@ -3,7 +3,7 @@
 use super::row_bands::Row;
 use super::{HeightLayers, Uav};
 use crate::height_field::{GridPositions, HeightField, Place, Station};
-use crate::los::{GridReceivers, link_least_receiver_heights, link_least_heights};
+use crate::los::{GridReceivers, link_least_heights, link_least_receiver_heights};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::set_bits;
 

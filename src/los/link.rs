@@ -1,8 +1,8 @@
 //! One link of a scene: both solids together, each on its own lattice.
 
 use super::{
-    LeastHeight, columns_least_receiver_height, columns_least_height, columns_least_step, columns_los, prisms_least_receiver_height,
-    prisms_least_height, prisms_least_step, prisms_los,
+    LeastHeight, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
+    prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };
 use crate::height_field::{HeightField, Station};
 
@@ -14,10 +14,18 @@ pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool 
 }
 
 /// The least visible height of each solid at the receiver's place, prisms first: the receiver is LoS from the higher one up.
-pub fn link_least_receiver_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (LeastHeight, LeastHeight) {
+pub fn link_least_receiver_heights(
+    field: &HeightField,
+    uav: &Station,
+    receiver: &Station,
+) -> (LeastHeight, LeastHeight) {
     (
-        field.prisms().map_or(LeastHeight::Clear, |p| prisms_least_receiver_height(p, uav.on_prisms(), receiver.on_prisms())),
-        field.columns().map_or(LeastHeight::Clear, |c| columns_least_receiver_height(c, uav.on_columns(), receiver.on_columns())),
+        field
+            .prisms()
+            .map_or(LeastHeight::Clear, |p| prisms_least_receiver_height(p, uav.on_prisms(), receiver.on_prisms())),
+        field
+            .columns()
+            .map_or(LeastHeight::Clear, |c| columns_least_receiver_height(c, uav.on_columns(), receiver.on_columns())),
     )
 }
 
@@ -39,6 +47,8 @@ pub fn link_least_step(field: &HeightField, uav: &Station, receiver: &Station, f
 pub fn link_least_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (LeastHeight, LeastHeight) {
     (
         field.prisms().map_or(LeastHeight::Clear, |p| prisms_least_height(p, uav.on_prisms(), receiver.on_prisms())),
-        field.columns().map_or(LeastHeight::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
+        field
+            .columns()
+            .map_or(LeastHeight::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
     )
 }

@@ -49,11 +49,15 @@ mod simd;
 mod sweep;
 
 pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
-pub use columns_ray::{columns_least_receiver_height, columns_crossed, columns_least_height, columns_least_step, columns_los};
+pub use columns_ray::{
+    columns_crossed, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
+};
 pub use grid_los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
-pub use link::{link_least_receiver_heights, link_least_heights, link_least_step, link_los};
+pub use link::{link_least_heights, link_least_receiver_heights, link_least_step, link_los};
 pub use obstruction::{LeastHeight, Obstruction};
-pub use prisms_ray::{prisms_least_receiver_height, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
+pub use prisms_ray::{
+    prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
+};
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
 pub use shadow_plateaus::{OnPlateaus, PlateauScene, plateaus_los};

@@ -128,7 +128,7 @@ pub fn draw_map(
 }
 
 fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
-    check(picture)?;
+    check_layer(picture.layer, [picture.n_cols, picture.n_rows], picture.cell_m, picture.surface_m)?;
     let axes = paint::scale(picture.n_cols, picture.n_rows, picture.cell_m);
     let (painted, legend) = map_layers::paint_layer(picture, axes);
     let size = axes.map(|axis| axis.n_px as f64);
@@ -150,7 +150,7 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     furniture.place(&title.drawing, left, MARGIN - 6.0);
     furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
     furniture.place(&cell_borders(picture, size), left, top);
-    furniture.place(&rings(picture, px_per_cell), left, top);
+    furniture.place(&rings(picture.layer, picture.n_cols, px_per_cell), left, top);
     furniture.place(&draw_marks(picture.uavs, size, px_per_cell, picture.cell_m), left, top);
     let mut bottom = top + map_h;
     if narrow {
@@ -176,13 +176,18 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     })
 }
 
-fn check(picture: &MapPicture<'_>) -> Result<(), String> {
-    let shape = |name: &str, length: usize| super::check_shape(name, length, picture.n_cols, picture.n_rows);
-    let (cell_x, cell_y) = picture.cell_m;
+/// Refuses a layer, cell sizes or a surface that cannot be drawn.
+pub(crate) fn check_layer(
+    layer: Layer<'_>,
+    [n_cols, n_rows]: [usize; 2],
+    (cell_x, cell_y): (f64, f64),
+    surface_m: Option<&[f32]>,
+) -> Result<(), String> {
+    let shape = |name: &str, length: usize| super::check_shape(name, length, n_cols, n_rows);
     if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
         return Err(format!("cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"));
     }
-    match picture.layer {
+    match layer {
         Layer::Los(mask) => shape("mask", mask.len())?,
         Layer::Count { count, mask, .. } => {
             shape("count", count.len())?;
@@ -205,15 +210,15 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
             shape("outlines", outlines.len())?;
         }
     }
-    picture.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
+    surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
 }
 
 /// Rings around the few receivers that a move turns.
-fn rings(picture: &MapPicture<'_>, px_per_cell: [f64; 2]) -> Drawing {
+pub(crate) fn rings(layer: Layer<'_>, n_cols: usize, px_per_cell: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
     let radius = 0.71 * px_per_cell[0].max(px_per_cell[1]) + 8.0;
-    for cell in map_layers::ringed(picture.layer) {
-        let place = [cell % picture.n_cols, cell / picture.n_cols];
+    for cell in map_layers::ringed(layer) {
+        let place = [cell % n_cols, cell / n_cols];
         let [x, y] = [0, 1].map(|k| (place[k] as f64 + 0.5) * px_per_cell[k]);
         drawing.circle([x, y], radius, &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"2\""));
     }

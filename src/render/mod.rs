@@ -5,6 +5,7 @@
 //! rasterized with the embedded font, or kept as vectors.
 //!
 //! * [`draw_map`]: a coverage map with everything that a publication wants around it.
+//! * [`draw_map_panels`]: a layer of several UAVs side by side.
 //! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
 //! * [`draw_city`]: a plan and a view of a city.
 //! * [`draw_link_profile`]: one link from the side.
@@ -38,6 +39,7 @@ mod lettering;
 mod line_look;
 mod link_profile;
 mod map_layers;
+mod map_panels;
 mod map_picture;
 mod marks;
 mod overlay_legend;
@@ -53,20 +55,24 @@ mod rate_sheet;
 mod resized;
 mod sheet;
 mod side_labels;
+mod small_maps;
 mod track_profile;
 mod tradeoff;
 mod tradeoff_rows;
 mod z_buffer;
 
 pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city};
+pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
 pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
 pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
 pub use curve_sheet::{CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
 pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
 pub use lettering::grouped;
+pub(crate) use lettering::percent;
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile};
+pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
 pub use map_picture::{Layer, MapClass, MapPicture, draw_map};
 pub use marks::Mark;
 pub use overlay_legend::draw_overlay_legend;

@@ -7,7 +7,8 @@ use num_bigint::BigInt;
 use num_rational::Ratio;
 use skyshed::height_field::{Columns, Prisms};
 use skyshed::los::{
-    LeastHeight, columns_least_receiver_height, columns_least_height, columns_los, prisms_least_receiver_height, prisms_least_height, prisms_los,
+    LeastHeight, columns_least_height, columns_least_receiver_height, columns_los, prisms_least_height,
+    prisms_least_receiver_height, prisms_los,
 };
 
 use crate::case_file::{CaseKind, N_CASES, all_cases};

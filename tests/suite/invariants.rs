@@ -12,7 +12,10 @@ use skyshed::coverage::{
     Control, HeightLayers, MapOptions, Overlay, Placement, Receivers, SiteCoverage, Uav, class, map_site, which_layer,
 };
 use skyshed::height_field::{CellKind, HeightField, Station};
-use skyshed::los::{columns_least_receiver_height, columns_least_height, columns_los, link_los, prisms_least_receiver_height, prisms_los};
+use skyshed::los::{
+    columns_least_height, columns_least_receiver_height, columns_los, link_los, prisms_least_receiver_height,
+    prisms_los,
+};
 use skyshed::quantity::{Frame, VOID};
 use skyshed::raster::{GeoRef, LargeVec, Raster};
 use skyshed::scene::{Footprint, FootprintFaults, Ground, Solids};
@@ -188,8 +191,8 @@ fn cutting_a_footprint_in_two_along_a_line_through_lattice_points_changes_nothin
         };
         let los = prisms_los(&whole_engine, point(uav), point(receiver));
         assert_eq!(los, prisms_los(&cut_engine, point(uav), point(receiver)), "{whole:?} {uav:?} {receiver:?}");
-        let ceilings =
-            [&whole_engine, &cut_engine].map(|p| prisms_least_receiver_height(p, point(uav), point(receiver)).height_steps());
+        let ceilings = [&whole_engine, &cut_engine]
+            .map(|p| prisms_least_receiver_height(p, point(uav), point(receiver)).height_steps());
         assert!(ceilings[0].total_cmp(&ceilings[1]).is_eq(), "{ceilings:?} {whole:?} {uav:?} {receiver:?}");
         los
     });
@@ -285,7 +288,8 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
 // ---------------------------------------------------------------------------------------------------------------------
 // Whole maps.
 
-const ALL_LAYERS: HeightLayers = HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
+const ALL_LAYERS: HeightLayers =
+    HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
 
 fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
     MapOptions { rx_height: 1536, receivers, layers, ..MapOptions::default() }
