@@ -8,6 +8,7 @@ use super::interrupt;
 use super::map::undrawable;
 use super::map_drawing::MapDrawing;
 use super::plan::{Ready, meters_per_unit};
+use super::receivers::cell_names;
 use super::words::{picture_provenance, pretty};
 use crate::coverage::{
     Control, CoveragePolygon, Overlay, PolygonOptions, SiteCoverage, Tally, class, coverage_polygons,
@@ -189,8 +190,14 @@ impl Writer<'_> {
             pictures.push((file, png));
         }
         const LEGEND: &str = "legend.png";
-        let receivers = format!("Receivers at a height of {} m", tidy(self.args.rx_height));
-        pictures.push((LEGEND.into(), render::draw_overlay_legend(&receivers, &[]).map_err(undrawable)?));
+        let uavs = match self.coverages {
+            [only] => format!("of UAV {}", only.uav.id),
+            _ => "of at least one UAV, or of the one whose overlay is shown".to_string(),
+        };
+        let (receivers, _) = cell_names(self.args.receivers, &self.scene.field);
+        let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.args.rx_height));
+        pictures
+            .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
         encode_kmz(&kml(self.report, &degrees, &overlays, LEGEND)?, &pictures)
     }
 }

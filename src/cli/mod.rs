@@ -19,6 +19,7 @@ mod map_files;
 mod map_sites;
 mod map_streamed;
 mod messages;
+mod method_looks;
 mod place;
 mod plan;
 mod plos;

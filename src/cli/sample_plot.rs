@@ -124,18 +124,20 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
     if inside > 0 {
         first += &format!("; {inside} inside a building left out");
     }
-    let percent = tidy(100.0 * report.confidence);
     let crs = report.facts.grid.crs().map_or("local coordinates".to_string(), Crs::label);
-    let mut lines = vec![
-        first,
-        format!("Bands and bars: {percent} % intervals over {}", report.clusters()),
-        format!(
-            "Receivers {} m above what they stand on; method {}; {crs}; skyshed {}",
-            tidy(report.rx_height_m),
-            report.facts.method_in_words(),
-            env!("CARGO_PKG_VERSION")
-        ),
-    ];
+    let mut lines = vec![first];
+    if report.rows.iter().any(|row| row.estimate.p_los.and(row.estimate.interval).is_some()) {
+        let heights = in_order(report, |row| row.height_m.to_bits());
+        let drawn = if heights.len() > 1 { "Bands" } else { "Bars" };
+        lines.push(format!("{drawn}: {} % intervals over {}", tidy(100.0 * report.confidence), report.clusters()));
+    }
+    let range = report.radius_m.map_or(String::new(), |r| format!(", within {} m of the UAV's place", tidy(r)));
+    lines.push(format!(
+        "Receivers {} m above what they stand on{range}; method {}; {crs}; skyshed {}",
+        tidy(report.rx_height_m),
+        report.facts.method_in_words(),
+        env!("CARGO_PKG_VERSION")
+    ));
     lines.extend(credit.map(str::to_string));
     lines
 }

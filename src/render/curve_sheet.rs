@@ -59,7 +59,7 @@ pub struct CurveLine<'a> {
     pub label: &'a str,
     /// What is said below the label in smaller type.
     pub detail: Option<&'a str>,
-    /// Which color and which marker; 8 colors and 6 shapes are used in turn.
+    /// Which color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
     pub color_index: usize,
     /// How it is drawn.
     pub look: LineLook,
@@ -113,7 +113,7 @@ fn compose(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     let size = frame_size(sheet.columns.min(sheet.panels.len()));
     let style = |line: &CurveLine<'_>| {
         let entry = entries.iter().find(|entry| entry.label() == line.label);
-        entry.map_or_else(|| LineStyle::new(line.look, line.color_index, 0), |entry| entry.style)
+        entry.map_or_else(|| LineStyle::new(line.look, line.color_index), |entry| entry.style)
     };
     let panels = sheet.panels.iter().map(|panel| {
         let CurveAxis { name, ends, is_log } = panel.x;

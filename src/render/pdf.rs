@@ -152,7 +152,8 @@ impl Painter {
     }
 
     fn path(&mut self, path: &usvg::Path) -> Result<(), String> {
-        if let Some(fill) = path.fill() {
+        // A line has no inside, which some viewers would fill all the same.
+        if let Some(fill) = path.fill().filter(|_| path.data().len() > 2) {
             let [r, g, b] = flat(fill.paint())?;
             self.content.save_state();
             self.opacity(fill.opacity());

@@ -53,7 +53,7 @@ pub struct TradeoffPoint<'a> {
     pub label: &'a str,
     /// What its family is called.
     pub family: &'a str,
-    /// Color and shape of the family's marks, as for [`CurveLine`](super::CurveLine).
+    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
     pub look: usize,
     /// Cost, above 0, and error, at least 0; one without is in the rows alone.
     pub place: Option<(f64, f64)>,
@@ -74,9 +74,9 @@ pub fn draw_tradeoff(
     compose(plot)?.write(form, provenance)
 }
 
-/// The mark of a family.
+/// The mark of a contestant.
 pub(crate) fn mark(look: usize) -> LineStyle {
-    LineStyle::new(LineLook::Solid, look, 0)
+    LineStyle::new(LineLook::Solid, look)
 }
 
 fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {

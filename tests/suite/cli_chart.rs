@@ -238,7 +238,9 @@ const FLAGS: [(&str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 17] = [
+const OTHER: [&str; 19] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--height-unit",

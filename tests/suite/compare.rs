@@ -378,7 +378,9 @@ const FLAGS: [(&str, &str); 21] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 15] = [
+const OTHER: [&str; 17] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--levels-field",

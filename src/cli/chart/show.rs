@@ -4,6 +4,7 @@ use super::{ChartArgs, threads};
 use crate::accuracy::chart::Family;
 use crate::accuracy::plos_cost::PlosWay;
 use crate::cli::map::undrawable;
+use crate::cli::method_looks::look_of;
 use crate::cli::plan::Ready;
 use crate::cli::receivers::{cell_names, setting_line};
 use crate::cli::words::{title_of, unbreakable};
@@ -166,12 +167,13 @@ fn timing_words(args: &ChartArgs) -> String {
 /// The picture of the ways to P_LoS.
 pub(super) fn of_plos(args: &ChartArgs, report: &PlosChartReport) -> Picture {
     let point = |row: &crate::report::PlosChartRow| {
-        let (family, look) = match row.way {
-            PlosWay::Product(_) => ("Product over buildings", 0),
-            PlosWay::City(_) => ("3-D city simulator", 1),
-            PlosWay::Geometry(_) => ("Geometry simulator", 2),
-            PlosWay::Model(_) => ("Published models", 3),
+        let family = match row.way {
+            PlosWay::Product(_) => "Product over buildings",
+            PlosWay::City(_) => "3-D city simulator",
+            PlosWay::Geometry(_) => "Geometry simulator",
+            PlosWay::Model(_) => "Published models",
         };
+        let (_, look) = look_of(row.way.method(), &[]);
         let bias = report.p_los_error(row).map(|error| 100.0 * error);
         Point { label: plos_label(row.way), family, look, place: report.place(row), bias }
     };

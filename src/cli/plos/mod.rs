@@ -80,6 +80,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         report.sources.push(Source::of(path, args.scene.hash)?);
     }
     let curves: Vec<UserCurve> = curves.into_iter().map(|(curve, _)| curve).collect();
+    plot.curves.clone_from(&curves);
     for word in words {
         let (real, built_up) = match BuiltUpCity::parse_built_up(word) {
             Some(built_up) => (None, Some(built_up?)),
@@ -117,7 +118,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
                     statistical_rows(args, &sweeps, (word, built_up), way, leave_out, &mut cautions)?
                 }
             };
-            let is_model = matches!(way, Way::Model(_) | Way::Curve(_));
+            let is_model = matches!(way, Way::Model(_));
             if let (true, true, Some(built_up), Some(fine)) = (makes_picture, is_model, built_up, sweeps.refined())
                 && !rows.is_empty()
             {
