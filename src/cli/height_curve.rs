@@ -241,6 +241,9 @@ impl Curves<'_> {
             _ if scene.field.is_surface_only() => "the surface",
             "roof" => "roofs",
             "all" => "ground and roofs",
+            "street" => "the ground of streets",
+            "crossroad" => "the ground of crossroads",
+            "courtyard" => "the ground of courtyards",
             _ => "ground",
         };
         let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));

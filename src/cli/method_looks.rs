@@ -22,8 +22,8 @@ const METHODS: [&str; 19] = [
     "tr38901_umi",
     "tr38901_rma",
     "tr38811",
-    "tr38811_linear",
-    "alhourani2014_table",
+    "tr38811-linear",
+    "alhourani2014-table",
 ];
 
 /// How a method is drawn; `own_curves` are the names of curves of the user's own, which are points.

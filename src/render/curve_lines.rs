@@ -72,7 +72,10 @@ pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Wind
             }
         }
     }
-    for (line, style) in both().filter(|(_, style)| !style.has_line()) {
+    // Estimates, and over them what was measured.
+    let mut marked: Vec<_> = both().filter(|(_, style)| !style.has_line()).collect();
+    marked.sort_by_key(|(_, style)| style.marker_gap() > 0.0);
+    for (line, style) in marked {
         let mut last = [f64::NEG_INFINITY; 2];
         for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
             error_bar(&mut drawing, point, style, window);

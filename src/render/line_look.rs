@@ -27,27 +27,27 @@ pub enum LineLook {
     Points,
 }
 
-/// Patterns of dashed lines, dashes and gaps \[px\].
+/// Patterns of dashed lines, dashes and gaps \[px\]; those eight apart, of lines of one color, are of different kinds.
 const DASHES: [&str; 19] = [
-    "18 8",
-    "9 6",
-    "32 9",
-    "4.5 5.5",
-    "20 6 5 6",
-    "34 6 5 6",
-    "4.5 11",
-    "20 6 5 6 5 6",
-    "34 6 14 6",
-    "14 5 14 16",
-    "26 16",
-    "4.5 4.5 4.5 13",
-    "34 6 5 6 5 6",
-    "9 5 9 5 9 15",
-    "20 6 5 6 5 6 5 6",
     "14 14",
-    "48 8 9 8",
     "9 14",
     "48 14",
+    "20 6 5 6 5 6 5 6",
+    "18 8",
+    "20 6 5 6",
+    "4.5 5.5",
+    "20 6 5 6 5 6",
+    "32 9",
+    "14 5 14 16",
+    "26 16",
+    "48 8 9 8",
+    "34 6 5 6 5 6",
+    "4.5 4.5 4.5 13",
+    "34 6 14 6",
+    "9 6",
+    "9 5 9 5 9 15",
+    "4.5 11",
+    "34 6 5 6",
 ];
 
 /// Everything that a line needs to be drawn.

@@ -18,6 +18,9 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use resvg::tiny_skia::{PathSegment, Transform};
 use resvg::usvg;
 
+use super::colors;
+use super::paint::narrow;
+
 /// Points of PDF per inch.
 const POINTS: f64 = 72.0;
 
@@ -42,8 +45,8 @@ pub(crate) fn encode(page: &PdfPage<'_>, provenance: &[(String, String)]) -> Res
     let mut ids = (1..).map(Ref::new);
     let mut next = || ids.next().unwrap_or(Ref::new(i32::MAX));
     let (catalog, pages, page_id, contents, info) = (next(), next(), next(), next(), next());
-    let [width, height] = page.inches.map(|inches| (POINTS * inches) as f32);
-    let per_px = (POINTS * page.inches[0] / f64::from(page.size[0])) as f32;
+    let [width, height] = page.inches.map(|inches| narrow(POINTS * inches));
+    let per_px = narrow(POINTS * page.inches[0] / f64::from(page.size[0]));
 
     let mut pdf = Pdf::new();
     let mut content = Content::new();
@@ -91,11 +94,17 @@ pub(crate) fn encode(page: &PdfPage<'_>, provenance: &[(String, String)]) -> Res
     for (key, text) in provenance {
         match key.as_str() {
             "Software" => facts.producer(TextStr(text)),
-            _ => facts.pair(Name(key.as_bytes()), TextStr(text)),
+            _ => facts.pair(Name(key.as_bytes()), TextStr(&ascii(text))),
         };
     }
     facts.finish();
     Ok(pdf.finish())
+}
+
+/// A document without characters beyond ASCII, escaped as JSON allows: in PDF it stays as it is, byte by byte.
+fn ascii(json: &str) -> String {
+    let escaped = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect();
+    json.chars().map(|c| if c.is_ascii() { c.to_string() } else { escaped(c) }).collect()
 }
 
 /// The name of an opacity in percent.
@@ -194,7 +203,7 @@ impl Painter {
     fn opacity(&mut self, opacity: usvg::Opacity) {
         let opacity = opacity.get();
         if opacity < 1.0 {
-            let percent = (100.0 * opacity).round() as u8;
+            let percent = colors::byte(100.0 * f64::from(opacity));
             self.opacities.insert(percent, f32::from(percent) / 100.0);
             self.content.set_parameters(Name(state_name(percent).as_bytes()));
         }
@@ -260,7 +269,8 @@ mod tests {
         .expect("flat colors");
         let text = String::from_utf8_lossy(&file);
         assert!(text.starts_with("%PDF-1.") && text.trim_end().ends_with("%%EOF"));
-        for words in ["/MediaBox [0 0 144 72]", "/ca 0.2", "/Width 2", "/Producer (skyshed 1)", "/skyshed"] {
+        for words in ["/MediaBox [0 0 144 72]", "/ca 0.2", "/Width 2", "/Producer (skyshed 1)", "/skyshed", "u03b8\":1"]
+        {
             assert!(text.contains(words), "{words}: {text}");
         }
         assert!(!text.contains("/CreationDate"));

@@ -2,7 +2,7 @@
 
 use image::RgbaImage;
 
-use super::colors::Light;
+use super::colors::{self, FULL_LIGHT, Light};
 
 /// Returns an opaque image at another size: a pixel is the average, in linear light, of what it covers, so that a map
 /// shrinks without losing thin streets and grows without blur.
@@ -11,40 +11,42 @@ pub(crate) fn resized(image: &RgbaImage, width: u32, height: u32) -> RgbaImage {
         return image.clone();
     }
     let light = Light::tables();
-    let (cols, rows) = (covered(image.width(), width), covered(image.height(), height));
-    let mut out = RgbaImage::new(width, height);
-    for (y, parts_y) in rows.iter().enumerate() {
+    let [from_cols, from_rows, to_cols, to_rows] = [image.width(), image.height(), width, height].map(|n| n as usize);
+    let cols = covered(from_cols, to_cols);
+    let mut pixels: Vec<u8> = Vec::with_capacity(to_cols * to_rows * 4);
+    for parts in covered(from_rows, to_rows) {
         // Rows first: each source row is read once for all pixels of a row.
-        let mut row = vec![[0.0_f64; 3]; image.width() as usize];
-        for &(source, share) in parts_y {
-            for (x, sum) in row.iter_mut().enumerate() {
-                let [r, g, b, _] = image.get_pixel(x as u32, source).0;
-                let linear = light.linear([r, g, b]);
+        let mut row = vec![[0.0_f64; 3]; from_cols];
+        for (source, share) in parts {
+            let colors = image.as_raw()[source * from_cols * 4..].chunks_exact(4);
+            for (sum, color) in row.iter_mut().zip(colors) {
+                let linear = light.linear([color[0], color[1], color[2]]);
                 (0..3).for_each(|k| sum[k] += share * f64::from(linear[k]));
             }
         }
-        for (x, parts_x) in cols.iter().enumerate() {
+        for parts in &cols {
             let mut sum = [0.0_f64; 3];
-            for &(source, share) in parts_x {
-                (0..3).for_each(|k| sum[k] += share * row[source as usize][k]);
+            for (source, share) in parts {
+                (0..3).for_each(|k| sum[k] += share * row[*source][k]);
             }
-            let [r, g, b] = sum.map(|linear| light.srgb(linear.round() as u32));
-            out.put_pixel(x as u32, y as u32, image::Rgba([r, g, b, 255]));
+            let code = |linear: f64| u32::try_from(colors::index(linear.round(), 4095)).unwrap_or(FULL_LIGHT);
+            pixels.extend(sum.map(|linear| light.srgb(code(linear))));
+            pixels.push(255);
         }
     }
-    out
+    RgbaImage::from_raw(width, height, pixels).expect("the buffer has this size")
 }
 
 /// For each of `to` pixels the source pixels of `from` that it covers, with their shares, which sum to 1.
-fn covered(from: u32, to: u32) -> Vec<Vec<(u32, f64)>> {
-    let step = f64::from(from) / f64::from(to);
-    let parts = |k: u32| {
-        let (low, high) = (step * f64::from(k), (step * f64::from(k + 1)).min(f64::from(from)));
-        let part = |source: u32| {
-            let length = high.min(f64::from(source + 1)) - low.max(f64::from(source));
+fn covered(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
+    let step = from as f64 / to as f64;
+    let parts = |k: usize| {
+        let (low, high) = (step * k as f64, (step * (k + 1) as f64).min(from as f64));
+        let part = |source: usize| {
+            let length = high.min((source + 1) as f64) - low.max(source as f64);
             (source, length / (high - low))
         };
-        (low as u32..from).take_while(|source| f64::from(*source) < high).map(part).collect()
+        (colors::index(low, from - 1)..from).take_while(|source| (*source as f64) < high).map(part).collect()
     };
     (0..to).map(parts).collect()
 }
@@ -73,7 +75,7 @@ mod tests {
     fn the_shares_of_a_pixel_sum_to_one() {
         for (from, to) in [(1, 7), (7, 1), (1400, 999), (3, 3), (999, 1400)] {
             let parts = covered(from, to);
-            assert_eq!(parts.len(), to as usize);
+            assert_eq!(parts.len(), to);
             assert!(parts.iter().all(|p| (p.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-9));
         }
     }

@@ -9,6 +9,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::colors::{self, Rgb};
 use super::lettering::{self, Weight};
+use super::paint::narrow;
 use super::pdf::{self, PdfPage};
 use super::picture_form::{PictureForm, PictureFormat};
 use super::png;
@@ -54,7 +55,7 @@ impl Sheet {
         }
         let mut pixmap = tiny_skia::PixmapMut::from_bytes(canvas.as_mut(), width, height)
             .ok_or_else(|| format!("cannot draw a picture of {width} × {height} pixels"))?;
-        let scale = scale as f32;
+        let scale = narrow(scale);
         resvg::render(&self.tree()?, tiny_skia::Transform::from_scale(scale, scale), &mut pixmap);
         png::encode_picture(&canvas, form.dpi(), provenance)
     }

@@ -14,15 +14,13 @@ const SECOND: &str = "--uav 691650,5334780,60";
 fn drawn(folder: &Folder, line: &str) -> String {
     folder.type_in(&format!("{line} -o drawn.svg --overwrite -q")).done();
     let svg = folder.text("drawn.svg").replace(['\u{a0}', '\u{202f}'], " ");
-    let end = svg.find("</metadata>").unwrap_or(0);
-    // Captions are wrapped wherever a word ends.
-    svg[end..].replace("</text>\n<text", "</text> <text")
+    svg[svg.find("</metadata>").unwrap_or(0)..].to_string()
 }
 
 /// All words in the order in which they are drawn.
 fn words(svg: &str) -> String {
-    let plain = svg.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text.trim_end_matches('\n'));
-    plain.filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
+    let plain = svg.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text);
+    plain.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
 
 fn band(folder: &Folder, name: &str, k: usize) -> Vec<f32> {
@@ -126,11 +124,10 @@ fn a_curve_of_the_user_is_points_at_its_rows() {
     let folder = Folder::new();
     folder.write("mine.csv", "theta_deg,p_los\n5,0.1\n33,0.4\n60,0.8\n90,1\n");
     let svg = drawn(&folder, "plos itu:urban --theta 10:80:10 --method itu --curve measured=mine.csv");
-    let marker = svg[..svg.find(">measured<").unwrap()].rsplit("fill=\"").nth(1).unwrap()[..7].to_string();
     let color = svg[..svg.find(">measured<").unwrap()].rfind("<polygon").unwrap();
     let color = svg[color..].split("fill=\"").nth(1).unwrap()[..7].to_string();
     // Four rows and the legend, at none of the angles that were asked for, and no line.
-    assert_eq!(svg.matches(&format!("fill=\"{color}\" stroke=\"#FFFFFF\"")).count(), 4 + 1, "{marker}: {svg}");
+    assert_eq!(svg.matches(&format!("fill=\"{color}\" stroke=\"#FFFFFF\"")).count(), 4 + 1, "{svg}");
     assert!(!svg.contains(&format!("stroke=\"{color}\"")), "{color}: {svg}");
 }
 
@@ -214,6 +211,19 @@ fn every_picture_has_the_width_and_resolution_that_were_asked_for() {
     // As laid out, pictures have the width and resolution that they had.
     folder.type_in(&format!("{MAP} -o a.png --overwrite -q")).done();
     assert_eq!(png_size(folder.read("a.png")).1, 7874);
+}
+
+#[test]
+fn a_pdf_knows_the_run_that_made_it() {
+    let folder = Folder::new();
+    let line = "map itu:urban --size 200 --uav 50,50,60 -o u-{site}.pdf --resume -q";
+    folder.type_in(line).done();
+    let first = folder.read("u-1.pdf");
+    folder.type_in(line).done();
+    assert!(folder.read("u-1.pdf") == first);
+    // Of another run it is not replaced.
+    let other = folder.type_in(&line.replace("50,50,60", "50,50,70"));
+    assert!(other.refused(2)[0].starts_with("error[E106]"));
 }
 
 #[test]

@@ -2,9 +2,11 @@
 
 use super::super::map::mark;
 use super::super::plan::meters_per_unit;
+use super::super::receivers::cell_names;
 use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::{Writer, height_words, in_words};
+use super::winner_map::receivers_of;
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::placement::PlaceGrid;
@@ -106,11 +108,15 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
     let whom = match job.goal.whom {
         Whom::Area => format!("{} cells of the area", report.receivers),
         Whom::Weights => format!("{} cells by weight", report.receivers),
-        Whom::Receivers | Whom::Zone(_) => format!("{} cells", report.receivers),
+        Whom::Receivers | Whom::Zone(_) => {
+            format!("{} {}", report.receivers, cell_names(receivers_of(job), &job.scene.field).0)
+        }
     };
+    let over: Vec<&str> = job.args.over.iter().map(|zone| zone.zone().name()).collect();
+    let over = if over.is_empty() { String::new() } else { format!(" over zones {}", over.join(", ")) };
     let range = report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
     lines.push(format!(
-        "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {}; {}; skyshed {}",
+        "Goal {} over {whom}{range}; candidates every {} m{over} at {}; receivers {} m high; method {}; {}; skyshed {}",
         report.goal,
         report.step_m.map_or(String::new(), tidy),
         heights_in_words(&report.heights),

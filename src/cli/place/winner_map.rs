@@ -128,7 +128,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
 const MOST_LINES: usize = 6;
 
 /// The receivers that the goal counts, as they are typed for a map.
-fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
+pub(super) fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
     match job.goal.whom {
         Whom::Zone(Zone::Street) => ReceiversArg::Street,
         Whom::Zone(Zone::Crossroad) => ReceiversArg::Crossroad,
