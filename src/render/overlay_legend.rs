@@ -8,7 +8,7 @@ use super::sheet::{Drawing, Sheet};
 /// Space around the entries and between them \[px\].
 const PADDING: f64 = 18.0;
 /// Words are wrapped to this width \[px\].
-const WIDTH: f64 = 520.0;
+const WIDTH: f64 = 640.0;
 
 /// Draws what blue and orange mean, as a PNG file on white: `uavs` are those that see, `receivers` those that are seen.
 ///
