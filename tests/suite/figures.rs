@@ -163,6 +163,10 @@ fn captions_of_curves_hold_what_was_fixed() {
         ("plos itu:urban --radius 100 --height 50:150:50", "users within 100 m"),
         ("plos itu:urban --theta 20:80:20 --phi 30", "azimuth 30°"),
         ("place itu:urban --size 300 --cell 2 --sample street:2 --height 60 --radius 90", "within 90 m of the UAV"),
+        (
+            "place itu:urban --size 200 --height 60 --over crossroad --goal p_los(street) --radius 90",
+            "Goal p_los(street) over street cells, range 90 m; candidates every 20 m over zones crossroad at 60 m",
+        ),
     ] {
         let said = words(&drawn(&folder, line));
         assert!(said.to_lowercase().contains(&wanted.to_lowercase()), "{line}: {said}");

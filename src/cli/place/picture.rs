@@ -108,9 +108,7 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
     let whom = match job.goal.whom {
         Whom::Area => format!("{} cells of the area", report.receivers),
         Whom::Weights => format!("{} cells by weight", report.receivers),
-        Whom::Receivers | Whom::Zone(_) => {
-            format!("{} {}", report.receivers, cell_names(receivers_of(job), &job.scene.field).0)
-        }
+        Whom::Receivers | Whom::Zone(_) => cell_names(receivers_of(job), &job.scene.field).0.to_string(),
     };
     let over: Vec<&str> = job.args.over.iter().map(|zone| zone.zone().name()).collect();
     let over = if over.is_empty() { String::new() } else { format!(" over zones {}", over.join(", ")) };
