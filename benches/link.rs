@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{link_ceilings, link_los};
+use skyshed::los::{link_least_receiver_heights, link_los};
 use skyshed::quantity::height_steps;
 use skyshed::scene::Ground;
 
@@ -95,7 +95,7 @@ fn links(field: &HeightField, uav: &Station, case: Case) -> Vec<(Station, bool)>
                 return None;
             }
             let mut receiver = Station { place, z: height };
-            let (prisms, columns) = link_ceilings(field, uav, &receiver);
+            let (prisms, columns) = link_least_receiver_heights(field, uav, &receiver);
             let lowest = prisms.lowest_step()?.max(columns.lowest_step()?);
             let wanted = match case {
                 Case::Near => true,

@@ -10,7 +10,7 @@ use skyshed::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav,
 use skyshed::height_field::HeightField;
 use skyshed::quantity::Height;
 use skyshed::raster::CellBlocks;
-use skyshed::render::{CompareMap, ComparePair, CompareSheet, Mark, draw_compare_sheet};
+use skyshed::render::{CompareMap, ComparePair, CompareSheet, Mark, PictureForm, draw_compare_sheet};
 use skyshed::scene::{FootprintOptions, Site, read_footprints};
 use skyshed::zones::{N_CODES, ZoneMap};
 
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         others_name: "Buildings",
     };
     std::fs::create_dir_all("out")?;
-    std::fs::write("out/compared.png", draw_compare_sheet(&sheet, &[])?)?;
+    std::fs::write("out/compared.png", draw_compare_sheet(&sheet, &PictureForm::PNG, &[])?)?;
     println!("wrote out/compared.png");
     Ok(())
 }

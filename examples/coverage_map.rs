@@ -9,7 +9,7 @@ use std::path::Path;
 use skyshed::coverage::{Control, MapOptions, Uav, map_site};
 use skyshed::height_field::HeightField;
 use skyshed::quantity::Height;
-use skyshed::render::{Layer, MapPicture, Mark, draw_map};
+use skyshed::render::{Layer, MapPicture, Mark, PictureForm, draw_map};
 use skyshed::scene::{FootprintOptions, Site, read_footprints};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         counts: None,
     };
     std::fs::create_dir_all("out")?;
-    std::fs::write("out/munich_coverage.png", draw_map(&picture, &[])?)?;
+    std::fs::write("out/munich_coverage.png", draw_map(&picture, &PictureForm::PNG, &[])?)?;
     println!("wrote out/munich_coverage.png");
     Ok(())
 }

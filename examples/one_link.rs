@@ -7,7 +7,7 @@
 use skyshed::Result;
 use skyshed::coverage::Uav;
 use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{Ceiling, link_ceilings, link_los};
+use skyshed::los::{LeastHeight, link_least_receiver_heights, link_los};
 use skyshed::quantity::{Height, height_steps, meters};
 use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 
@@ -25,10 +25,10 @@ fn main() -> Result<()> {
         let place = field.place(crossroad + east, crossroad + 30.0 + built_up.street_width() / 2.0);
         let receiver = Station { place, z: i64::from(height_steps(1.5).expect("in range")) };
         let verdict = if link_los(&field, &uav.station, &receiver) { "LoS" } else { "NLoS" };
-        let (prisms, _) = link_ceilings(&field, &uav.station, &receiver);
+        let (prisms, _) = link_least_receiver_heights(&field, &uav.station, &receiver);
         let reason = match prisms {
-            Ceiling::Clear => "nothing on the way".to_string(),
-            Ceiling::At(o) => {
+            LeastHeight::Clear => "nothing on the way".to_string(),
+            LeastHeight::At(o) => {
                 let building = field.prisms().map_or(0, |p| p.pieces()[o.obstacle].building);
                 format!(
                     "building {} with its roof at {:.1} m lets a receiver see the UAV from {:.1} m up",

@@ -13,6 +13,7 @@ use super::stress::StressArgs;
 use crate::error::Error;
 use crate::export::Format;
 use crate::los::MethodChoice;
+use crate::render::{PictureForm, PictureFormat};
 use crate::scene::Projection;
 use crate::zones::Zone;
 use clap::parser::ValueSource;
@@ -278,6 +279,47 @@ pub(super) struct PictureWords {
     /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
     #[arg(long, value_name = "TEXT")]
     pub(super) attribution: Option<String>,
+    #[command(flatten)]
+    pub(super) size: PictureSize,
+}
+
+/// How large a picture is.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct PictureSize {
+    /// Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(100..=10_000))]
+    pub(super) width: Option<u32>,
+    /// Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=2400))]
+    pub(super) dpi: Option<u32>,
+}
+
+impl PictureSize {
+    /// How a picture of a format is written.
+    pub(super) fn form(self, format: Format) -> PictureForm {
+        let format = match format {
+            Format::Svg => PictureFormat::Svg,
+            Format::Pdf => PictureFormat::Pdf,
+            _ => PictureFormat::Png,
+        };
+        PictureForm { format, width_px: self.width, dpi: self.dpi }
+    }
+
+    /// Where no picture is made, its size would be lost in silence.
+    pub(super) fn refuse_without_picture(self, outputs: &[(PathBuf, Format)]) -> Result<(), Error> {
+        if outputs.iter().any(|(_, format)| format.is_picture()) {
+            return Ok(());
+        }
+        match [("--width", self.width), ("--dpi", self.dpi)].iter().find(|(_, size)| size.is_some()) {
+            Some((flag, _)) => Err(no_picture(flag)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A flag of pictures without a picture.
+fn no_picture(flag: &str) -> Error {
+    Error::usage(116, format!("`{flag}` has no meaning without a .png, .svg or .pdf output"))
 }
 
 impl PictureWords {
@@ -291,15 +333,13 @@ impl PictureWords {
         self.attribution.as_ref().or(of_scene).cloned()
     }
 
-    /// A title or an attribution goes into a picture; where none is made, it would be lost in silence.
+    /// A title, an attribution or a size is that of a picture; where none is made, it would be lost in silence.
     pub(super) fn refuse_without_picture(&self, outputs: &[(PathBuf, Format)]) -> Result<(), Error> {
-        let has_picture = outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg | Format::Html));
+        let has_picture = outputs.iter().any(|(_, format)| format.is_picture() || *format == Format::Html);
         let typed = [("--title", &self.title), ("--attribution", &self.attribution)];
         match typed.iter().find(|(_, words)| words.is_some()) {
-            Some((flag, _)) if !has_picture => {
-                Err(Error::usage(116, format!("`{flag}` has no meaning without a .png or .svg output")))
-            }
-            _ => Ok(()),
+            Some((flag, _)) if !has_picture => Err(no_picture(flag)),
+            _ => self.size.refuse_without_picture(outputs),
         }
     }
 }
@@ -366,10 +406,11 @@ impl ReceiversArg {
 pub(super) enum LayerArg {
     /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata
     Los,
-    /// Receiver height less the least height in line of sight [m]
+    /// Receiver height less the least visible height [m]
     Margin,
-    /// Least receiver height in line of sight [m above the datum]
-    Ceiling,
+    /// Least receiver height in line of sight [m above the datum]; once called ceiling
+    #[value(alias = "ceiling")]
+    LeastReceiverHeight,
     /// Least UAV height over its place that sees the receiver [m above the datum]
     LeastHeight,
     /// How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, down, all
@@ -417,15 +458,16 @@ pub(super) struct MapArgs {
     /// 99 % confidence, measured on a sample of receivers that are decided exactly; says what was taken and measured
     #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true)]
     pub(super) tolerance: Option<f64>,
-    /// Layers to make, separated by commas
+    /// Layers to make, separated by commas; pictures show the first, of several UAVs the number that see a cell for `los`,
+    /// colors or a map each for the others
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
-    /// File to write, by extension: .png .svg .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
+    /// File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
     /// standard output; repeat for more. With `{site}` in every name each UAV gets files of its own, which appear as soon as
     /// they are complete; with `--radius`, only the part of a raster that is in range is read
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
-    /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg), a table (.csv) or a document
+    /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg, .pdf), a table (.csv) or a document
     /// (.json); repeat for more. Costs a walk along the whole link per receiver and UAV, 5 to 20 times a map by rays
     #[arg(long, value_name = "FILE")]
     pub(super) height_curve: Vec<PathBuf>,
@@ -486,10 +528,12 @@ pub(super) struct LinkArgs {
     /// Height of the receiver above ground [m], if `--rx` gives none
     #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
-    /// Side view of the link (.png, .svg) or its document (.json); of a track a strip of line of sight below the height that
+    /// Side view of the link (.png, .svg, .pdf) or its document (.json); of a track a strip of line of sight below the height that
     /// would be enough, its document, and a table (.csv)
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) size: PictureSize,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     #[command(flatten)]
@@ -500,7 +544,7 @@ pub(super) struct LinkArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct CityArgs {
-    /// File to write, by extension: .png .svg (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints), .xml
+    /// File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints), .xml
     /// (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub(super) output: Vec<PathBuf>,
@@ -542,7 +586,7 @@ pub(super) struct InfoArgs {
     /// the extent cuts have the values of what is left of them [m]
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, conflicts_with_all = ["zones", "uav"])]
     pub(super) tile: Option<f64>,
-    /// File to write, by extension: .json; with `--zones` also a map of them (.png .svg), a raster (.tif) or polygons
+    /// File to write, by extension: .json; with `--zones` also a map of them (.png .svg .pdf), a raster (.tif) or polygons
     /// (.geojson); with `--uav` also the table of what limits P_LoS (.csv); with `--tile` also a raster of α, β, γ (.tif) or
     /// their table (.csv); repeat for more
     #[arg(short, long = "output", value_name = "FILE")]

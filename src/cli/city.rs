@@ -14,13 +14,14 @@ use crate::export::{
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::{Bands, Crs, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
-use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
+use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, PictureForm, grouped};
 use crate::report::{RunFacts, city_geojson};
 use crate::scene::{Footprint, Scene, Solids};
 
-const FORMATS: [Format; 9] = [
+const FORMATS: [Format; 10] = [
     Format::Png,
     Format::Svg,
+    Format::Pdf,
     Format::GeoTiff,
     Format::AsciiGrid,
     Format::GeoJson,
@@ -152,8 +153,9 @@ impl City<'_> {
                 Ok(vec![(path.to_path_buf(), boxes), (with_suffix(path, ".json"), pretty(&provenance).into_bytes())])
             }
             Format::Json => one(pretty(&provenance).into_bytes()),
-            Format::Png => one(self.picture(&provenance, false)?),
-            Format::Svg => one(self.picture(&provenance, true)?),
+            Format::Png | Format::Svg | Format::Pdf => {
+                one(self.picture(&provenance, &self.args.words.size.form(format))?)
+            }
             _ => Err(Error::internal(902, "a city format was asked for")),
         }
     }
@@ -191,7 +193,7 @@ impl City<'_> {
         add_mitsuba(batch, &scene, path)
     }
 
-    fn picture(&self, provenance: &serde_json::Value, as_vectors: bool) -> Result<Vec<u8>> {
+    fn picture(&self, provenance: &serde_json::Value, form: &PictureForm) -> Result<Vec<u8>> {
         let grid = self.field.grid();
         let unit = meters_per_unit(grid);
         let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
@@ -230,11 +232,7 @@ impl City<'_> {
         let picture =
             CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
         let provenance = [("skyshed".to_string(), provenance.to_string())];
-        let drawn = if as_vectors {
-            render::draw_city_svg(&picture, &provenance).map(String::into_bytes)
-        } else {
-            render::draw_city(&picture, &provenance)
-        };
+        let drawn = render::draw_city(&picture, form, &provenance);
         drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
     }
 

@@ -13,11 +13,11 @@ use crate::export::{Format, OutputRules, check_outputs, encode_table, with_suffi
 use crate::los::Method;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::raster::Crs;
-use crate::render::{self, HeightCurveLine, HeightCurvePlot};
+use crate::render::{self, HeightCurveLine, HeightCurvePlot, PictureForm};
 use crate::report::{CurveFacts, HeightCurveReport, MapReport};
 
 /// Formats of a curve.
-const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Csv, Format::Json];
+const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json];
 
 /// Rows that a table has by default, roughly.
 const ROWS: f64 = 150.0;
@@ -153,8 +153,7 @@ impl Curves<'_> {
                 let sidecar = pretty(&self.report.provenance()).into_bytes();
                 Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
             }
-            Format::Png => one(self.plot(scene, false)?),
-            Format::Svg => one(self.plot(scene, true)?),
+            Format::Png | Format::Svg | Format::Pdf => one(self.plot(scene, &self.args.words.size.form(format))?),
             _ => Err(Error::internal(902, "a curve was asked for in the format of a map")),
         }
     }
@@ -169,7 +168,7 @@ impl Curves<'_> {
         messages::note(&format!("height curve, method ray (exact): {:.2} s; wrote {}", self.seconds, files.join(", ")));
     }
 
-    fn plot(&self, scene: &Ready, as_vectors: bool) -> Result<Vec<u8>> {
+    fn plot(&self, scene: &Ready, form: &PictureForm) -> Result<Vec<u8>> {
         // One axis for all: above ground, unless a UAV is where no ground is known.
         let is_agl = self.curves.iter().all(|c| c.ground().is_some());
         let base = |curve: &HeightCurve| if is_agl { curve.ground().unwrap_or(0) } else { 0 };
@@ -211,11 +210,7 @@ impl Curves<'_> {
             curves: &lines,
         };
         let provenance = picture_provenance(&self.report.provenance());
-        let drawn = if as_vectors {
-            render::draw_height_curve_svg(&plot, &provenance).map(String::into_bytes)
-        } else {
-            render::draw_height_curve(&plot, &provenance)
-        };
+        let drawn = render::draw_height_curve(&plot, form, &provenance);
         drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
     }
 
@@ -246,6 +241,9 @@ impl Curves<'_> {
             _ if scene.field.is_surface_only() => "the surface",
             "roof" => "roofs",
             "all" => "ground and roofs",
+            "street" => "the ground of streets",
+            "crossroad" => "the ground of crossroads",
+            "courtyard" => "the ground of courtyards",
             _ => "ground",
         };
         let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));

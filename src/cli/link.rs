@@ -11,13 +11,13 @@ use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::Method;
-use crate::los::{Ceiling, Obstruction, columns_crossed, link_ceilings, prisms_crossed};
+use crate::los::{LeastHeight, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
-use crate::render::{self, LinkProfile, ProfileStep, StepKind};
+use crate::render::{self, LinkProfile, PictureForm, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
 use crate::scene::Site;
 
-const FORMATS: [Format; 4] = [Format::Png, Format::Svg, Format::Json, Format::Stdout];
+const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let rx = match (&args.track, &args.rx) {
@@ -38,6 +38,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
             bare: false,
         },
     )?;
+    args.size.refuse_without_picture(&outputs)?;
     let scene = ready(&args.scene, args.engine.max_memory)?;
     check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
@@ -56,7 +57,9 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     for (path, format) in &outputs {
         let bytes = match format {
             Format::Json => pretty(&report.document()).into_bytes(),
-            Format::Png | Format::Svg => picture(&scene, &uav, &receiver, &report, *format == Format::Svg)?,
+            Format::Png | Format::Svg | Format::Pdf => {
+                picture(&scene, &uav, &receiver, &report, &args.size.form(*format))?
+            }
             _ => continue,
         };
         interrupt::check()?;
@@ -138,7 +141,7 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
 
 fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -> LinkReport {
     let field = &scene.field;
-    let (prisms, columns) = link_ceilings(field, &uav.station, receiver);
+    let (prisms, columns) = link_least_receiver_heights(field, &uav.station, receiver);
     let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
     let steps = f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
@@ -147,7 +150,7 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
     let (from, to) = (receiver.place, uav.station.place);
     let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
 
-    // The ceiling is never below what the receiver stands on: the roof if it is on or above one, else the ground.
+    // The least visible height is never below what the receiver stands on: the roof if it is on or above one, else the ground.
     let ground = field.ground_at(&receiver.place);
     let roof = field.roof_at(&receiver.place).filter(|roof| receiver.z >= i64::from(*roof));
     let floor = match (roof, ground) {
@@ -155,20 +158,20 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
         (None, VOID) => f64::NEG_INFINITY,
         (None, ground) => f64::from(ground),
     };
-    let ceiling = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
-    let margin = receiver_z - ceiling;
+    let least = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
+    let margin = receiver_z - least;
     let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
 
     let columns_kind = if field.prisms().is_some() { "terrain" } else { "cell" };
     let higher = match (&prisms, &columns) {
-        (Ceiling::At(p), Ceiling::At(c)) => {
+        (LeastHeight::At(p), LeastHeight::At(c)) => {
             let (a, b) = (prisms.height_steps(), columns.height_steps());
             let prisms_win = a > b || (a >= b && p.near <= c.near);
             if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
         }
-        (Ceiling::At(p), Ceiling::Clear) => Some((*p, true)),
-        (Ceiling::Clear, Ceiling::At(c)) => Some((*c, false)),
-        (Ceiling::Clear, Ceiling::Clear) => None,
+        (LeastHeight::At(p), LeastHeight::Clear) => Some((*p, true)),
+        (LeastHeight::Clear, LeastHeight::At(c)) => Some((*c, false)),
+        (LeastHeight::Clear, LeastHeight::Clear) => None,
     };
     let obstruction = higher.filter(|_| !los).map(|(o, of_prisms)| {
         let t = obstructing_fraction(&o, uav_z >= receiver_z);
@@ -236,7 +239,7 @@ fn in_words(report: &LinkReport) -> String {
     text
 }
 
-fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as_vectors: bool) -> Result<Vec<u8>> {
+fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, form: &PictureForm) -> Result<Vec<u8>> {
     let field = &scene.field;
     if report.distance_m <= 0.0 {
         return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
@@ -262,11 +265,7 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, as
         obstruction,
     };
     let provenance = [("skyshed".to_string(), report.document().to_string())];
-    let drawn = if as_vectors {
-        render::draw_link_profile_svg(&profile, &provenance).map(String::into_bytes)
-    } else {
-        render::draw_link_profile(&profile, &provenance)
-    };
+    let drawn = render::draw_link_profile(&profile, form, &provenance);
     drawn.map_err(|e| Error::internal(403, format!("cannot draw the picture: {e}")))
 }
 

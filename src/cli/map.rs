@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
 use super::height_curve::CurvePlan;
+use super::map_drawing::draws_each;
 use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
@@ -28,9 +29,10 @@ use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tal
 use crate::scene::{Site, StreamedSurface, read_sites};
 
 /// Formats of `skyshed map`.
-const FORMATS: [Format; 13] = [
+const FORMATS: [Format; 14] = [
     Format::Png,
     Format::Svg,
+    Format::Pdf,
     Format::GeoTiff,
     Format::Exr,
     Format::AsciiGrid,
@@ -95,7 +97,9 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
         return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
     }
-    let files = [outputs.as_slice(), curve_plan.outputs()].concat();
+    // A pixel of a bare file is a cell: it has neither words nor a size.
+    let is_drawn = |(_, format): &&(PathBuf, Format)| !(args.bare && *format == Format::Png);
+    let files: Vec<_> = outputs.iter().filter(is_drawn).chain(curve_plan.outputs()).cloned().collect();
     args.words.refuse_without_picture(&files)?;
     let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
     let Given { sites: given_sites, scene: given_scene, unit } = given;
@@ -152,7 +156,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let options = MapOptions {
         layers: HeightLayers {
             margin: layers.contains(&Layer::Margin),
-            ceiling: layers.contains(&Layer::Ceiling),
+            least_receiver_height: layers.contains(&Layer::LeastReceiverHeight),
             least_height: layers.contains(&Layer::LeastHeight),
             stability: layers.contains(&Layer::Stability),
         },
@@ -161,8 +165,9 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
 
     // Masks are kept for what is written cell by cell, unless that is done while they are made; for counts they are laid over
     // each other and dropped.
+    let shows_masks = |f: Format| holds_masks(f, args) || f.is_picture() && draws_each(&layers);
     let keeps_masks =
-        uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| holds_masks(*f, args));
+        uavs.len() == 1 || args.bare || curve_plan.is_wanted() || outputs.iter().any(|(_, f)| shows_masks(*f));
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let is_shifted = layers.contains(&Layer::Stability);
     let direct = written_at_once(&outputs, &layers, args)
@@ -305,7 +310,7 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
         let layer = match layer {
             LayerArg::Los => Layer::Los,
             LayerArg::Margin => Layer::Margin,
-            LayerArg::Ceiling => Layer::Ceiling,
+            LayerArg::LeastReceiverHeight => Layer::LeastReceiverHeight,
             LayerArg::LeastHeight => Layer::LeastHeight,
             LayerArg::Stability => Layer::Stability,
             LayerArg::Count => Layer::Count,

@@ -2,16 +2,17 @@
 
 use super::args::{PictureWords, ReceiversArg};
 use super::map::{crop, height_words, mark, undrawable};
+use super::map_classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
 use super::plan::{Ready, meters_per_unit};
 use super::receivers::{cell_names, setting_line_on};
 use super::tolerance::in_words as tolerance_in_words;
 use super::words::unbreakable;
-use crate::coverage::{Overlay, SiteCoverage, Stability, Tally};
+use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
-use crate::export::Layer;
+use crate::export::{Format, Layer};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
-use crate::render::{self, MapPicture, Mark};
+use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
 use crate::report::{MapReport, SiteFacts};
 
 /// A map to draw.
@@ -31,70 +32,155 @@ pub(super) struct MapDrawing<'a> {
     pub(super) note: Option<String>,
 }
 
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Subject {
+    /// A layer of the one UAV.
+    One,
+    /// How many UAVs see a cell.
+    Count,
+    /// Which of a few UAVs see a cell.
+    Who,
+    /// A layer of each UAV, side by side.
+    Each,
+}
+
+/// A map before it is drawn.
+enum Shown<'a> {
+    Layer(render::Layer<'a>),
+    /// With the mask that says which cells are receivers.
+    Classes(ClassMap, &'a [u8]),
+}
+
+impl Shown<'_> {
+    fn palette(&self) -> Vec<MapClass<'_>> {
+        match self {
+            Shown::Layer(_) => Vec::new(),
+            Shown::Classes(map, _) => map.palette(),
+        }
+    }
+
+    fn layer<'b>(&'b self, palette: &'b [MapClass<'b>]) -> render::Layer<'b> {
+        match self {
+            Shown::Layer(layer) => *layer,
+            Shown::Classes(map, mask) => render::Layer::Classes { index: map.index(), palette, mask },
+        }
+    }
+}
+
+/// Whether the picture of several UAVs shows each of them, so that their masks are kept.
+pub(super) fn draws_each(layers: &[Layer]) -> bool {
+    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count))
+}
+
 impl MapDrawing<'_> {
-    /// The picture as PNG, or as vectors.
-    pub(super) fn draw(&self, as_vectors: bool, provenance: &[(String, String)]) -> Result<Vec<u8>> {
+    /// The picture as a file of a format.
+    pub(super) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let grid = self.scene.field.grid();
-        let shown = grid.part(self.window_in_range());
-        let unit = meters_per_unit(grid);
+        // What is out of range is not drawn.
+        let window = self.window_in_range();
+        let n_cols = grid.n_cols();
+        let union = crop(self.overlay.map_or(&[], Overlay::union), n_cols, window);
+        let count = crop(self.overlay.map_or(&[], Overlay::count), n_cols, window);
+        let subject = self.subject();
+        let n_drawn = match subject {
+            Subject::Count => 0,
+            Subject::Who => self.coverages.len(),
+            Subject::One | Subject::Each => self.coverages.len().min(MOST_MAP_PANELS),
+        };
+        let sites: Vec<SiteCoverage> = self.coverages[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
+        let shown: Vec<Shown<'_>> = match subject {
+            Subject::Count => {
+                let n_sites = u32::try_from(self.coverages.len()).unwrap_or(u32::MAX);
+                vec![Shown::Layer(render::Layer::Count { count: &count, mask: &union, n_sites })]
+            }
+            Subject::Who => {
+                let named: Vec<(&str, &[u8])> = sites.iter().map(|s| (s.uav.id.as_str(), s.mask.as_slice())).collect();
+                vec![Shown::Classes(who_sees(&named, &count, &union), &union)]
+            }
+            Subject::One | Subject::Each => sites.iter().map(|site| self.shown_of(site, &count, &union)).collect(),
+        };
+        let palettes: Vec<Vec<MapClass<'_>>> = shown.iter().map(Shown::palette).collect();
+        let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
+
+        let part = grid.part(window);
         let heights: Vec<String> = self.report.sites.iter().map(height_words).collect();
         let labels: Vec<String> = self.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
+        let words = heights.iter().zip(&labels);
         let marks: Vec<Mark<'_>> = self
             .report
             .sites
             .iter()
-            .zip(heights.iter().zip(&labels))
-            .map(|(site, (height, label))| mark(&shown, (site.x, site.y), label, height))
+            .zip(words)
+            .map(|(site, (height, label))| mark(&part, (site.x, site.y), label, height))
             .collect();
-        // What is out of range is not drawn.
-        let window = self.window_in_range();
-        let cropped = |values: Vec<f32>| crop(&values, grid.n_cols(), window);
-        let surface = cropped(self.scene.field.above_ground_m());
-        let (union, count, only);
-        let layer = match (self.overlay, self.coverages) {
-            (None, [site]) => {
-                only = self.cropped(site, window);
-                self.single_layer(&only)
-            }
-            (overlay, sites) => {
-                union = crop(overlay.map_or(&[], Overlay::union), grid.n_cols(), window);
-                count = crop(overlay.map_or(&[], Overlay::count), grid.n_cols(), window);
-                let n_sites = u32::try_from(sites.len()).unwrap_or(u32::MAX);
-                render::Layer::Count { count: &count, mask: &union, n_sites }
-            }
-        };
+        let surface = crop(&self.scene.field.above_ground_m(), n_cols, window);
         let (receivers_name, others_name) = cell_names(self.receivers, &self.scene.field);
-        let title = self.words.title_or(|| {
-            let subject = match (&layer, self.coverages.len()) {
-                (render::Layer::Field { .. }, _) => match self.layers.first() {
-                    Some(Layer::Margin) => "Margin of line of sight in",
-                    Some(Layer::Ceiling) => "Least receiver height in line of sight in",
-                    _ => "Least UAV height that sees",
-                },
-                (render::Layer::Stability { .. }, _) => "Stability of line of sight in",
-                (_, 1) => "What a UAV sees of",
-                _ => "What the UAVs see of",
-            };
-            unbreakable(&format!("{subject} {}", self.scene.name))
-        });
-        let caption = self.caption(receivers_name);
+        let title =
+            self.words.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.scene.name)));
+        let caption = self.caption(subject, receivers_name);
+        let unit = meters_per_unit(grid);
+        let cell_m = (grid.cell_width() * unit, grid.cell_height() * unit);
+        let form = self.words.size.form(format);
+        let CellWindow { n_cols, n_rows, .. } = window;
+        let (title, caption, surface_m) = (title.as_str(), caption.as_slice(), Some(surface.as_slice()));
+        if subject == Subject::Each {
+            let details: Vec<String> =
+                self.report.sites.iter().zip(&palettes).map(|(s, p)| self.detail(s, p)).collect();
+            let titles: Vec<String> = labels.iter().zip(&heights).map(|(l, h)| format!("{l} · {h}")).collect();
+            let words = titles.iter().zip(&details);
+            let maps: Vec<MapPanel<'_>> = layers
+                .iter()
+                .zip(words.zip(&marks))
+                .map(|(layer, ((title, detail), mark))| MapPanel {
+                    title,
+                    detail,
+                    layer: *layer,
+                    mark: Mark { height: "", ..*mark },
+                })
+                .collect();
+            let sheet = MapPanels { title, caption, n_cols, n_rows, cell_m, maps: &maps, surface_m, others_name };
+            return render::draw_map_panels(&sheet, &form, provenance).map_err(undrawable);
+        }
         let picture = MapPicture {
-            title: &title,
-            caption: &caption,
-            n_cols: window.n_cols,
-            n_rows: window.n_rows,
-            cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
-            layer,
-            surface_m: Some(&surface),
+            title,
+            caption,
+            n_cols,
+            n_rows,
+            cell_m,
+            layer: layers[0],
+            surface_m,
             uavs: &marks,
             receivers_name,
             others_name,
             counts: self.counts,
         };
-        if as_vectors {
-            render::draw_map_svg(&picture, provenance).map(String::into_bytes).map_err(undrawable)
-        } else {
-            render::draw_map(&picture, provenance).map_err(undrawable)
+        render::draw_map(&picture, &form, provenance).map_err(undrawable)
+    }
+
+    /// The layer that is drawn: the first that was asked for.
+    fn drawn_layer(&self) -> Layer {
+        self.layers.first().copied().unwrap_or(Layer::Los)
+    }
+
+    fn subject(&self) -> Subject {
+        match (self.drawn_layer(), self.coverages.len()) {
+            (_, 1) if self.overlay.is_none() => Subject::One,
+            (Layer::Los | Layer::Count, _) => Subject::Count,
+            (Layer::Which, n) if n <= MOST_COLORS => Subject::Who,
+            _ => Subject::Each,
+        }
+    }
+
+    fn subject_words(&self, subject: Subject) -> &'static str {
+        match (self.drawn_layer(), subject) {
+            (Layer::Margin, _) => "Margin of line of sight in",
+            (Layer::LeastReceiverHeight, _) => "Least receiver height in line of sight in",
+            (Layer::LeastHeight, _) => "Least UAV height that sees",
+            (Layer::Stability, _) => "Stability of line of sight in",
+            (_, Subject::One) => "What a UAV sees of",
+            (Layer::Which, _) => "Which UAV sees what of",
+            _ => "What the UAVs see of",
         }
     }
 
@@ -138,7 +224,7 @@ impl MapDrawing<'_> {
             uav: site.uav.clone(),
             mask: crop(&site.mask, n_cols, window).into(),
             margin: part(&site.margin),
-            ceiling: part(&site.ceiling),
+            least_receiver_height: part(&site.least_receiver_height),
             least_height: part(&site.least_height),
             stability: site
                 .stability
@@ -148,23 +234,63 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// The layer that a picture of one site shows: the mask, or the first height layer if the mask was not asked for.
-    fn single_layer<'b>(&self, site: &'b SiteCoverage) -> render::Layer<'b> {
+    /// The layer of one UAV.
+    fn shown_of<'b>(&self, site: &'b SiteCoverage, count: &[u32], union: &'b [u8]) -> Shown<'b> {
         let mask = &site.mask;
         let field = |values: &'b Option<Vec<f32>>, name| {
-            values.as_deref().map(|values| render::Layer::Field { values, name, unit: "m", mask })
+            values.as_deref().map(|values| Shown::Layer(render::Layer::Field { values, name, unit: "m", mask }))
         };
-        let wanted = self.layers.iter().find_map(|layer| match layer {
-            Layer::Los | Layer::Count | Layer::Which => Some(render::Layer::Los(mask)),
-            Layer::Margin => field(&site.margin, "Margin: receiver height less ceiling"),
-            Layer::Ceiling => field(&site.ceiling, "Ceiling, above the datum"),
-            Layer::LeastHeight => field(&site.least_height, "Least UAV height, above the datum"),
-            Layer::Stability => site.stability.as_ref().map(|s| render::Layer::Stability { turns: &s.turns, mask }),
-        });
-        wanted.unwrap_or(render::Layer::Los(mask))
+        let wanted = match self.drawn_layer() {
+            Layer::Which if !union.is_empty() => Some(Shown::Classes(seen_alone(mask, count, union), union)),
+            Layer::Los | Layer::Count | Layer::Which => None,
+            Layer::Margin => field(&site.margin, "Margin: receiver height less least visible height"),
+            Layer::LeastReceiverHeight => field(&site.least_receiver_height, "Least receiver height, above the datum"),
+            Layer::LeastHeight => site.least_height.as_deref().map(|least| {
+                let (base_m, above) = ground_below(&site.uav);
+                Shown::Classes(least_heights(least, mask, base_m, above), mask)
+            }),
+            Layer::Stability => {
+                site.stability.as_ref().map(|s| Shown::Layer(render::Layer::Stability { turns: &s.turns, mask }))
+            }
+        };
+        wanted.unwrap_or(Shown::Layer(render::Layer::Los(mask)))
     }
 
-    fn caption(&self, receivers_name: &str) -> Vec<String> {
+    /// The line below the title of a small map.
+    fn detail(&self, site: &SiteFacts, palette: &[MapClass<'_>]) -> String {
+        let p_los = site.tally.p_los().map_or("P_LoS undefined".to_string(), |p| format!("P_LoS = {p:.4}"));
+        match (self.drawn_layer(), palette) {
+            (Layer::Which, [.., alone]) => format!("{p_los}, alone {}", alone.detail),
+            (Layer::LeastHeight, _) if site.height_agl_m.is_some() => {
+                format!("{p_los}, ground at {} m", tidy(site.height_amsl_m - site.height_agl_m.unwrap_or(0.0)))
+            }
+            _ => p_los,
+        }
+    }
+
+    /// What must be known to read the drawn layer.
+    fn reading(&self, subject: Subject) -> Vec<String> {
+        let n = self.coverages.len();
+        let mut lines = Vec::new();
+        if self.drawn_layer() == Layer::LeastHeight {
+            let less = match self.report.sites.as_slice() {
+                [only] if only.height_agl_m.is_none() => "No ground is known below the UAV: heights are".to_string(),
+                [only] => {
+                    let ground = only.height_amsl_m - only.height_agl_m.unwrap_or(0.0);
+                    format!("Heights are above ground: less {} m, the ground below the UAV; in files", tidy(ground))
+                }
+                _ => "Heights are above ground: less the ground below each UAV; in files".to_string(),
+            };
+            lines.push(format!("{less} above the datum"));
+        }
+        if subject == Subject::Each && n > MOST_MAP_PANELS {
+            let rest = if self.drawn_layer() == Layer::Which { "; the rest are among the others" } else { "" };
+            lines.push(format!("Of {n} UAVs the first {MOST_MAP_PANELS} are drawn{rest}; a .tif file holds all"));
+        }
+        lines
+    }
+
+    fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
         let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
@@ -185,8 +311,9 @@ impl MapDrawing<'_> {
         if self.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
         }
-        if let (Some(Layer::Stability), [SiteFacts { stability: Some(stability), .. }]) =
-            (self.layers.first(), self.report.sites.as_slice())
+        lines.extend(self.reading(subject));
+        if let (Layer::Stability, [SiteFacts { stability: Some(stability), .. }]) =
+            (self.drawn_layer(), self.report.sites.as_slice())
         {
             lines.push(stability.in_words());
         }
@@ -199,4 +326,9 @@ impl MapDrawing<'_> {
         lines.extend(self.words.credit(self.scene.attribution.as_ref()));
         lines
     }
+}
+
+/// The height that heights are told above \[m above the datum\], and what it is.
+fn ground_below(uav: &Uav) -> (f64, &'static str) {
+    uav.height_agl_m.map_or((0.0, "the datum"), |agl| (uav.height_amsl_m() - agl, "ground"))
 }

@@ -8,6 +8,7 @@ use super::interrupt;
 use super::map::undrawable;
 use super::map_drawing::MapDrawing;
 use super::plan::{Ready, meters_per_unit};
+use super::receivers::cell_names;
 use super::words::{picture_provenance, pretty};
 use crate::coverage::{
     Control, CoveragePolygon, Overlay, PolygonOptions, SiteCoverage, Tally, class, coverage_polygons,
@@ -79,8 +80,7 @@ impl Writer<'_> {
         let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
         match format {
             Format::Png if self.args.bare => self.bare(path),
-            Format::Png => one(self.picture(false)?),
-            Format::Svg => one(self.picture(true)?),
+            Format::Png | Format::Svg | Format::Pdf => one(self.picture(format)?),
             // The time of writing is not known before the file is written.
             Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
             Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
@@ -134,7 +134,7 @@ impl Writer<'_> {
         Ok(files)
     }
 
-    fn picture(&self, as_vectors: bool) -> Result<Vec<u8>> {
+    fn picture(&self, format: Format) -> Result<Vec<u8>> {
         let drawing = MapDrawing {
             scene: self.scene,
             coverages: self.coverages,
@@ -146,8 +146,9 @@ impl Writer<'_> {
             counts: None,
             note: None,
         };
-        drawing.draw(as_vectors, &self.provenance())
+        drawing.draw(format, &self.provenance())
     }
+
     /// The polygons that were asked for.
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.scene.field.grid();
@@ -189,8 +190,14 @@ impl Writer<'_> {
             pictures.push((file, png));
         }
         const LEGEND: &str = "legend.png";
-        let receivers = format!("Receivers at a height of {} m", tidy(self.args.rx_height));
-        pictures.push((LEGEND.into(), render::draw_overlay_legend(&receivers, &[]).map_err(undrawable)?));
+        let uavs = match self.coverages {
+            [only] => format!("of UAV {}", only.uav.id),
+            _ => "of at least one UAV, or of the one whose overlay is shown".to_string(),
+        };
+        let (receivers, _) = cell_names(self.args.receivers, &self.scene.field);
+        let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.args.rx_height));
+        pictures
+            .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
         encode_kmz(&kml(self.report, &degrees, &overlays, LEGEND)?, &pictures)
     }
 }

@@ -111,10 +111,9 @@ pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
         Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
     };
     for path in &args.output {
-        let is_made = matches!(
-            Format::of(path)?,
-            Format::GeoTiff | Format::Png | Format::Svg | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout
-        );
+        let format = Format::of(path)?;
+        let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
+            || format.is_picture();
         if !is_made {
             return refuse(format!("{} cannot be made", path.display()));
         }
@@ -297,9 +296,9 @@ impl StreamedRun<'_> {
                     batch.add(path, &encode_table(&report.table())?)?;
                     batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
                 }
-                Format::Png | Format::Svg => {
+                Format::Png | Format::Svg | Format::Pdf => {
                     if let Some(shown) = &shown {
-                        let picture = self.picture(scene, (&report, &coverage), shown, *format == Format::Svg)?;
+                        let picture = self.picture(scene, (&report, &coverage), shown, *format)?;
                         batch.add(path, &picture)?;
                     }
                 }
@@ -322,7 +321,7 @@ impl StreamedRun<'_> {
     }
 
     fn has_picture(&self) -> bool {
-        self.outputs.iter().any(|(_, format)| matches!(format, Format::Png | Format::Svg))
+        self.outputs.iter().any(|(_, format)| format.is_picture())
     }
 
     /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
@@ -331,7 +330,7 @@ impl StreamedRun<'_> {
         scene: &StreamedSurface,
         (report, coverage): (&MapReport, &SiteCoverage),
         shown: &Shown,
-        as_vectors: bool,
+        format: Format,
     ) -> Result<Vec<u8>> {
         let factor = shown.factor;
         let grid = scene.grid().coarser(factor);
@@ -361,7 +360,7 @@ impl StreamedRun<'_> {
                 format!("Drawn smaller: a pixel shows one of {factor} × {factor} cells, the counts are those of all")
             }),
         };
-        drawing.draw(as_vectors, &picture_provenance(&report.document(None)))
+        drawing.draw(format, &picture_provenance(&report.document(None)))
     }
 
     /// The one UAV of the run.

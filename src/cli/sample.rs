@@ -161,10 +161,10 @@ impl SampleJob<'_> {
             return Err(Error::usage(113, format!("`--block` is `{block}`, wanted above 0 m")));
         }
         let is_known =
-            |format: &Format| matches!(format, Format::Csv | Format::Json | Format::Png | Format::Svg | Format::Stdout);
+            |format: &Format| format.is_picture() || matches!(format, Format::Csv | Format::Json | Format::Stdout);
         if let Some((path, _)) = self.outputs.iter().find(|(_, format)| !is_known(format)) {
             let text = format!("cannot write {}: a sample is a plot, a table or a document", path.display());
-            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .csv or .json"));
+            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .pdf, .csv or .json"));
         }
         let zones: Vec<Zone> = asked.sample.iter().map(|(zone, _)| *zone).collect();
         match zones.iter().enumerate().find(|(k, zone)| zones[..*k].contains(zone)) {
@@ -278,10 +278,10 @@ impl SampleJob<'_> {
                     batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
                 }
                 Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
-                Format::Png | Format::Svg => {
+                Format::Png | Format::Svg | Format::Pdf => {
                     let credit = self.words.credit(scene.attribution.as_ref());
                     let words = (self.words.title.as_deref(), credit.as_deref());
-                    batch.add(path, &plot(report, words, *format == Format::Svg)?)?;
+                    batch.add(path, &plot(report, words, &self.words.size.form(*format))?)?;
                 }
                 _ => {}
             }

@@ -4,7 +4,7 @@ use super::words::{picture_provenance, title_of, unbreakable};
 use crate::error::{Error, Result};
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{SampledReport, SampledRow};
 use crate::zones::Zone;
 
@@ -12,7 +12,7 @@ use crate::zones::Zone;
 pub(super) fn plot(
     report: &SampledReport,
     (title, credit): (Option<&str>, Option<&str>),
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Vec<u8>> {
     let placements = in_order(report, |row| row.placement);
     let receivers = in_order(report, |row| row.receivers);
@@ -69,11 +69,7 @@ pub(super) fn plot(
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
     let provenance = picture_provenance(&report.provenance());
-    let drawn = if as_vectors {
-        render::draw_curve_sheet_svg(&sheet, &provenance).map(String::into_bytes)
-    } else {
-        render::draw_curve_sheet(&sheet, &provenance)
-    };
+    let drawn = render::draw_curve_sheet(&sheet, form, &provenance);
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
 }
 
@@ -128,18 +124,20 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
     if inside > 0 {
         first += &format!("; {inside} inside a building left out");
     }
-    let percent = tidy(100.0 * report.confidence);
     let crs = report.facts.grid.crs().map_or("local coordinates".to_string(), Crs::label);
-    let mut lines = vec![
-        first,
-        format!("Bands and bars: {percent} % intervals over {}", report.clusters()),
-        format!(
-            "Receivers {} m above what they stand on; method {}; {crs}; skyshed {}",
-            tidy(report.rx_height_m),
-            report.facts.method_in_words(),
-            env!("CARGO_PKG_VERSION")
-        ),
-    ];
+    let mut lines = vec![first];
+    if report.rows.iter().any(|row| row.estimate.p_los.and(row.estimate.interval).is_some()) {
+        let heights = in_order(report, |row| row.height_m.to_bits());
+        let drawn = if heights.len() > 1 { "Bands" } else { "Bars" };
+        lines.push(format!("{drawn}: {} % intervals over {}", tidy(100.0 * report.confidence), report.clusters()));
+    }
+    let range = report.radius_m.map_or(String::new(), |r| format!(", within {} m of the UAV's place", tidy(r)));
+    lines.push(format!(
+        "Receivers {} m above what they stand on{range}; method {}; {crs}; skyshed {}",
+        tidy(report.rx_height_m),
+        report.facts.method_in_words(),
+        env!("CARGO_PKG_VERSION")
+    ));
     lines.extend(credit.map(str::to_string));
     lines
 }

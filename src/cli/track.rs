@@ -12,11 +12,11 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
-use crate::render::{self, TrackProfile, TrackStretch};
+use crate::render::{self, PictureForm, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
 use crate::scene::read_track;
 
-const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
 /// More places than this are refused.
 const MOST_PLACES: f64 = 1e6;
@@ -33,6 +33,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
     let inputs: Vec<_> = input_paths(&args.scene).into_iter().chain([path.to_path_buf()]).collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
+    args.size.refuse_without_picture(&outputs)?;
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let places = read_track(path, scene.field.grid().crs())?;
     let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
@@ -75,9 +76,9 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
                 batch.add(path, &encode_table(&report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
             }
-            Format::Png | Format::Svg => {
+            Format::Png | Format::Svg | Format::Pdf => {
                 let title = title_of(&format!("{}: line of sight along a track", scene.name));
-                batch.add(path, &picture(&title, &report, *format == Format::Svg)?)?;
+                batch.add(path, &picture(&title, &report, &args.size.form(*format))?)?;
             }
             _ => {}
         }
@@ -111,7 +112,7 @@ fn in_words(report: &TrackReport) -> String {
 }
 
 /// Where the user has line of sight, and how high would be enough elsewhere.
-fn picture(title: &str, report: &TrackReport, as_vectors: bool) -> Result<Vec<u8>> {
+fn picture(title: &str, report: &TrackReport, form: &PictureForm) -> Result<Vec<u8>> {
     let unit = report.facts.meters_per_unit;
     let stretch = |s: &crate::coverage::Stretch| TrackStretch {
         along_m: s.along.map(|along| along * unit),
@@ -143,10 +144,6 @@ fn picture(title: &str, report: &TrackReport, as_vectors: bool) -> Result<Vec<u8
         user_m: report.rx_height_m,
     };
     let provenance = [("skyshed".to_string(), report.provenance().to_string())];
-    let drawn = if as_vectors {
-        render::draw_track_profile_svg(&profile, &provenance).map(String::into_bytes)
-    } else {
-        render::draw_track_profile(&profile, &provenance)
-    };
+    let drawn = render::draw_track_profile(&profile, form, &provenance);
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
 }

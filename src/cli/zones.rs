@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::args::PictureSize;
 use super::interrupt;
 use super::words::title_of;
 use crate::coverage::class;
@@ -10,7 +11,7 @@ use crate::export::{Batch, Format, add_zones};
 use crate::height_field::HeightField;
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
-use crate::render::{self, MapClass, MapPicture, grouped};
+use crate::render::{self, MapClass, MapPicture, PictureForm, grouped};
 use crate::report::{RunFacts, zones_geojson};
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
@@ -21,6 +22,7 @@ pub(super) struct ZoneFiles<'a> {
     pub(super) facts: &'a RunFacts,
     pub(super) title: Option<&'a str>,
     pub(super) attribution: Option<String>,
+    pub(super) size: PictureSize,
 }
 
 impl ZoneFiles<'_> {
@@ -30,8 +32,9 @@ impl ZoneFiles<'_> {
         for (path, format) in outputs {
             interrupt::check()?;
             match format {
-                Format::Png => batch.add(path, &self.picture(&provenance.to_string(), false)?)?,
-                Format::Svg => batch.add(path, &self.picture(&provenance.to_string(), true)?)?,
+                Format::Png | Format::Svg | Format::Pdf => {
+                    batch.add(path, &self.picture(&provenance.to_string(), &self.size.form(*format))?)?;
+                }
                 Format::GeoTiff => add_zones(batch, self.zones, &provenance.to_string(), path)?,
                 Format::GeoJson => {
                     let polygons = zones_geojson(self.zones, self.facts.meters_per_unit, &provenance);
@@ -43,7 +46,7 @@ impl ZoneFiles<'_> {
         Ok(())
     }
 
-    fn picture(&self, provenance: &str, as_vectors: bool) -> Result<Vec<u8>> {
+    fn picture(&self, provenance: &str, form: &PictureForm) -> Result<Vec<u8>> {
         let grid = &self.facts.grid;
         let unit = self.facts.meters_per_unit;
         let open = [Zone::Street, Zone::Crossroad, Zone::Courtyard];
@@ -104,11 +107,7 @@ impl ZoneFiles<'_> {
             counts: None,
         };
         let provenance = [("skyshed".to_string(), provenance.to_string())];
-        let drawn = if as_vectors {
-            render::draw_map_svg(&picture, &provenance).map(String::into_bytes)
-        } else {
-            render::draw_map(&picture, &provenance)
-        };
+        let drawn = render::draw_map(&picture, form, &provenance);
         drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
     }
 }

@@ -1,9 +1,9 @@
-//! The layers of heights, cell by cell: ceiling, margin, and the least height of the UAV.
+//! The layers of heights, cell by cell: least receiver height, margin, and the least height of the UAV.
 
 use super::row_bands::Row;
 use super::{HeightLayers, Uav};
 use crate::height_field::{GridPositions, HeightField, Place, Station};
-use crate::los::{GridReceivers, link_ceilings, link_least_heights};
+use crate::los::{GridReceivers, link_least_heights, link_least_receiver_heights};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::set_bits;
 
@@ -34,12 +34,12 @@ impl<'a> CellHeights<'a> {
         for col in set_bits(wanted) {
             let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };
             let is_los = los[col / 64] >> (col % 64) & 1 == 1;
-            if self.layers.margin || self.layers.ceiling {
+            if self.layers.margin || self.layers.least_receiver_height {
                 let base = receivers.base(first + col);
-                let (ceiling, margin) = ceiling_and_margin(self.field, self.uav, &receiver, base);
+                let (least, margin) = least_height_and_margin(self.field, self.uav, &receiver, base);
                 debug_assert_eq!(is_los, margin >= 0.0);
-                if let Some(v) = out.ceiling.get_mut(col) {
-                    *v = narrow(ceiling);
+                if let Some(v) = out.least_receiver_height.get_mut(col) {
+                    *v = narrow(least);
                 }
                 if let Some(v) = out.margin.get_mut(col) {
                     *v = margin;
@@ -55,16 +55,16 @@ impl<'a> CellHeights<'a> {
     }
 }
 
-/// The ceiling of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
-pub(super) fn ceiling_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f64, f32) {
-    let (b, t) = link_ceilings(field, &uav.station, receiver);
+/// The least visible height of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
+pub(super) fn least_height_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f64, f32) {
+    let (b, t) = link_least_receiver_heights(field, &uav.station, receiver);
     let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
-    let ceiling = b.height_steps().max(t.height_steps()).max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
+    let least = b.height_steps().max(t.height_steps()).max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
     // The sign is decided exactly; rounding to f32 must not turn it.
-    let margin = narrow(height - ceiling);
-    (ceiling, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
+    let margin = narrow(height - least);
+    (least, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
 }
 
 /// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if

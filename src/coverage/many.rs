@@ -64,7 +64,8 @@ impl Mapper<'_> {
                 }
                 if keep != KeepMasks::Always {
                     site.mask = LargeVec::default();
-                    (site.margin, site.ceiling, site.least_height, site.stability) = (None, None, None, None);
+                    (site.margin, site.least_receiver_height, site.least_height, site.stability) =
+                        (None, None, None, None);
                 }
                 sites.push(site);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::cell_classes::{RowSets, write_classes};
-use super::cell_heights::{CellHeights, ceiling_and_margin};
+use super::cell_heights::{CellHeights, least_height_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
@@ -69,10 +69,10 @@ impl Default for MapOptions {
 /// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct HeightLayers {
-    /// Receiver height less ceiling.
+    /// Receiver height less the least visible height.
     pub margin: bool,
     /// Least receiver height in line of sight.
-    pub ceiling: bool,
+    pub least_receiver_height: bool,
     /// Least UAV height, over its place, that sees the receiver.
     pub least_height: bool,
     /// How many of eight moves by one lattice step turn the answer, see [`Stability`].
@@ -82,7 +82,7 @@ pub struct HeightLayers {
 impl HeightLayers {
     /// Whether a link must be walked for any of them.
     fn has_heights(self) -> bool {
-        self.margin || self.ceiling || self.least_height
+        self.margin || self.least_receiver_height || self.least_height
     }
 }
 
@@ -93,10 +93,10 @@ pub struct SiteCoverage {
     pub uav: Uav,
     /// Classes of [`super::class`].
     pub mask: LargeVec<u8>,
-    /// Receiver height less ceiling \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
+    /// Receiver height less the least visible height \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
     pub margin: Option<Vec<f32>>,
     /// Least receiver height in line of sight \[m above the datum\], never below what the receiver stands on.
-    pub ceiling: Option<Vec<f32>>,
+    pub least_receiver_height: Option<Vec<f32>>,
     /// Least UAV height over its place that sees the receiver \[m above the datum\], never below the surface there; +∞
     /// where none within ±32 768 m does.
     pub least_height: Option<Vec<f32>>,
@@ -344,7 +344,7 @@ impl<'a> Mapper<'a> {
         let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
         let mut mask = if keep { LargeVec::<u8>::zeroed(grid.n_cells()) } else { LargeVec::default() };
         let mut margin = layer(layers.margin);
-        let mut ceiling = layer(layers.ceiling);
+        let mut least_receiver_height = layer(layers.least_receiver_height);
         let mut least_height = layer(layers.least_height);
         let heights = CellHeights::new(self.field, uav, layers);
         let is_stopped = || control.stop.load(Ordering::Relaxed);
@@ -379,9 +379,14 @@ impl<'a> Mapper<'a> {
         let tally = if keep {
             let rows = split(&mut mask, n_rows, n_cols)
                 .zip(split(&mut margin, n_rows, n_cols))
-                .zip(split(&mut ceiling, n_rows, n_cols))
+                .zip(split(&mut least_receiver_height, n_rows, n_cols))
                 .zip(split(&mut least_height, n_rows, n_cols))
-                .map(|(((mask, margin), ceiling), least_height)| Row { mask, margin, ceiling, least_height })
+                .map(|(((mask, margin), least_receiver_height), least_height)| Row {
+                    mask,
+                    margin,
+                    least_receiver_height,
+                    least_height,
+                })
                 .enumerate();
             in_bands(rows, n_at_once, |row, out| fill(&decided, row, out), &mut hand_over)
         } else {
@@ -389,7 +394,8 @@ impl<'a> Mapper<'a> {
             for first in (0..n_rows).step_by(strip) {
                 let rows = first..(first + strip).min(n_rows);
                 let fill = |row: usize, mask: &mut [u8]| {
-                    fill(&decided, row, &mut Row { mask, margin: &mut [], ceiling: &mut [], least_height: &mut [] })
+                    let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
+                    fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
                 };
                 let (next, of_strip) = rayon::join(
                     || if rows.end < n_rows { decide(rows.end) } else { Vec::new() },
@@ -412,7 +418,7 @@ impl<'a> Mapper<'a> {
             tally,
             mask,
             margin: some(layers.margin, margin),
-            ceiling: some(layers.ceiling, ceiling),
+            least_receiver_height: some(layers.least_receiver_height, least_receiver_height),
             least_height: some(layers.least_height, least_height),
             stability,
         })
@@ -454,7 +460,7 @@ impl<'a> Mapper<'a> {
     fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
         let cell = row * self.field.grid().n_cols() + col;
         let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
-        ceiling_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
+        least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
     }
 
     fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {

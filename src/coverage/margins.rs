@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::cell_heights::ceiling_and_margin;
+use super::cell_heights::least_height_and_margin;
 use super::map::Mapper;
 use super::{SiteCoverage, class};
 use crate::height_field::Station;
@@ -77,7 +77,7 @@ impl Mapper<'_> {
         let holds = |cells: &BitGrid| cells.contains(row, col);
         let Some(receivers) = self.receivers().iter().find(|r| holds(&r.cells)) else { return f32::NAN };
         let receiver = Station { place: self.positions().center(row, col), z: receivers.height(cell) };
-        let margin = ceiling_and_margin(self.field(), &map.uav, &receiver, receivers.base(cell)).1;
+        let margin = least_height_and_margin(self.field(), &map.uav, &receiver, receivers.base(cell)).1;
         debug_assert!(!self.method().0.is_exact() || (map.mask[cell] == class::LOS) == (margin >= 0.0));
         margin
     }

@@ -10,7 +10,7 @@ use super::Tally;
 pub(super) struct Row<'a> {
     pub(super) mask: &'a mut [u8],
     pub(super) margin: &'a mut [f32],
-    pub(super) ceiling: &'a mut [f32],
+    pub(super) least_receiver_height: &'a mut [f32],
     pub(super) least_height: &'a mut [f32],
 }
 
@@ -104,7 +104,7 @@ mod tests {
                 let rows = mask.chunks_mut(3).map(|mask| Row {
                     mask,
                     margin: &mut [],
-                    ceiling: &mut [],
+                    least_receiver_height: &mut [],
                     least_height: &mut [],
                 });
                 let fill = |row: usize, out: &mut Row<'_>| {

@@ -210,7 +210,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             uav: uav.clone(),
             mask: LargeVec::default(),
             margin: None,
-            ceiling: None,
+            least_receiver_height: None,
             least_height: None,
             stability: None,
             tally: total,

@@ -6,7 +6,7 @@
 //! length of a step bounds it.
 
 use crate::height_field::{HeightField, Station};
-use crate::los::{link_ceilings, link_los};
+use crate::los::{link_least_receiver_heights, link_los};
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 
 use super::Uav;
@@ -141,7 +141,7 @@ impl Walker<'_> {
         let receiver = self.receiver(position);
         let state = self.state(position);
         let margin_m = receiver.and_then(|receiver| {
-            let (prisms, columns) = link_ceilings(self.field, &self.uav.station, &receiver);
+            let (prisms, columns) = link_least_receiver_heights(self.field, &self.uav.station, &receiver);
             let ground = i64::from(self.field.ground_at(&receiver.place));
             #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
             let (z, ground) = (receiver.z as f64, ground as f64);

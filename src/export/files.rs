@@ -17,6 +17,8 @@ pub enum Format {
     Png,
     /// Picture as vectors.
     Svg,
+    /// Picture as vectors on a page.
+    Pdf,
     /// GeoTIFF.
     GeoTiff,
     /// OpenEXR.
@@ -58,6 +60,7 @@ impl Format {
         Ok(match extension.as_str() {
             "png" => Format::Png,
             "svg" => Format::Svg,
+            "pdf" => Format::Pdf,
             "tif" | "tiff" => Format::GeoTiff,
             "exr" => Format::Exr,
             "asc" => Format::AsciiGrid,
@@ -76,11 +79,16 @@ impl Format {
                     format!("cannot write {}: unknown extension `.{extension}`", path.display()),
                 )
                 .with_hint(
-                    "known are .png .svg .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb .xml .html, and `-` for standard \
-                     output",
+                    "known are .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb .xml .html, and `-` for \
+                     standard output",
                 ));
             }
         })
+    }
+
+    /// Whether it holds a picture.
+    pub fn is_picture(self) -> bool {
+        matches!(self, Format::Png | Format::Svg | Format::Pdf)
     }
 }
 

@@ -23,10 +23,10 @@ pub(super) const NO_COUNT: u32 = u32::MAX;
 pub enum Layer {
     /// The mask.
     Los,
-    /// Receiver height less ceiling \[m\].
+    /// Receiver height less the least visible height \[m\].
     Margin,
     /// Least receiver height \[m above the datum\].
-    Ceiling,
+    LeastReceiverHeight,
     /// Least UAV height \[m above the datum\].
     LeastHeight,
     /// Number of UAVs, per run.
@@ -43,7 +43,7 @@ impl Layer {
         match self {
             Layer::Los => "los",
             Layer::Margin => "margin",
-            Layer::Ceiling => "ceiling",
+            Layer::LeastReceiverHeight => "least-receiver-height",
             Layer::LeastHeight => "least-height",
             Layer::Stability => "stability",
             Layer::Count => "count",
@@ -53,14 +53,14 @@ impl Layer {
 
     /// Whether the layer holds a float for each receiver: meters, or the number of moves that turn it.
     pub fn is_measure(self) -> bool {
-        matches!(self, Layer::Margin | Layer::Ceiling | Layer::LeastHeight | Layer::Stability)
+        matches!(self, Layer::Margin | Layer::LeastReceiverHeight | Layer::LeastHeight | Layer::Stability)
     }
 
     /// The values of a layer that is a measure, if they were made.
     pub(super) fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
         match self {
             Layer::Margin => site.margin.as_deref(),
-            Layer::Ceiling => site.ceiling.as_deref(),
+            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
             Layer::LeastHeight => site.least_height.as_deref(),
             Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
             Layer::Los | Layer::Count | Layer::Which => None,

@@ -26,7 +26,7 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
             Layer::Los => classes = masks.concat(),
             Layer::Count => counts = overlay_of(&masks).count().to_vec(),
             Layer::Which => words = which_layer(&masks).concat(),
-            Layer::Margin | Layer::Ceiling | Layer::LeastHeight | Layer::Stability => {
+            Layer::Margin | Layer::LeastReceiverHeight | Layer::LeastHeight | Layer::Stability => {
                 let values = result.sites.iter().filter_map(|site| layer.measure_of(site));
                 measures.push((layer, values.flatten().copied().collect()));
             }

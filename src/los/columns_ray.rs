@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{Ceiling, Obstruction, surely_binds_less};
+use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
 use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 
@@ -41,14 +41,14 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
 
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and what sets it.
 /// The receiver's own height plays no part.
-pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
-    let mut ceiling = Ceiling::Clear;
+pub fn columns_least_receiver_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
+    let mut least = LeastHeight::Clear;
     if uav.x == receiver.x && uav.y == receiver.y {
-        return ceiling;
+        return least;
     }
     let highest = columns.max_top();
     let highest_is_below = i64::from(highest) <= uav.z;
-    let mut above_uav = ceiling.above_uav();
+    let mut above_uav = least.above_uav();
     let _ = visit_intervals(columns, uav, receiver, |interval| {
         let from_uav = |c: Crossing| Crossing { n: c.d - c.n, d: c.d };
         let (near, far) = (from_uav(interval.near), from_uav(interval.far));
@@ -57,17 +57,17 @@ pub fn columns_ceiling(columns: &Columns, uav: LatticePoint, receiver: LatticePo
             return ControlFlow::Break(());
         }
         if !surely_binds_less(interval.top, uav.z, near, far, above_uav) {
-            ceiling.raise(Obstruction::new(interval.cell, interval.top, uav, near, far));
-            above_uav = ceiling.above_uav();
+            least.raise(Obstruction::new(interval.cell, interval.top, uav, near, far));
+            above_uav = least.above_uav();
         }
         ControlFlow::Continue(())
     });
-    ceiling
+    least
 }
 
 /// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
 /// the receiver. The UAV's own height plays no part.
-pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
     least_height_above(columns, uav, receiver, None)
 }
 
@@ -86,8 +86,8 @@ pub fn columns_least_step(columns: &Columns, uav: LatticePoint, receiver: Lattic
 
 /// The least UAV height; with a floor, it may leave out what binds no more than that.
 #[inline(always)]
-fn least_height_above(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, floor: Option<i64>) -> Ceiling {
-    let mut least = Ceiling::Clear;
+fn least_height_above(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, floor: Option<i64>) -> LeastHeight {
+    let mut least = LeastHeight::Clear;
     if uav.x == receiver.x && uav.y == receiver.y {
         return least;
     }
@@ -360,16 +360,16 @@ mod tests {
     }
 
     #[test]
-    fn the_ceiling_names_the_cell_that_sets_it() {
+    fn the_least_visible_height_names_the_cell_that_sets_it() {
         let columns = row(&[0, 4, 0, 3, 0, 0]);
         let uav = point(0.5, 0.5, 10.0);
-        let Ceiling::At(obstruction) = columns_ceiling(&columns, uav, point(5.5, 0.5, 0.0)) else {
+        let LeastHeight::At(obstruction) = columns_least_receiver_height(&columns, uav, point(5.5, 0.5, 0.0)) else {
             panic!("an obstruction stands in the way");
         };
         // Behind the wall of 4 m whose far edge is 1.5 m away: 10 − 6·5/1.5 = −10; behind the one of 3 m: 10 − 7·5/3.5 = 0.
         assert_eq!(obstruction.obstacle, 3);
-        let ceiling = columns_ceiling(&columns, uav, point(5.5, 0.5, 0.0));
-        assert!((ceiling.height_steps() - 0.0).abs() < 1e-9);
-        assert!(ceiling.is_met_by(0) && !ceiling.is_met_by(-1));
+        let least = columns_least_receiver_height(&columns, uav, point(5.5, 0.5, 0.0));
+        assert!((least.height_steps() - 0.0).abs() < 1e-9);
+        assert!(least.is_met_by(0) && !least.is_met_by(-1));
     }
 }

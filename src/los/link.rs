@@ -1,8 +1,8 @@
 //! One link of a scene: both solids together, each on its own lattice.
 
 use super::{
-    Ceiling, columns_ceiling, columns_least_height, columns_least_step, columns_los, prisms_ceiling,
-    prisms_least_height, prisms_least_step, prisms_los,
+    LeastHeight, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
+    prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };
 use crate::height_field::{HeightField, Station};
 
@@ -13,11 +13,19 @@ pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool 
         && field.columns().is_none_or(|c| columns_los(c, uav.on_columns(), receiver.on_columns()))
 }
 
-/// The ceiling of each solid at the receiver's place, prisms first: the receiver is LoS from the higher one up.
-pub fn link_ceilings(field: &HeightField, uav: &Station, receiver: &Station) -> (Ceiling, Ceiling) {
+/// The least visible height of each solid at the receiver's place, prisms first: the receiver is LoS from the higher one up.
+pub fn link_least_receiver_heights(
+    field: &HeightField,
+    uav: &Station,
+    receiver: &Station,
+) -> (LeastHeight, LeastHeight) {
     (
-        field.prisms().map_or(Ceiling::Clear, |p| prisms_ceiling(p, uav.on_prisms(), receiver.on_prisms())),
-        field.columns().map_or(Ceiling::Clear, |c| columns_ceiling(c, uav.on_columns(), receiver.on_columns())),
+        field
+            .prisms()
+            .map_or(LeastHeight::Clear, |p| prisms_least_receiver_height(p, uav.on_prisms(), receiver.on_prisms())),
+        field
+            .columns()
+            .map_or(LeastHeight::Clear, |c| columns_least_receiver_height(c, uav.on_columns(), receiver.on_columns())),
     )
 }
 
@@ -36,9 +44,11 @@ pub fn link_least_step(field: &HeightField, uav: &Station, receiver: &Station, f
 }
 
 /// The least UAV height over the UAV's place that sees the receiver, for each solid, prisms first.
-pub fn link_least_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (Ceiling, Ceiling) {
+pub fn link_least_heights(field: &HeightField, uav: &Station, receiver: &Station) -> (LeastHeight, LeastHeight) {
     (
-        field.prisms().map_or(Ceiling::Clear, |p| prisms_least_height(p, uav.on_prisms(), receiver.on_prisms())),
-        field.columns().map_or(Ceiling::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
+        field.prisms().map_or(LeastHeight::Clear, |p| prisms_least_height(p, uav.on_prisms(), receiver.on_prisms())),
+        field
+            .columns()
+            .map_or(LeastHeight::Clear, |c| columns_least_height(c, uav.on_columns(), receiver.on_columns())),
     )
 }

@@ -20,7 +20,7 @@
 //!
 //! Seen the other way around, an interval of height h bounds the receiver from below: a receiver at the same place is
 //! LoS only from `z_U + (h − z_U) / s` up, s being the fraction of the way from the UAV to the obstructing point. The
-//! largest of these bounds is the **ceiling** at that place (the least visible height), and the interval that sets it is
+//! largest of these bounds is the **least visible height** at that place, and the interval that sets it is
 //! the **obstruction** that a user wants named.
 //!
 //! Three engines decide, and all give the same cells: `ray` visits what one link crosses ([`columns_los`],
@@ -49,11 +49,15 @@ mod simd;
 mod sweep;
 
 pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
-pub use columns_ray::{columns_ceiling, columns_crossed, columns_least_height, columns_least_step, columns_los};
+pub use columns_ray::{
+    columns_crossed, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
+};
 pub use grid_los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
-pub use link::{link_ceilings, link_least_heights, link_least_step, link_los};
-pub use obstruction::{Ceiling, Obstruction};
-pub use prisms_ray::{prisms_ceiling, prisms_crossed, prisms_least_height, prisms_least_step, prisms_los};
+pub use link::{link_least_heights, link_least_receiver_heights, link_least_step, link_los};
+pub use obstruction::{LeastHeight, Obstruction};
+pub use prisms_ray::{
+    prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
+};
 pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
 pub use shadow_grid::ShadowGrid;
 pub use shadow_plateaus::{OnPlateaus, PlateauScene, plateaus_los};

@@ -1,4 +1,4 @@
-//! The ceiling at a place and the obstacle that sets it, compared exactly.
+//! The least visible height at a place and the obstacle that sets it, compared exactly.
 
 use std::cmp::Ordering;
 
@@ -12,7 +12,7 @@ pub(super) const BOUND_MARGIN: f64 = 1.0 - 1e-12;
 
 /// The least receiver height at a place from which the link is LoS.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Ceiling {
+pub enum LeastHeight {
     /// Nothing stands in the way at any height.
     Clear,
     /// The receiver must be at least this high; the obstruction sets the bound.
@@ -42,30 +42,30 @@ struct Bound {
     den: i128,
 }
 
-impl Ceiling {
-    /// The ceiling \[1/1024 m above the datum\]: −∞ where clear, +∞ where no height is enough.
+impl LeastHeight {
+    /// The least visible height \[1/1024 m above the datum\]: −∞ where clear, +∞ where no height is enough.
     pub fn height_steps(&self) -> f64 {
         match self {
-            Ceiling::Clear => f64::NEG_INFINITY,
-            Ceiling::At(o) => o.bound.value(),
+            LeastHeight::Clear => f64::NEG_INFINITY,
+            LeastHeight::At(o) => o.bound.value(),
         }
     }
 
-    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the ceiling; exact.
+    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the least visible height; exact.
     pub fn is_met_by(&self, z: i64) -> bool {
         match self {
-            Ceiling::Clear => true,
-            Ceiling::At(o) => o.bound.den > 0 && i128::from(z - o.bound.uav_z) * o.bound.den >= o.bound.num,
+            LeastHeight::Clear => true,
+            LeastHeight::At(o) => o.bound.den > 0 && i128::from(z - o.bound.uav_z) * o.bound.den >= o.bound.num,
         }
     }
 
-    /// The lowest lattice height \[1/1024 m above the datum\] at or above the ceiling; exact. The lowest `i64` where clear,
+    /// The lowest lattice height \[1/1024 m above the datum\] at or above the least visible height; exact. The lowest `i64` where clear,
     /// `None` where no height is enough.
     pub fn lowest_step(&self) -> Option<i64> {
         match self {
-            Ceiling::Clear => Some(i64::MIN),
-            Ceiling::At(o) if o.bound.den == 0 => None,
-            Ceiling::At(o) => {
+            LeastHeight::Clear => Some(i64::MIN),
+            LeastHeight::At(o) if o.bound.den == 0 => None,
+            LeastHeight::At(o) => {
                 let Bound { uav_z, num, den } = o.bound;
                 // Rounded up; heights are below 2^28, so what is cut off here is out of reach of every height.
                 let above = (-(-num).div_euclid(den)).clamp(-(1 << 40), 1 << 40);
@@ -74,27 +74,27 @@ impl Ceiling {
         }
     }
 
-    /// The ceiling above the UAV \[1/1024 m\], usually negative: −∞ where clear, +∞ where no height is enough.
+    /// The least visible height above the UAV \[1/1024 m\], usually negative: −∞ where clear, +∞ where no height is enough.
     pub(super) fn above_uav(&self) -> f64 {
         match self {
-            Ceiling::Clear => f64::NEG_INFINITY,
-            Ceiling::At(o) if o.bound.den == 0 => f64::INFINITY,
-            Ceiling::At(o) => ratio(o.bound.num, o.bound.den),
+            LeastHeight::Clear => f64::NEG_INFINITY,
+            LeastHeight::At(o) if o.bound.den == 0 => f64::INFINITY,
+            LeastHeight::At(o) => ratio(o.bound.num, o.bound.den),
         }
     }
 
-    /// Raises the ceiling to what `other` demands, keeping the present obstruction on a tie.
+    /// Raises the least visible height to what `other` demands, keeping the present obstruction on a tie.
     pub(super) fn raise(&mut self, other: Obstruction) {
         let higher = match self {
-            Ceiling::Clear => true,
-            Ceiling::At(o) => match other.bound.compare(&o.bound) {
+            LeastHeight::Clear => true,
+            LeastHeight::At(o) => match other.bound.compare(&o.bound) {
                 Ordering::Greater => true,
                 Ordering::Equal => other.near < o.near,
                 Ordering::Less => false,
             },
         };
         if higher {
-            *self = Ceiling::At(other);
+            *self = LeastHeight::At(other);
         }
     }
 }
@@ -117,7 +117,7 @@ impl Obstruction {
     }
 }
 
-/// Whether an interval surely binds less than a ceiling that is `above_uav`, by two products of doubles; `false` where
+/// Whether an interval surely binds less than a height that is `above_uav`, by two products of doubles; `false` where
 /// rounding leaves a doubt. Crossings are measured as in [`Obstruction::new`].
 ///
 /// PERF: over columns nearly every cell is ruled out here; the exact bound costs twenty times as much.
@@ -129,9 +129,9 @@ pub(super) fn surely_binds_less(top: i32, uav_z: i64, near: Crossing, far: Cross
     }
     let at = if excess <= 0 { near } else { far };
     #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^56, compared with a margin")]
-    let (bound, ceiling) = (excess as f64 * at.d as f64, above_uav * at.n as f64);
+    let (bound, height) = (excess as f64 * at.d as f64, above_uav * at.n as f64);
     // Infinite or undefined products leave a doubt, since every comparison with NaN is false.
-    bound < ceiling - (1.0 - BOUND_MARGIN) * (bound.abs() + ceiling.abs())
+    bound < height - (1.0 - BOUND_MARGIN) * (bound.abs() + height.abs())
 }
 
 impl Bound {

@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::obstruction::{Ceiling, Obstruction, surely_binds_less};
+use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
 use crate::height_field::{Piece, Prisms};
 use crate::quantity::LatticePoint;
 
@@ -51,14 +51,14 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
 
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and the piece that sets
 /// it. The receiver's own height plays no part.
-pub fn prisms_ceiling(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+pub fn prisms_least_receiver_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
     // The farther from the UAV, the more an obstacle below it binds, so the walk begins at the receiver.
     bound_from(prisms, uav, receiver, Walk::TowardsPivot, None)
 }
 
 /// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
 /// the receiver. The UAV's own height plays no part.
-pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Ceiling {
+pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
     // No prism is exempt, so a link and its reverse are obstructed alike; the nearer to the receiver, the more an
     // obstacle above it binds.
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, None)
@@ -83,29 +83,29 @@ enum Walk {
 
 /// The least height at `end`'s position that is in line of sight of `pivot`, whatever the order of the visits; with a
 /// floor, it may leave out what binds no more than that.
-fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk, floor: Option<i64>) -> Ceiling {
-    let mut ceiling = Ceiling::Clear;
+fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk, floor: Option<i64>) -> LeastHeight {
+    let mut least = LeastHeight::Clear;
     if pivot.x == end.x && pivot.y == end.y {
         // Straight below the UAV a receiver sees it unless a roof is between them: from the roof up.
         if let Some((top, piece)) = prisms.solid_at(pivot.x, pivot.y) {
             let here = Crossing { n: 1, d: 1 };
             let far = if i64::from(top) > pivot.z { Crossing { n: 0, d: 1 } } else { here };
-            ceiling.raise(Obstruction::new(piece, top, pivot, here, far));
+            least.raise(Obstruction::new(piece, top, pivot, here, far));
         }
-        return ceiling;
+        return least;
     }
     let ray = Ray::new(pivot, end);
     let mut edges: Vec<Edge> = Vec::new();
     #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
     let floor_above_pivot = floor.map_or(f64::NEG_INFINITY, |floor| (floor - pivot.z) as f64);
-    let ceiling_cell = std::cell::Cell::new(floor_above_pivot);
+    let least_cell = std::cell::Cell::new(floor_above_pivot);
     // A bucket from `first` to `last` along the walk, told as fractions from the pivot.
     let may_bind = |max_top: i32, first: Crossing, last: Crossing| {
         let (from, to) = match walk {
             Walk::TowardsPivot => (rest(last), rest(first)),
             Walk::AwayFromPivot => (first, last),
         };
-        !surely_binds_less(max_top, pivot.z, to, from, ceiling_cell.get())
+        !surely_binds_less(max_top, pivot.z, to, from, least_cell.get())
     };
     let start = match walk {
         Walk::TowardsPivot => (end, pivot),
@@ -114,9 +114,9 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     let _ = visit_buckets(prisms, start, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
-                if !surely_binds_less(piece.top, pivot.z, interval.near, interval.far, ceiling_cell.get()) {
-                    ceiling.raise(interval.obstruction(index, piece.top, pivot));
-                    ceiling_cell.set(ceiling.above_uav().max(floor_above_pivot));
+                if !surely_binds_less(piece.top, pivot.z, interval.near, interval.far, least_cell.get()) {
+                    least.raise(interval.obstruction(index, piece.top, pivot));
+                    least_cell.set(least.above_uav().max(floor_above_pivot));
                 }
             }
             Meeting::Edge(side, interval) => {
@@ -127,9 +127,9 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         ControlFlow::Continue(())
     });
     for (edge, interval) in shared_edges(&edges) {
-        ceiling.raise(interval.obstruction(edge.piece, edge.top, pivot));
+        least.raise(interval.obstruction(edge.piece, edge.top, pivot));
     }
-    ceiling
+    least
 }
 
 /// The way left.

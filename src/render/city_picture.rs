@@ -7,6 +7,7 @@ use super::city_view::{self, CityImage};
 use super::colors::{INK, Ramp, Rgb};
 use super::furniture::{self, DETAIL, NAME, Scale, TITLE};
 use super::marks::Label;
+use super::picture_form::PictureForm;
 use super::sheet::{self, Anchor, Drawing, Sheet, Type};
 
 const MARGIN: f64 = 40.0;
@@ -79,21 +80,17 @@ pub struct CityUav<'a> {
     pub at_m: [f64; 3],
 }
 
-/// Draws a city as PNG: plan on the left, view from the south-south-west on the right, heights true to scale.
+/// Draws a city: plan on the left, view from the south-south-west on the right, heights true to scale.
 ///
 /// # Errors
 /// An empty extent, a raster of another shape, numbers that are not finite, 16 million buildings or more, or a keyword
 /// of `provenance` that PNG does not allow.
-pub fn draw_city(picture: &CityPicture<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(picture)?.to_png(provenance)
-}
-
-/// Draws a city as one SVG document with the panels as embedded PNG.
-///
-/// # Errors
-/// As [`draw_city`].
-pub fn draw_city_svg(picture: &CityPicture<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(picture)?.to_svg(provenance)
+pub fn draw_city(
+    picture: &CityPicture<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(picture)?.write(form, provenance)
 }
 
 fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
@@ -343,8 +340,8 @@ mod tests {
         {
             assert!(sheet.furniture.svg.contains(words), "{words}");
         }
-        let file = draw_city(&picture, &[]).expect("the city is valid");
-        assert_eq!(file, draw_city(&picture, &[]).expect("the city is valid"));
+        let file = draw_city(&picture, &PictureForm::PNG, &[]).expect("the city is valid");
+        assert_eq!(file, draw_city(&picture, &PictureForm::PNG, &[]).expect("the city is valid"));
     }
 
     #[test]
@@ -357,13 +354,13 @@ mod tests {
             model: CityModel::Prisms(&prisms),
             uavs: &[],
         };
-        assert!(draw_city(&picture, &[]).is_err());
+        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err());
         let raster = CityHeights { n_cols: 2, n_rows: 2, surface_m: &[0.0; 3], ground_m: None };
         let picture = CityPicture { extent_m: [0.0, 0.0, 2.0, 2.0], model: CityModel::Heights(raster), ..picture };
-        assert!(draw_city(&picture, &[]).is_err());
+        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err());
         let mut bent = grid_city(1);
         bent[0].top_m = f64::NAN;
         let picture = CityPicture { model: CityModel::Prisms(&bent), ..picture };
-        assert!(draw_city(&picture, &[]).is_err_and(|e| e.contains("building 0")));
+        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err_and(|e| e.contains("building 0")));
     }
 }

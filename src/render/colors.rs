@@ -28,6 +28,13 @@ pub(crate) const OPEN_GROUND: Rgb = [0xF3, 0xF1, 0xEB];
 /// What two UAVs see: neither, only the first (lost), only the second (gained), both. What changes is strong, what stays
 /// is pale, and all four differ in lightness.
 pub(crate) const PAIR: [Rgb; 4] = [[0xF6, 0xEE, 0xDF], [0xD5, 0x5E, 0x00], [0x00, 0x2F, 0x4C], [0x9C, 0xC9, 0xE6]];
+/// Who sees a cell, of up to four UAVs: none, only the first to fourth, several. All differ in lightness.
+pub const ONLY_COLORS: [Rgb; 6] =
+    [NLOS, LOS, [0xF0, 0xE4, 0x42], [0x88, 0x22, 0x55], [0x88, 0xCC, 0xEE], [0x1B, 0x1F, 0x24]];
+/// Who sees a cell, to one UAV of many: none, only others, this and others, only this one. All differ in lightness.
+pub const ALONE_COLORS: [Rgb; 4] = [NLOS, [0xFB, 0xFA, 0xF6], [0xB4, 0xDB, 0xF2], LOS];
+/// From which height a cell is seen: classes from the lowest up, then at none. All differ in lightness.
+pub const LEAST_HEIGHT_COLORS: [Rgb; 6] = [HEIGHT[0], HEIGHT[1], HEIGHT[3], HEIGHT[4], HEIGHT[5], NLOS];
 /// Paper.
 pub(crate) const WHITE: Rgb = [0xFF, 0xFF, 0xFF];
 
@@ -264,6 +271,17 @@ mod tests {
         // WCAG's contrast of neighbors; buildings are gray, so hue tells them apart.
         for pair in of_pair.windows(2) {
             assert!((pair[1] + 0.05) / (pair[0] + 0.05) > 1.4, "{of_pair:?}");
+        }
+    }
+
+    #[test]
+    fn the_classes_of_a_map_differ_in_lightness() {
+        for colors in [&ONLY_COLORS[..], &ALONE_COLORS, &LEAST_HEIGHT_COLORS] {
+            let mut of_all: Vec<f64> = colors.iter().map(|color| lightness(*color)).collect();
+            of_all.sort_by(f64::total_cmp);
+            for pair in of_all.windows(2) {
+                assert!((pair[1] + 0.05) / (pair[0] + 0.05) > 1.2, "{of_all:?}");
+            }
         }
     }
 

@@ -4,20 +4,14 @@
 //! cell stands there, else behind the pairs.
 
 use super::colors::{self, Rgb};
-use super::furniture::{self, Block, DETAIL, NAME, Swatch, TITLE};
+use super::furniture::{self, Block, Swatch};
 use super::lettering;
 use super::map_layers::{self, Backing};
-use super::marks::{Mark, draw_marks};
+use super::marks::Mark;
 use super::paint;
-use super::sheet::{Drawing, Sheet, Type, pixels};
-
-const MARGIN: f64 = 40.0;
-/// Between neighboring maps \[px\].
-const GAPS: [f64; 2] = [34.0, 30.0];
-/// No map is narrower, or its title would need many lines \[px\].
-const NARROWEST: f64 = 380.0;
-/// Headings of rows and of parts of the legend.
-const HEADING: Type = Type { size: 30.0, ..NAME };
+use super::picture_form::PictureForm;
+use super::sheet::Sheet;
+use super::small_maps::{HEADING, Maps, Page, Panel};
 
 /// Placements to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
 #[derive(Clone, Copy, Debug)]
@@ -68,21 +62,17 @@ pub struct ComparePair<'a> {
     pub second: usize,
 }
 
-/// Draws placements as PNG.
+/// Draws placements.
 ///
 /// # Errors
 /// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, a cell size that
 /// is not positive, or a keyword of `provenance` that PNG does not allow.
-pub fn draw_compare_sheet(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(sheet)?.to_png(provenance)
-}
-
-/// Draws placements as an SVG document: words and marks as vectors, the maps as embedded PNG.
-///
-/// # Errors
-/// As [`draw_compare_sheet`].
-pub fn draw_compare_sheet_svg(sheet: &CompareSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(sheet)?.to_svg(provenance)
+pub fn draw_compare_sheet(
+    sheet: &CompareSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
 }
 
 /// Columns of maps, and the length \[px\] that the longer side of a map aims at.
@@ -90,23 +80,19 @@ fn arrangement(n_maps: usize) -> (usize, f64) {
     if n_maps == 2 { (2, 760.0) } else { (4, 520.0) }
 }
 
-/// One small map with its words.
-struct Panel {
-    words: Block,
-    image: image::RgbaImage,
-    marks: Drawing,
-}
-
 fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     check(sheet)?;
     let (columns, target) = arrangement(sheet.maps.len());
     let axes = paint::scale_to(sheet.n_cols, sheet.n_rows, sheet.cell_m, (target, 1.4 * target));
-    let size = axes.map(|axis| axis.n_px as f64);
     let painter = Painter {
         sheet,
         backing: Backing { axes, cell_m: sheet.cell_m, surface_m: sheet.surface_m },
-        width: size[0].max(NARROWEST),
-        size,
+        maps: Maps {
+            size: axes.map(|axis| axis.n_px as f64),
+            n_cells: [sheet.n_cols, sheet.n_rows],
+            cell_m: sheet.cell_m,
+            columns,
+        },
     };
     let mut found = Found { classes: [0; 5], pairs: [0; 4], counts: vec![0; sheet.maps.len() + 1] };
     let mut maps: Vec<Panel> = sheet.maps.iter().map(|map| painter.map(map, &mut found)).collect();
@@ -114,23 +100,15 @@ fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     let count = painter.count(&mut found);
     if maps.len().is_multiple_of(columns) { &mut pairs } else { &mut maps }.push(count);
 
-    let body_w = (painter.width + GAPS[0]) * columns as f64 - GAPS[0];
-    let title = furniture::paragraph(sheet.title, TITLE, body_w);
-    let mut page = Page { furniture: Drawing::default(), images: Vec::new(), bottom: MARGIN - 6.0 };
-    page.furniture.place(&title.drawing, MARGIN, page.bottom);
-    page.bottom += title.height + 18.0;
+    let mut page = Page::new(sheet.title, painter.maps);
     for (heading, panels) in [("Placements", maps), ("From the first to the second, with the change of P_LoS", pairs)] {
         if !panels.is_empty() {
             page.heading(heading);
-            page.panels(panels, columns, &painter);
+            page.panels(panels);
         }
     }
-    page.legend(&painter, &found, body_w);
-    let caption = furniture::caption(sheet.caption, body_w);
-    page.furniture.line([MARGIN, page.bottom], [MARGIN + body_w, page.bottom], &furniture::hairline());
-    page.furniture.place(&caption.drawing, MARGIN, page.bottom + 14.0);
-    let height = page.bottom + 14.0 + caption.height + MARGIN - 8.0;
-    Ok(Sheet { width: body_w + 2.0 * MARGIN, height, images: page.images, furniture: page.furniture })
+    page.legend(|room| legend(&painter, &found, room));
+    Ok(page.finish(sheet.caption))
 }
 
 fn check(sheet: &CompareSheet<'_>) -> Result<(), String> {
@@ -168,10 +146,7 @@ fn add(sums: &mut [u64], numbers: &[u64]) {
 struct Painter<'a> {
     sheet: &'a CompareSheet<'a>,
     backing: Backing<'a>,
-    /// Size of a map \[px\].
-    size: [f64; 2],
-    /// Width that a map and its words have \[px\].
-    width: f64,
+    maps: Maps,
 }
 
 impl Painter<'_> {
@@ -181,7 +156,7 @@ impl Painter<'_> {
         let painted = map_layers::paint_flat(&self.backing, &[colors::NLOS, colors::LOS], index_of);
         add(&mut found.classes, &painted.histogram);
         let marks: Vec<Mark<'_>> = map.mark.into_iter().collect();
-        self.panel((map.title, map.detail), painted.image, &marks)
+        self.maps.panel((map.title, map.detail), painted.image, &marks)
     }
 
     fn pair(&self, pair: &ComparePair<'_>, found: &mut Found) -> Panel {
@@ -195,7 +170,7 @@ impl Painter<'_> {
         let painted = map_layers::paint_flat(&self.backing, &colors::PAIR, index_of);
         add(&mut found.pairs, &painted.histogram);
         let marks: Vec<Mark<'_>> = [first.mark, second.mark].into_iter().flatten().collect();
-        self.panel((pair.title, pair.detail), painted.image, &marks)
+        self.maps.panel((pair.title, pair.detail), painted.image, &marks)
     }
 
     fn count(&self, found: &mut Found) -> Panel {
@@ -216,7 +191,7 @@ impl Painter<'_> {
         let union = lettering::percent(receivers - found.counts[0], receivers);
         let by_all = lettering::percent(found.counts[maps.len()], receivers);
         let detail = format!("at least one sees {union}, all see {by_all}");
-        self.panel(("How many see a cell", &detail), painted.image, &marks)
+        self.maps.panel(("How many see a cell", &detail), painted.image, &marks)
     }
 
     fn n_maps(&self) -> u32 {
@@ -226,87 +201,35 @@ impl Painter<'_> {
     fn count_palette(&self) -> Vec<Rgb> {
         (0..=self.n_maps()).map(|k| colors::count_color(k, self.n_maps())).collect()
     }
-
-    fn panel(&self, (title, detail): (&str, &str), image: image::RgbaImage, marks: &[Mark<'_>]) -> Panel {
-        let words = furniture::stack(
-            &[furniture::paragraph(title, NAME, self.width), furniture::paragraph(detail, DETAIL, self.width)],
-            2.0,
-        );
-        let per_cell = [self.size[0] / self.sheet.n_cols as f64, self.size[1] / self.sheet.n_rows as f64];
-        Panel { words, image, marks: draw_marks(marks, self.size, per_cell, self.sheet.cell_m) }
-    }
 }
 
-/// A page that grows downward.
-struct Page {
-    furniture: Drawing,
-    images: Vec<(u32, u32, image::RgbaImage)>,
-    /// Where the next piece goes \[px\].
-    bottom: f64,
-}
-
-impl Page {
-    fn heading(&mut self, text: &str) {
-        self.furniture.text(MARGIN, self.bottom + 28.0, HEADING, text);
-        self.bottom += 46.0;
+/// The legend of all maps.
+fn legend(painter: &Painter<'_>, found: &Found, room: f64) -> Block {
+    let entry = |swatch, name: &str| furniture::legend_entry(swatch, name, "");
+    let flat = |colors: &[Rgb], names: &[&str], numbers: &[u64]| -> Vec<Block> {
+        let all = colors.iter().zip(names).zip(numbers).filter(|(_, n)| **n > 0);
+        all.map(|((color, name), _)| entry(Swatch::Flat(*color), name)).collect()
+    };
+    let seen = [colors::LOS, colors::NLOS];
+    let numbers = [found.classes[1], found.classes[0]];
+    let mut classes = flat(&seen, &["Line of sight", "No line of sight"], &numbers);
+    let special = map_layers::special_legend(&found.classes[2..], painter.sheet.others_name, &painter.backing);
+    classes.extend(special.into_iter().map(|(swatch, name, _)| entry(swatch, &name)));
+    if painter.sheet.maps.iter().any(|map| map.mark.is_some()) {
+        classes.push(entry(Swatch::Uav, "UAV"));
     }
+    let [neither, lost, gained, both] = colors::PAIR;
+    let names = ["Gained: only the second sees it", "Lost: only the first sees it", "Both see it", "Neither sees it"];
+    let [n_neither, n_lost, n_gained, n_both] = found.pairs;
+    let pairs = flat(&[gained, lost, both, neither], &names, &[n_gained, n_lost, n_both, n_neither]);
+    let counts = map_layers::count_legend(painter.n_maps(), &painter.count_palette(), &found.counts);
 
-    /// Places maps row by row, those of a row at one height.
-    fn panels(&mut self, panels: Vec<Panel>, columns: usize, painter: &Painter<'_>) {
-        let [width, height] = painter.size;
-        let mut panels = panels.into_iter().peekable();
-        while panels.peek().is_some() {
-            let row: Vec<Panel> = panels.by_ref().take(columns).collect();
-            let words = row.iter().map(|panel| panel.words.height).fold(0.0, f64::max);
-            let top = (self.bottom + words + 8.0).round();
-            for (col, panel) in row.into_iter().enumerate() {
-                let left = (MARGIN + (painter.width + GAPS[0]) * col as f64).round();
-                self.furniture.place(&panel.words.drawing, left, self.bottom);
-                self.furniture.rect([left - 0.8, top - 0.8, width + 1.6, height + 1.6], &furniture::frame());
-                self.furniture.place(&panel.marks, left, top);
-                self.images.push((pixels(left), pixels(top), panel.image));
-            }
-            self.bottom = top + height + GAPS[1];
-        }
-    }
-
-    /// Places the legend of all maps, the scale bar and the north arrow.
-    fn legend(&mut self, painter: &Painter<'_>, found: &Found, body_w: f64) {
-        let entry = |swatch, name: &str| furniture::legend_entry(swatch, name, "");
-        let flat = |colors: &[Rgb], names: &[&str], numbers: &[u64]| -> Vec<Block> {
-            let all = colors.iter().zip(names).zip(numbers).filter(|(_, n)| **n > 0);
-            all.map(|((color, name), _)| entry(Swatch::Flat(*color), name)).collect()
-        };
-        let seen = [colors::LOS, colors::NLOS];
-        let numbers = [found.classes[1], found.classes[0]];
-        let mut classes = flat(&seen, &["Line of sight", "No line of sight"], &numbers);
-        let special = map_layers::special_legend(&found.classes[2..], painter.sheet.others_name, &painter.backing);
-        classes.extend(special.into_iter().map(|(swatch, name, _)| entry(swatch, &name)));
-        if painter.sheet.maps.iter().any(|map| map.mark.is_some()) {
-            classes.push(entry(Swatch::Uav, "UAV"));
-        }
-        let [neither, lost, gained, both] = colors::PAIR;
-        let names =
-            ["Gained: only the second sees it", "Lost: only the first sees it", "Both see it", "Neither sees it"];
-        let [n_neither, n_lost, n_gained, n_both] = found.pairs;
-        let pairs = flat(&[gained, lost, both, neither], &names, &[n_gained, n_lost, n_both, n_neither]);
-        let counts = map_layers::count_legend(painter.n_maps(), &painter.count_palette(), &found.counts);
-
-        let px_per_m = painter.size[0] / painter.sheet.n_cols as f64 / painter.sheet.cell_m.0;
-        let scale_bar = furniture::scale_bar(px_per_m, (0.3 * painter.size[0]).clamp(140.0, 260.0));
-        let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
-        let room = body_w - orientation.width - 44.0;
-        let parts =
-            [("Line of sight", classes), ("From the first to the second", pairs), ("How many see a cell", counts)];
-        let blocks = parts.into_iter().filter(|(_, entries)| !entries.is_empty()).map(|(heading, entries)| {
-            let heading = furniture::paragraph(heading, HEADING, room);
-            furniture::stack(&[heading, furniture::flow(&entries, room, [38.0, 10.0])], 8.0)
-        });
-        let legend = furniture::stack(&blocks.collect::<Vec<_>>(), 22.0);
-        self.furniture.place(&legend.drawing, MARGIN, self.bottom);
-        self.furniture.place(&orientation.drawing, MARGIN + body_w - orientation.width, self.bottom + 10.0);
-        self.bottom += legend.height.max(orientation.height + 10.0) + 26.0;
-    }
+    let parts = [("Line of sight", classes), ("From the first to the second", pairs), ("How many see a cell", counts)];
+    let blocks = parts.into_iter().filter(|(_, entries)| !entries.is_empty()).map(|(heading, entries)| {
+        let heading = furniture::paragraph(heading, HEADING, room);
+        furniture::stack(&[heading, furniture::flow(&entries, room, [38.0, 10.0])], 8.0)
+    });
+    furniture::stack(&blocks.collect::<Vec<_>>(), 22.0)
 }
 
 #[cfg(test)]
@@ -397,11 +320,13 @@ mod tests {
             surface_m: None,
             others_name: "",
         };
-        assert!(draw_compare_sheet(&sheet, &[]).is_err());
+        assert!(draw_compare_sheet(&sheet, &PictureForm::PNG, &[]).is_err());
         let two = [one[0], CompareMap { mask: &[1, 1], ..one[0] }];
-        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &[]).is_err());
+        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &PictureForm::PNG, &[]).is_err());
         let pair = [ComparePair { title: "", detail: "", first: 0, second: 2 }];
         let two = [one[0]; 2];
-        assert!(draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &[]).is_err());
+        assert!(
+            draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &PictureForm::PNG, &[]).is_err()
+        );
     }
 }

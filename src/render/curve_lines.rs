@@ -72,12 +72,17 @@ pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Wind
             }
         }
     }
-    for (line, style) in both().filter(|(_, style)| !style.has_line()) {
+    // Estimates, and over them what was measured.
+    let mut marked: Vec<_> = both().filter(|(_, style)| !style.has_line()).collect();
+    marked.sort_by_key(|(_, style)| style.marker_gap() > 0.0);
+    for (line, style) in marked {
+        let mut last = [f64::NEG_INFINITY; 2];
         for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
             error_bar(&mut drawing, point, style, window);
             let at = window.at(point.x, y);
-            if window.shows(at) {
+            if window.shows(at) && (at[0] - last[0]).hypot(at[1] - last[1]) >= style.marker_gap() {
                 style.draw_marker(&mut drawing, at);
+                last = at;
             }
         }
     }
@@ -186,7 +191,7 @@ mod tests {
 
     fn draw(look: LineLook, points: &[CurvePoint]) -> String {
         let line = CurveLine { label: "a", detail: None, color_index: 0, look, points };
-        lines(&[line], &[LineStyle::new(look, 0, 0)], &window()).svg
+        lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
     }
 
     #[test]
@@ -235,6 +240,17 @@ mod tests {
         // An end beyond the frame has no cap, a point beyond it no marker.
         let svg = draw(LineLook::Markers, &[CurvePoint { low_high: Some((0.4, 1.2)), y: Some(1.1), ..estimate }]);
         assert_eq!((svg.matches("<line").count(), svg.matches("<circle").count()), (2, 0), "{svg}");
+    }
+
+    #[test]
+    fn points_are_filled_markers_without_a_line_and_some_are_left_out_where_they_would_be_a_line() {
+        let points: Vec<CurvePoint> = (0..=2).map(|k| point(f64::from(k) * 5.0, 0.5)).collect();
+        let svg = draw(LineLook::Points, &points);
+        assert_eq!((svg.matches("<circle").count(), svg.matches("<polyline").count()), (3, 0), "{svg}");
+        assert!(!svg.contains("fill=\"none\""));
+        let dense: Vec<CurvePoint> = (0..=100).map(|k| point(f64::from(k) / 10.0, 0.5)).collect();
+        let n = draw(LineLook::Points, &dense).matches("<circle").count();
+        assert!((5..=9).contains(&n), "{n}");
     }
 
     #[test]

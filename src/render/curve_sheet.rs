@@ -4,6 +4,7 @@ use super::curve_lines::{self, Window};
 use super::legend;
 use super::line_look::{LineLook, LineStyle};
 use super::panel_grid::{self, Panel};
+use super::picture_form::PictureForm;
 use super::plot_axis::{Direction, Span};
 use super::plot_frame;
 use super::sheet::Sheet;
@@ -58,7 +59,7 @@ pub struct CurveLine<'a> {
     pub label: &'a str,
     /// What is said below the label in smaller type.
     pub detail: Option<&'a str>,
-    /// Which color and which marker; 8 colors and 6 shapes are used in turn.
+    /// Which color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
     pub color_index: usize,
     /// How it is drawn.
     pub look: LineLook,
@@ -77,22 +78,18 @@ pub struct CurvePoint {
     pub low_high: Option<(f64, f64)>,
 }
 
-/// Draws curves as PNG.
+/// Draws curves.
 ///
 /// # Errors
 /// No panel or more than twelve, no column, more than 24 lines in a panel or labels in the legend, one label with two
 /// looks, ends of an axis that are not finite or not ascending, a point that is not finite or not in ascending order,
 /// or a keyword of `provenance` that PNG does not allow.
-pub fn draw_curve_sheet(sheet: &CurveSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(sheet)?.to_png(provenance)
-}
-
-/// Draws curves as an SVG document.
-///
-/// # Errors
-/// As [`draw_curve_sheet`].
-pub fn draw_curve_sheet_svg(sheet: &CurveSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(sheet)?.to_svg(provenance)
+pub fn draw_curve_sheet(
+    sheet: &CurveSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
 }
 
 /// Width and height of the frames \[px\]. Words have one size: the more plots, the wider the sheet is meant to be.
@@ -116,7 +113,7 @@ fn compose(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     let size = frame_size(sheet.columns.min(sheet.panels.len()));
     let style = |line: &CurveLine<'_>| {
         let entry = entries.iter().find(|entry| entry.label() == line.label);
-        entry.map_or_else(|| LineStyle::new(line.look, line.color_index, 0), |entry| entry.style)
+        entry.map_or_else(|| LineStyle::new(line.look, line.color_index), |entry| entry.style)
     };
     let panels = sheet.panels.iter().map(|panel| {
         let CurveAxis { name, ends, is_log } = panel.x;
@@ -173,6 +170,7 @@ fn is_finite(point: &CurvePoint) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     const X: CurveAxis<'static> = CurveAxis { name: "Elevation angle θ [°]", ends: [0.0, 90.0], is_log: false };
 
@@ -193,7 +191,7 @@ mod tests {
     }
 
     fn svg(panels: &[CurvePanel<'_>]) -> Result<String, String> {
-        draw_curve_sheet_svg(&sheet(panels), &[])
+        text(draw_curve_sheet(&sheet(panels), &PictureForm::SVG, &[]))
     }
 
     #[test]
@@ -209,7 +207,8 @@ mod tests {
             assert!(svg.contains(words), "{words}: {svg}");
         }
         assert_eq!(svg.matches(">Exact<").count(), 1, "one legend for both panels");
-        let images = [(); 2].map(|()| draw_curve_sheet(&sheet(&panels), &[]).expect("the sheet is valid"));
+        let images =
+            [(); 2].map(|()| draw_curve_sheet(&sheet(&panels), &PictureForm::PNG, &[]).expect("the sheet is valid"));
         assert!(images[0] == images[1], "the same input gives the same bytes");
     }
 
@@ -249,7 +248,7 @@ mod tests {
         refused(CurvePanel { y_ends: [1.0, 1.0], ..panel(&[]) }, "`P_LoS` from 1 to 1");
         refused(panel(&[line("", LineLook::Solid, &points); 25]), "up to 24");
         assert!(svg(&[]).is_err() && svg(&[panel(&[]); 13]).is_err());
-        assert!(draw_curve_sheet(&CurveSheet { columns: 0, ..sheet(&[panel(&[])]) }, &[]).is_err());
+        assert!(draw_curve_sheet(&CurveSheet { columns: 0, ..sheet(&[panel(&[])]) }, &PictureForm::PNG, &[]).is_err());
         // Beyond an axis is no error.
         let points = [point(-5.0, -0.2), point(200.0, 3.0)];
         assert!(svg(&[panel(&[line("a", LineLook::Solid, &points)])]).is_ok());

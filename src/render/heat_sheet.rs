@@ -5,6 +5,7 @@ use super::contours::{Field, cut_middle};
 use super::furniture::{self, Block, DETAIL, Scale, Swatch};
 use super::lettering::{self, Weight, number};
 use super::panel_grid::{self, Panel};
+use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
@@ -55,22 +56,18 @@ pub struct HeatAxis<'a> {
     pub values: &'a [f64],
 }
 
-/// Draws heat maps as PNG.
+/// Draws heat maps.
 ///
 /// # Errors
 /// No panel or more than twelve, no column, an axis without values, with too many, or with values that are not finite
 /// or do not ascend, an array of another length, a P_LoS or level outside 0 to 1, or a keyword of `provenance` that PNG
 /// does not allow.
-pub fn draw_heat_sheet(sheet: &HeatSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(sheet)?.to_png(provenance)
-}
-
-/// Draws heat maps as an SVG document; cells are vectors, too.
-///
-/// # Errors
-/// As [`draw_heat_sheet`].
-pub fn draw_heat_sheet_svg(sheet: &HeatSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(sheet)?.to_svg(provenance)
+pub fn draw_heat_sheet(
+    sheet: &HeatSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
 }
 
 /// Width and height of the frames \[px\].
@@ -298,6 +295,7 @@ pub(super) fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4],
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     const X: HeatAxis<'static> = HeatAxis { name: "Azimuth φ [°]", values: &[0.0, 45.0, 90.0] };
     const Y: HeatAxis<'static> = HeatAxis { name: "Elevation angle θ [°]", values: &[10.0, 20.0] };
@@ -309,12 +307,12 @@ mod tests {
     }
 
     fn svg(panels: &[HeatPanel<'_>]) -> Result<String, String> {
-        draw_heat_sheet_svg(&sheet(panels), &[])
+        text(draw_heat_sheet(&sheet(panels), &PictureForm::SVG, &[]))
     }
 
     #[test]
     fn cells_are_around_their_values_with_the_lower_row_below() {
-        let file = draw_heat_sheet(&sheet(&[PANEL]), &[]).expect("the sheet is valid");
+        let file = draw_heat_sheet(&sheet(&[PANEL]), &PictureForm::PNG, &[]).expect("the sheet is valid");
         let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
         let svg = svg(&[PANEL]).expect("the sheet is valid");
         // The frame is 0.8 px around the cells of 680 × 520 px, and the only one of this width.
@@ -356,7 +354,7 @@ mod tests {
             assert!(plain.contains(words), "{words}: {plain}");
         }
         let panels = [PANEL];
-        let levels = draw_heat_sheet_svg(&HeatSheet { levels: &[0.4], ..sheet(&panels) }, &[]);
+        let levels = text(draw_heat_sheet(&HeatSheet { levels: &[0.4], ..sheet(&panels) }, &PictureForm::SVG, &[]));
         let levels = levels.expect("the sheet is valid");
         assert!(!levels.contains(">0.75<") && levels.matches("<polyline").count() == 2, "{levels}");
         // Many cells: round ticks, no numbers, no key for what does not occur.
@@ -373,7 +371,8 @@ mod tests {
         let [three, five] = [3, 5].map(|n| compose(&sheet(&vec![PANEL; n])).expect("the sheet is valid"));
         assert!(three.height < alone.height && (five.width - three.width).abs() < 1e-9);
         assert!(five.height < 2.0 * three.height - 80.0, "{} {}", five.height, three.height);
-        let bytes = [(); 2].map(|()| draw_heat_sheet(&sheet(&[PANEL; 5]), &[]).expect("the sheet is valid"));
+        let bytes =
+            [(); 2].map(|()| draw_heat_sheet(&sheet(&[PANEL; 5]), &PictureForm::PNG, &[]).expect("the sheet is valid"));
         assert!(bytes[0] == bytes[1], "the same input gives the same bytes");
     }
 
@@ -390,7 +389,7 @@ mod tests {
         refused(HeatPanel { x: HeatAxis { values: &[], ..X }, values: &[], ..PANEL }, "0 values");
         assert!(svg(&[]).is_err());
         let panels = [PANEL];
-        assert!(draw_heat_sheet(&HeatSheet { levels: &[1.5], ..sheet(&panels) }, &[]).is_err());
-        assert!(draw_heat_sheet(&HeatSheet { columns: 0, ..sheet(&panels) }, &[]).is_err());
+        assert!(draw_heat_sheet(&HeatSheet { levels: &[1.5], ..sheet(&panels) }, &PictureForm::PNG, &[]).is_err());
+        assert!(draw_heat_sheet(&HeatSheet { columns: 0, ..sheet(&panels) }, &PictureForm::PNG, &[]).is_err());
     }
 }

@@ -5,6 +5,7 @@ use super::furniture::{self, Block, DETAIL};
 use super::lettering::number;
 use super::line_look::{COLORS, stroke};
 use super::marks::Label;
+use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Drawing, Sheet};
@@ -62,21 +63,17 @@ impl HeightCurveLine<'_> {
     }
 }
 
-/// Draws P_LoS against height as PNG.
+/// Draws P_LoS against height.
 ///
 /// # Errors
 /// Ends of the axis that are not finite or not ascending, a curve with a value that is not finite or not ascending, or a
 /// keyword of `provenance` that PNG does not allow.
-pub fn draw_height_curve(plot: &HeightCurvePlot<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(plot)?.to_png(provenance)
-}
-
-/// Draws P_LoS against height as an SVG document.
-///
-/// # Errors
-/// As [`draw_height_curve`].
-pub fn draw_height_curve_svg(plot: &HeightCurvePlot<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(plot)?.to_svg(provenance)
+pub fn draw_height_curve(
+    plot: &HeightCurvePlot<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(plot)?.write(form, provenance)
 }
 
 /// How heights and probabilities map to the drawing.
@@ -275,6 +272,7 @@ fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     const STEPS: [(f64, f64); 4] = [(0.0, 0.1), (10.0, 0.25), (40.0, 0.5), (400.0, 1.0)];
     const CURVE: HeightCurveLine<'static> =
@@ -293,14 +291,14 @@ mod tests {
     #[test]
     fn a_curve_is_drawn_as_steps_with_the_asked_height_marked() {
         let curves = [CURVE];
-        let svg = draw_height_curve_svg(&plot(&curves), &[]).expect("the curve is valid");
+        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curve is valid");
         // 100 m are 1500 px, probability 1 is 760 px: 0.1 to 10 m, 0.25 to 40 m, 0.5 to the end.
         assert!(svg.contains("points=\"0,684 150,684 150,570 600,570 600,380 1500,380\""), "{svg}");
         assert!(svg.contains("<circle cx=\"600\" cy=\"380\""), "{svg}");
         for words in ["UAV height above ground [m]", ">0.3<", ">80<", "= 0.5000", ">40 m<"] {
             assert!(svg.contains(words), "{words}: {svg}");
         }
-        assert!(draw_height_curve(&plot(&curves), &[]).is_ok());
+        assert!(draw_height_curve(&plot(&curves), &PictureForm::PNG, &[]).is_ok());
     }
 
     #[test]
@@ -338,17 +336,20 @@ mod tests {
     #[test]
     fn what_finds_no_label_is_counted() {
         let curves = vec![CURVE; 30];
-        let svg = draw_height_curve_svg(&plot(&curves), &[]).expect("the curves are valid");
+        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curves are valid");
         assert!(svg.contains(">+ 6 more<") && svg.matches(">UAV 1<").count() == MOST_LABELS);
     }
 
     #[test]
     fn impossible_curves_are_refused() {
         let curves = [CURVE];
-        assert!(draw_height_curve(&HeightCurvePlot { heights_m: [5.0, 5.0], ..plot(&curves) }, &[]).is_err());
+        assert!(
+            draw_height_curve(&HeightCurvePlot { heights_m: [5.0, 5.0], ..plot(&curves) }, &PictureForm::PNG, &[])
+                .is_err()
+        );
         let falling = [HeightCurveLine { steps: &[(0.0, 0.5), (1.0, 0.4)], ..CURVE }];
-        assert!(draw_height_curve(&plot(&falling), &[]).is_err());
+        assert!(draw_height_curve(&plot(&falling), &PictureForm::PNG, &[]).is_err());
         let nowhere = [HeightCurveLine { marked_m: f64::NAN, ..CURVE }];
-        assert!(draw_height_curve(&plot(&nowhere), &[]).is_err());
+        assert!(draw_height_curve(&plot(&nowhere), &PictureForm::PNG, &[]).is_err());
     }
 }

@@ -54,8 +54,7 @@ pub(crate) fn entries<'a>(panels: &[CurvePanel<'a>]) -> Result<Vec<Entry<'a>>, S
             }
             continue;
         }
-        let nth = entries.iter().filter(|e| e.line.look == line.look).count();
-        entries.push(Entry { line: *line, has_band, style: LineStyle::new(line.look, line.color_index, nth) });
+        entries.push(Entry { line: *line, has_band, style: LineStyle::new(line.look, line.color_index) });
     }
     Ok(entries)
 }
@@ -138,13 +137,14 @@ mod tests {
 
     #[test]
     fn a_label_has_one_entry_in_the_order_given() {
-        let (a, b) = ([line("b", LineLook::Dashed), line("a", LineLook::Dashed)], [line("b", LineLook::Dashed)]);
+        let second = CurveLine { color_index: 1, ..line("a", LineLook::Dashed) };
+        let (a, b) = ([line("b", LineLook::Dashed), second], [line("b", LineLook::Dashed)]);
         let panels = [panel(&a), panel(&b)];
         let entries = entries(&panels).expect("the labels agree");
         let labels: Vec<&str> = entries.iter().map(|e| e.line.label).collect();
         assert_eq!(labels, ["b", "a"]);
         assert_ne!(entries[0].style.stroke(), entries[1].style.stroke(), "the patterns differ");
-        let other = [line("b", LineLook::Dotted)];
+        let other = [line("b", LineLook::Solid)];
         let error = super::entries(&[panel(&a), panel(&other)]).expect_err("`b` means two looks");
         assert!(error.contains("`b`") && error.contains("one look"), "{error}");
     }
@@ -175,13 +175,13 @@ mod tests {
     #[test]
     fn samples_show_bands_and_error_bars_only_where_there_are_some() {
         let sample = |look, has_band| {
-            let style = LineStyle::new(look, 0, 0);
+            let style = LineStyle::new(look, 0);
             block(&Entry { line: line("a", look), has_band, style }).drawing.svg
         };
         assert!(sample(LineLook::Solid, true).contains("fill-opacity"));
         assert!(!sample(LineLook::Solid, false).contains("fill-opacity"));
         assert_eq!(sample(LineLook::Markers, true).matches("<line").count(), 3);
         assert_eq!(sample(LineLook::Markers, false).matches("<line").count(), 0);
-        assert!(sample(LineLook::Dotted, false).contains("dasharray"));
+        assert!(sample(LineLook::Dashed, false).contains("dasharray"));
     }
 }

@@ -13,26 +13,42 @@ pub(crate) const MARKER: f64 = 8.0;
 /// Half the length of the cap of an error bar \[px\].
 const CAP: f64 = 9.0;
 
-/// How a line of a [`CurveSheet`](super::CurveSheet) is drawn. All but `Markers` have a band where the points have
-/// intervals.
+/// How a line of a [`CurveSheet`](super::CurveSheet) is drawn. Lines have a band where the points have
+/// intervals, markers have error bars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineLook {
     /// A solid line with filled markers at its points, as far as these keep apart.
     Solid,
-    /// Dashes, without markers, such as a model.
+    /// Dashes, without markers, such as a model; each index has a pattern of its own.
     Dashed,
-    /// Dashes and dots.
-    DashDot,
-    /// Dots.
-    Dotted,
     /// Hollow markers with error bars at all points and no line, such as estimates by simulation.
     Markers,
+    /// Filled markers and no line, such as measurements; where they would cover each other some are left out.
+    Points,
 }
 
-/// Patterns of the lines with the same look, in their order in the legend.
-const DASHED: [&str; 3] = ["18 8", "9 6", "32 9"];
-const DASH_DOT: [&str; 3] = ["20 6 5 6", "20 6 5 6 5 6", "34 6 5 6"];
-const DOTTED: [&str; 3] = ["4.5 5.5", "4.5 11", "4.5 4.5 4.5 13"];
+/// Patterns of dashed lines, dashes and gaps \[px\]; those eight apart, of lines of one color, are of different kinds.
+const DASHES: [&str; 19] = [
+    "14 14",
+    "9 14",
+    "48 14",
+    "20 6 5 6 5 6 5 6",
+    "18 8",
+    "20 6 5 6",
+    "4.5 5.5",
+    "20 6 5 6 5 6",
+    "32 9",
+    "14 5 14 16",
+    "26 16",
+    "48 8 9 8",
+    "34 6 5 6 5 6",
+    "4.5 4.5 4.5 13",
+    "34 6 14 6",
+    "9 6",
+    "9 5 9 5 9 15",
+    "4.5 11",
+    "34 6 5 6",
+];
 
 /// Everything that a line needs to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,31 +61,30 @@ pub(crate) struct LineStyle {
 }
 
 impl LineStyle {
-    /// Makes the style of the `nth` line of its look.
-    pub(crate) fn new(look: LineLook, color_index: usize, nth: usize) -> Self {
-        let dash = match look {
-            LineLook::Solid | LineLook::Markers => "",
-            LineLook::Dashed => DASHED[nth % DASHED.len()],
-            LineLook::DashDot => DASH_DOT[nth % DASH_DOT.len()],
-            LineLook::Dotted => DOTTED[nth % DOTTED.len()],
-        };
-        let color = COLORS[color_index % COLORS.len()];
-        Self { look, color, dash, marker: MARKERS[color_index % MARKERS.len()] }
+    /// Makes the style with an index: 8 colors, 6 markers and 19 patterns are used in turn.
+    pub(crate) fn new(look: LineLook, index: usize) -> Self {
+        let dash = if look == LineLook::Dashed { DASHES[index % DASHES.len()] } else { "" };
+        Self { look, color: COLORS[index % COLORS.len()], dash, marker: MARKERS[index % MARKERS.len()] }
     }
 
     /// Whether points are joined.
     pub(crate) fn has_line(&self) -> bool {
-        self.look != LineLook::Markers
+        matches!(self.look, LineLook::Solid | LineLook::Dashed)
     }
 
     /// Whether points have a marker: some for a solid line, all for markers.
     pub(crate) fn has_markers(&self) -> bool {
-        matches!(self.look, LineLook::Solid | LineLook::Markers)
+        self.look != LineLook::Dashed
+    }
+
+    /// Whether markers that would cover each other are left out \[px between them\].
+    pub(crate) fn marker_gap(&self) -> f64 {
+        if self.look == LineLook::Points { 1.5 * MARKER } else { 0.0 }
     }
 
     /// The attributes of the line.
     pub(crate) fn stroke(&self) -> String {
-        stroke(self.color, STROKES[usize::from(self.look != LineLook::Solid)], self.dash)
+        stroke(self.color, STROKES[usize::from(self.look == LineLook::Dashed)], self.dash)
     }
 
     /// The attributes of the band.
@@ -80,7 +95,7 @@ impl LineStyle {
     /// Draws a marker.
     pub(crate) fn draw_marker(&self, drawing: &mut Drawing, at: [f64; 2]) {
         let color = self.color;
-        if self.has_line() {
+        if self.look != LineLook::Markers {
             let attributes = format!("fill=\"{color}\" stroke=\"#FFFFFF\" stroke-width=\"1.6\"");
             self.marker.draw(drawing, at, MARKER, &attributes);
         } else {
@@ -161,13 +176,12 @@ mod tests {
 
     #[test]
     fn lines_differ_in_more_than_color() {
-        let looks = [LineLook::Dashed, LineLook::DashDot, LineLook::Dotted];
         let patterns: HashSet<&str> =
-            looks.iter().flat_map(|look| (0..3).map(|nth| LineStyle::new(*look, 0, nth).dash)).collect();
-        assert_eq!(patterns.len(), 9);
-        let shape = |color_index| {
+            (0..DASHES.len()).map(|index| LineStyle::new(LineLook::Dashed, index).dash).collect();
+        assert_eq!(patterns.len(), DASHES.len());
+        let shape = |index| {
             let mut drawing = Drawing::default();
-            LineStyle::new(LineLook::Markers, color_index, 0).draw_marker(&mut drawing, [0.0, 0.0]);
+            LineStyle::new(LineLook::Markers, index).draw_marker(&mut drawing, [0.0, 0.0]);
             drawing.svg
         };
         assert_eq!((0..24).map(shape).collect::<HashSet<_>>().len(), 24);

@@ -4,6 +4,7 @@ use super::colors::{self, INK};
 use super::furniture::{self, Block, DETAIL};
 use super::lettering::{self, Weight, length, number};
 use super::marks::Label;
+use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
@@ -66,21 +67,17 @@ pub struct Obstruction {
     pub roof_height_m: f64,
 }
 
-/// Draws a link from the side as PNG.
+/// Draws a link from the side.
 ///
 /// # Errors
 /// A length that is not above 0 m, a height that is not finite, a step that ends before it starts, or a keyword of
 /// `provenance` that PNG does not allow.
-pub fn draw_link_profile(profile: &LinkProfile<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(profile)?.to_png(provenance)
-}
-
-/// Draws a link from the side as an SVG document.
-///
-/// # Errors
-/// As [`draw_link_profile`].
-pub fn draw_link_profile_svg(profile: &LinkProfile<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(profile)?.to_svg(provenance)
+pub fn draw_link_profile(
+    profile: &LinkProfile<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(profile)?.write(form, provenance)
 }
 
 /// The window of the drawing and how meters map to it.
@@ -305,6 +302,7 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     const STEPS: [ProfileStep; 2] = [
         ProfileStep { from_m: 0.0, to_m: 200.0, height_m: 0.0, kind: StepKind::Terrain },
@@ -327,7 +325,8 @@ mod tests {
     #[test]
     fn a_blocked_link_is_orange_and_names_its_obstructing_point() {
         let obstruction = Obstruction { distance_m: 150.0, ray_height_m: 16.1, roof_height_m: 25.0 };
-        let svg = draw_link_profile_svg(&profile(Some(obstruction)), &[]).expect("the link is valid");
+        let svg =
+            text(draw_link_profile(&profile(Some(obstruction)), &PictureForm::SVG, &[])).expect("the link is valid");
         for words in [
             "#E69F00",
             "Obstructing point",
@@ -350,16 +349,18 @@ mod tests {
 
     #[test]
     fn a_clear_link_is_blue() {
-        let svg = draw_link_profile_svg(&profile(None), &[]).expect("the link is valid");
+        let svg = text(draw_link_profile(&profile(None), &PictureForm::SVG, &[])).expect("the link is valid");
         assert!(svg.contains("#0072B2") && !svg.contains("#E69F00") && !svg.contains("Obstructing"));
-        assert!(draw_link_profile(&profile(None), &[]).is_ok());
+        assert!(draw_link_profile(&profile(None), &PictureForm::PNG, &[]).is_ok());
     }
 
     #[test]
     fn impossible_links_are_refused() {
-        assert!(draw_link_profile(&LinkProfile { distance_m: 0.0, ..profile(None) }, &[]).is_err());
-        assert!(draw_link_profile(&LinkProfile { uav: ("", f64::NAN), ..profile(None) }, &[]).is_err());
+        assert!(draw_link_profile(&LinkProfile { distance_m: 0.0, ..profile(None) }, &PictureForm::PNG, &[]).is_err());
+        assert!(
+            draw_link_profile(&LinkProfile { uav: ("", f64::NAN), ..profile(None) }, &PictureForm::PNG, &[]).is_err()
+        );
         let steps = [ProfileStep { from_m: 5.0, to_m: 4.0, ..STEPS[0] }];
-        assert!(draw_link_profile(&LinkProfile { steps: &steps, ..profile(None) }, &[]).is_err());
+        assert!(draw_link_profile(&LinkProfile { steps: &steps, ..profile(None) }, &PictureForm::PNG, &[]).is_err());
     }
 }

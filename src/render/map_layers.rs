@@ -26,117 +26,19 @@ pub(crate) fn special(class: u8, n: usize) -> Option<usize> {
 /// Paints the layer of a picture and makes the entries of its legend.
 pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted, Vec<Block>) {
     let backing = Backing { axes, cell_m: picture.cell_m, surface_m: picture.surface_m };
-    let mut legend = Vec::new();
-    let painted = match picture.layer {
-        Layer::Los(mask) => {
-            let index_of = |cell: usize| special(mask[cell], 2).unwrap_or(usize::from(mask[cell]));
-            let mut painted = paint_flat(&backing, &[colors::NLOS, colors::LOS], index_of);
-            if let Some(tally) = picture.counts {
-                let nlos = tally.receivers - tally.los;
-                painted.histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata];
-            }
-            let (nlos, los) = (painted.histogram[0], painted.histogram[1]);
-            for (n, color, name) in [(los, colors::LOS, "Line of sight"), (nlos, colors::NLOS, "No line of sight")] {
-                if n > 0 {
-                    let receivers = match picture.receivers_name.strip_suffix('s') {
-                        Some(singular) if n == 1 => singular,
-                        _ => picture.receivers_name,
-                    };
-                    let detail = format!("{} · {} {receivers}", percent(n, los + nlos), grouped(n));
-                    legend.push(furniture::legend_entry(Swatch::Flat(color), name, &detail));
-                }
-            }
-            painted
-        }
-        Layer::Count { count, mask, n_sites } => {
-            let palette: Vec<Rgb> = (0..=n_sites).map(|k| colors::count_color(k, n_sites)).collect();
-            let index_of =
-                |cell: usize| special(mask[cell], palette.len()).unwrap_or(count[cell].min(n_sites) as usize);
-            let painted = paint_flat(&backing, &palette, index_of);
-            legend.extend(count_legend(n_sites, &palette, &painted.histogram));
-            painted
-        }
-        Layer::Classes { index, palette, mask } => {
-            let colors: Vec<Rgb> = palette.iter().map(|class| class.color).collect();
-            let index_of = |cell: usize| special(mask[cell], colors.len()).unwrap_or(usize::from(index[cell]));
-            let painted = paint_flat(&backing, &colors, index_of);
-            for (class, n) in palette.iter().zip(&painted.histogram).filter(|(_, n)| **n > 0) {
-                let counted = format!("{} {}", grouped(*n), if *n == 1 { "cell" } else { "cells" });
-                let detail = if class.detail.is_empty() { &counted } else { class.detail };
-                legend.push(furniture::legend_entry(Swatch::Flat(class.color), class.name, detail));
-            }
-            painted
-        }
-        Layer::Stability { turns, mask } => {
-            let colors = &colors::TURNS;
-            let index_of = |cell: usize| {
-                special(mask[cell], colors.len()).unwrap_or_else(|| colors::index(f64::from(turns[cell]), 8))
-            };
-            let painted = paint_flat(&backing, colors, index_of);
-            let receivers: u64 = painted.histogram[..colors.len()].iter().sum();
-            let has_rings = !ringed(picture.layer).is_empty();
-            for (k, (color, n)) in colors.iter().zip(&painted.histogram).enumerate().filter(|(_, (_, n))| **n > 0) {
-                let name = match k {
-                    0 => "Stable".to_string(),
-                    1 => "1 of 8 moves turns it".to_string(),
-                    k => format!("{k} of 8 moves turn it"),
-                };
-                let ringed = if k > 0 && has_rings { " · ringed" } else { "" };
-                let detail = format!("{} · {}{ringed}", percent(*n, receivers), grouped(*n));
-                legend.push(furniture::legend_entry(Swatch::Flat(*color), &name, &detail));
-            }
-            painted
-        }
-        Layer::Field { values, name, unit, mask } => {
-            let field = Field::new(values, mask);
-            let palette: Vec<Rgb> = (0..=255).map(|k| field.color(k)).collect();
-            let index_of =
-                |cell: usize| special(mask[cell], 256).unwrap_or_else(|| field.index(values[cell]).unwrap_or(256 + 2));
-            let painted = paint_flat(&backing, &palette, index_of);
-            let n: u64 = painted.histogram[..256].iter().sum();
-            let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
-            if n > 0 {
-                if field.flat_above_zero {
-                    let los = painted.histogram[255];
-                    let detail = format!("{} · 0 {unit} or more", percent(los, n));
-                    legend.push(furniture::legend_entry(Swatch::Flat(colors::LOS), "Line of sight", &detail));
-                }
-                let shown = if field.flat_above_zero { 255 } else { 256 };
-                let along: Vec<Rgb> = palette[..shown].iter().step_by(2).copied().collect();
-                legend.push(furniture::color_bar(&title, field.scale, &along, 460.0));
-            }
-            painted
-        }
-        Layer::Heat { values, outlines, name, unit, .. } => {
-            let scale = heat_scale(values);
-            let along: Vec<Rgb> = (0..128).map(|k| Ramp::Sequential.at(f64::from(k) / 127.0)).collect();
-            let pale = along.iter().map(|color| colors::mix(*color, colors::WHITE, PALE));
-            let palette: Vec<Rgb> = along.iter().copied().chain(pale).collect();
-            let index_of = |cell: usize| {
-                if values[cell].is_nan() {
-                    return palette.len() + 2;
-                }
-                let t = (f64::from(values[cell]) - scale.low) / (scale.high - scale.low);
-                colors::index(t * 127.0 + 0.5, 127) + if outlines[cell] { 128 } else { 0 }
-            };
-            let painted = paint_flat(&backing, &palette, index_of);
-            let title = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
-            if painted.histogram[..256].iter().any(|n| *n > 0) {
-                legend.push(furniture::color_bar(&title, scale, &along, 460.0));
-            }
-            painted
-        }
-    };
-    let n_colors = painted.histogram.len() - SPECIAL.len();
-    for (swatch, name, n) in special_legend(&painted.histogram[n_colors..], picture.others_name, &backing) {
-        let (name, detail) = match (picture.layer, swatch) {
-            (Layer::Heat { none, .. }, Swatch::Hatched) => (none, String::new()),
-            // Cells of the city are no measure of places in the air.
-            (Layer::Heat { .. }, _) => (name.as_str(), String::new()),
-            _ => (name.as_str(), format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" })),
-        };
-        legend.push(furniture::legend_entry(swatch, name, &detail));
+    let range = Range::of(&[picture.layer]);
+    let mut painted = painted(picture.layer, &backing, &range);
+    if let (Layer::Los(_), Some(tally)) = (picture.layer, picture.counts) {
+        let nlos = tally.receivers - tally.los;
+        painted.histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata];
     }
+    let words = LegendWords {
+        receivers_name: picture.receivers_name,
+        others_name: picture.others_name,
+        has_counts: true,
+        has_rings: !ringed(picture.layer).is_empty(),
+    };
+    let mut legend = entries(picture.layer, &painted.histogram, (&backing, &range), words);
     match picture.uavs {
         [] => {}
         [uav] => {
@@ -146,6 +48,179 @@ pub(crate) fn paint_layer(picture: &MapPicture<'_>, axes: [Axis; 2]) -> (Painted
         uavs => legend.push(furniture::legend_entry(Swatch::Uav, &format!("{} UAVs", uavs.len()), "id and height")),
     }
     (painted, legend)
+}
+
+/// The values that the colors of a layer span, or of several on one scale.
+#[derive(Debug)]
+pub(crate) enum Range {
+    /// Of classes.
+    None,
+    /// Of a continuous quantity of receivers.
+    Field(Field),
+    /// Of a quantity of places in the air.
+    Heat(Scale),
+}
+
+impl Range {
+    /// The common range of layers of one kind.
+    pub(crate) fn of(layers: &[Layer<'_>]) -> Self {
+        let fields: Vec<(&[f32], &[u8])> = layers
+            .iter()
+            .filter_map(|layer| match *layer {
+                Layer::Field { values, mask, .. } => Some((values, mask)),
+                _ => None,
+            })
+            .collect();
+        match layers {
+            _ if !fields.is_empty() => Range::Field(Field::new(&fields)),
+            [Layer::Heat { values, .. }] => Range::Heat(heat_scale(values)),
+            _ => Range::None,
+        }
+    }
+}
+
+/// The colors of a layer, in the order of their indices.
+fn palette(layer: Layer<'_>, range: &Range) -> Vec<Rgb> {
+    match (layer, range) {
+        (Layer::Los(_), _) => vec![colors::NLOS, colors::LOS],
+        (Layer::Count { n_sites, .. }, _) => (0..=n_sites).map(|k| colors::count_color(k, n_sites)).collect(),
+        (Layer::Classes { palette, .. }, _) => palette.iter().map(|class| class.color).collect(),
+        (Layer::Stability { .. }, _) => colors::TURNS.to_vec(),
+        (Layer::Field { .. }, Range::Field(field)) => (0..=255).map(|k| field.color(k)).collect(),
+        (Layer::Field { .. } | Layer::Heat { .. }, _) => {
+            let along = heat_colors();
+            let pale = along.iter().map(|color| colors::mix(*color, colors::WHITE, PALE));
+            along.iter().copied().chain(pale).collect()
+        }
+    }
+}
+
+fn heat_colors() -> Vec<Rgb> {
+    (0..128).map(|k| Ramp::Sequential.at(f64::from(k) / 127.0)).collect()
+}
+
+/// Paints a layer.
+pub(crate) fn painted(layer: Layer<'_>, backing: &Backing<'_>, range: &Range) -> Painted {
+    let colors = palette(layer, range);
+    let n = colors.len();
+    match (layer, range) {
+        (Layer::Los(mask), _) => {
+            paint_flat(backing, &colors, |cell| special(mask[cell], n).unwrap_or(usize::from(mask[cell])))
+        }
+        (Layer::Count { count, mask, n_sites }, _) => {
+            paint_flat(backing, &colors, |cell| special(mask[cell], n).unwrap_or(count[cell].min(n_sites) as usize))
+        }
+        (Layer::Classes { index, mask, .. }, _) => {
+            paint_flat(backing, &colors, |cell| special(mask[cell], n).unwrap_or(usize::from(index[cell])))
+        }
+        (Layer::Stability { turns, mask }, _) => paint_flat(backing, &colors, |cell| {
+            special(mask[cell], n).unwrap_or_else(|| colors::index(f64::from(turns[cell]), 8))
+        }),
+        (Layer::Field { values, mask, .. }, Range::Field(field)) => paint_flat(backing, &colors, |cell| {
+            special(mask[cell], n).unwrap_or_else(|| field.index(values[cell]).unwrap_or(n + 2))
+        }),
+        (Layer::Heat { values, outlines, .. }, Range::Heat(scale)) => paint_flat(backing, &colors, |cell| {
+            if values[cell].is_nan() {
+                return n + 2;
+            }
+            let t = (f64::from(values[cell]) - scale.low) / (scale.high - scale.low);
+            colors::index(t * 127.0 + 0.5, 127) + if outlines[cell] { 128 } else { 0 }
+        }),
+        // Without a range there is no value.
+        (Layer::Field { .. } | Layer::Heat { .. }, _) => paint_flat(backing, &colors, |_| n + 2),
+    }
+}
+
+/// What a legend says beside colors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LegendWords<'a> {
+    /// What receivers are, in the plural.
+    pub(crate) receivers_name: &'a str,
+    /// What class 2 is, in the plural and capitalized.
+    pub(crate) others_name: &'a str,
+    /// Whether cells are counted.
+    pub(crate) has_counts: bool,
+    /// Whether the few cells that a move turns have rings.
+    pub(crate) has_rings: bool,
+}
+
+/// The entries of the legend of a layer of which so many cells have each color.
+pub(crate) fn entries(
+    layer: Layer<'_>,
+    histogram: &[u64],
+    (backing, range): (&Backing<'_>, &Range),
+    words: LegendWords<'_>,
+) -> Vec<Block> {
+    let colors = palette(layer, range);
+    let (of_colors, of_special) = histogram.split_at(histogram.len() - SPECIAL.len());
+    let receivers: u64 = of_colors.iter().sum();
+    let flat = |color: Rgb, name: &str, detail: String| {
+        furniture::legend_entry(Swatch::Flat(color), name, if words.has_counts { &detail } else { "" })
+    };
+    let share = |n: u64| format!("{} · {}", percent(n, receivers), grouped(n));
+    let mut legend = Vec::new();
+    match (layer, range) {
+        (Layer::Los(_), _) => {
+            for (n, color, name) in
+                [(of_colors[1], colors::LOS, "Line of sight"), (of_colors[0], colors::NLOS, "No line of sight")]
+            {
+                if n > 0 {
+                    let receivers_name = match words.receivers_name.strip_suffix('s') {
+                        Some(singular) if n == 1 => singular,
+                        _ => words.receivers_name,
+                    };
+                    legend.push(flat(color, name, format!("{} {receivers_name}", share(n))));
+                }
+            }
+        }
+        (Layer::Count { n_sites, .. }, _) => legend.extend(count_legend(n_sites, &colors, histogram)),
+        (Layer::Classes { palette, .. }, _) => {
+            for (class, n) in palette.iter().zip(of_colors).filter(|(_, n)| **n > 0) {
+                let counted = format!("{} {}", grouped(*n), if *n == 1 { "cell" } else { "cells" });
+                let detail = if class.detail.is_empty() { counted } else { class.detail.to_string() };
+                legend.push(flat(class.color, class.name, detail));
+            }
+        }
+        (Layer::Stability { .. }, _) => {
+            for (k, (color, n)) in colors.iter().zip(of_colors).enumerate().filter(|(_, (_, n))| **n > 0) {
+                let name = match k {
+                    0 => "Stable".to_string(),
+                    1 => "1 of 8 moves turns it".to_string(),
+                    k => format!("{k} of 8 moves turn it"),
+                };
+                let ringed = if k > 0 && words.has_rings { " · ringed" } else { "" };
+                legend.push(flat(*color, &name, format!("{}{ringed}", share(*n))));
+            }
+        }
+        (Layer::Field { name, unit, .. }, Range::Field(field)) if receivers > 0 => {
+            if field.flat_above_zero {
+                let detail = format!("{} · 0 {unit} or more", percent(of_colors[255], receivers));
+                legend.push(flat(colors::LOS, "Line of sight", detail));
+            }
+            let shown = if field.flat_above_zero { 255 } else { 256 };
+            let along: Vec<Rgb> = colors[..shown].iter().step_by(2).copied().collect();
+            legend.push(furniture::color_bar(&with_unit(name, unit), field.scale, &along, 460.0));
+        }
+        (Layer::Heat { name, unit, .. }, Range::Heat(scale)) if receivers > 0 => {
+            legend.push(furniture::color_bar(&with_unit(name, unit), *scale, &heat_colors(), 460.0));
+        }
+        _ => {}
+    }
+    for (swatch, name, n) in special_legend(of_special, words.others_name, backing) {
+        let (name, detail) = match (layer, swatch) {
+            (Layer::Heat { none, .. }, Swatch::Hatched) => (none, String::new()),
+            // Cells of the city are no measure of places in the air.
+            (Layer::Heat { .. }, _) => (name.as_str(), String::new()),
+            _ if !words.has_counts => (name.as_str(), String::new()),
+            _ => (name.as_str(), format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" })),
+        };
+        legend.push(furniture::legend_entry(swatch, name, &detail));
+    }
+    legend
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") }
 }
 
 /// More cells than this are not overlooked, and their rings would cover the map.
@@ -229,7 +304,7 @@ pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> 
 
 /// How values become colors.
 #[derive(Debug)]
-struct Field {
+pub(crate) struct Field {
     ramp: Ramp,
     scale: Scale,
     /// Positive values are few and small beside the negative ones, as margins are: they share one color.
@@ -240,10 +315,11 @@ struct Field {
 const SMALL_SIDE: f64 = 0.1;
 
 impl Field {
-    /// Spans the middle 98 % of the receivers' values, from a sample of at most about a million.
-    fn new(values: &[f32], mask: &[u8]) -> Self {
-        let step = (values.len() / 1_000_000).max(1) | 1;
-        let sample = values_of(values, mask, step);
+    /// Spans the middle 98 % of the receivers' values in all maps, from a sample of at most about a million.
+    fn new(maps: &[(&[f32], &[u8])]) -> Self {
+        let n: usize = maps.iter().map(|(values, _)| values.len()).sum();
+        let step = (n / 1_000_000).max(1) | 1;
+        let sample = values_of(maps, step);
         let infinite = [f32::NEG_INFINITY, f32::INFINITY].map(|end| sample.iter().any(|v| v.total_cmp(&end).is_eq()));
         let (least, most) = paint::quantiles(sample.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
         let (mut low, mut high) = paint::quantiles(sample, 0.01, 0.99).unwrap_or((0.0, 1.0));
@@ -254,7 +330,7 @@ impl Field {
         } else if signed {
             high = low.abs().max(high.abs());
             low = -high;
-        } else if let Some((_, most_are_below)) = paint::quantiles(values_of(values, mask, step), 0.0, 0.9) {
+        } else if let Some((_, most_are_below)) = paint::quantiles(values_of(maps, step), 0.0, 0.9) {
             // A few cells beside walls ask for heights that would leave the others one color.
             high = if high > 3.0 * most_are_below.abs() { most_are_below } else { high };
         }
@@ -292,9 +368,12 @@ impl Field {
     }
 }
 
-/// The receivers' values, every `step`th cell.
-fn values_of(values: &[f32], mask: &[u8], step: usize) -> Vec<f32> {
-    (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect()
+/// The receivers' values, every `step`th cell of each map.
+fn values_of(maps: &[(&[f32], &[u8])], step: usize) -> Vec<f32> {
+    let of_map = |(values, mask): &(&[f32], &[u8])| -> Vec<f32> {
+        (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect()
+    };
+    maps.iter().flat_map(of_map).collect()
 }
 
 #[cfg(test)]
@@ -304,7 +383,7 @@ mod tests {
     #[test]
     fn margins_keep_one_color_for_line_of_sight_and_the_ramp_for_what_is_missing() {
         let mask = [1_u8; 6];
-        let field = Field::new(&[-80.0, -60.0, -40.0, -20.0, 0.0, 1.5], &mask);
+        let field = Field::new(&[(&[-80.0, -60.0, -40.0, -20.0, 0.0, 1.5], &mask)]);
         assert!(field.flat_above_zero);
         assert_eq!((field.index(0.0), field.index(1.5)), (Some(255), Some(255)));
         assert!(field.index(-0.1).is_some_and(|k| k < 255));
@@ -314,10 +393,10 @@ mod tests {
     #[test]
     fn signed_fields_are_centered_on_zero_and_unsigned_are_not() {
         let mask = [1_u8; 4];
-        let field = Field::new(&[-2.0, 0.0, 1.0, f32::NAN], &mask);
+        let field = Field::new(&[(&[-2.0, 0.0, 1.0, f32::NAN], &mask)]);
         assert_eq!((field.ramp, field.index(0.0)), (Ramp::Diverging, Some(128)));
         assert!((field.scale.low + field.scale.high).abs() < 1e-12);
         assert_eq!(field.index(f32::NAN), None);
-        assert_eq!(Field::new(&[1.0, 2.0, 3.0, 4.0], &mask).ramp, Ramp::Sequential);
+        assert_eq!(Field::new(&[(&[1.0, 2.0, 3.0, 4.0], &mask)]).ramp, Ramp::Sequential);
     }
 }

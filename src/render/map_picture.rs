@@ -8,6 +8,7 @@ use super::furniture::{self, TITLE};
 use super::map_layers;
 use super::marks::{Mark, draw_marks};
 use super::paint;
+use super::picture_form::PictureForm;
 use super::sheet::{Drawing, Sheet};
 use crate::coverage::Tally;
 
@@ -111,27 +112,23 @@ pub struct MapClass<'a> {
     pub color: [u8; 3],
 }
 
-/// Draws a map as PNG.
+/// Draws a map.
 ///
 /// Cost: one pass over the cells, in parallel. Memory beyond the input is that of the picture.
 ///
 /// # Errors
 /// An empty raster, an array of another length, a cell size that is not positive, or a keyword of `provenance` that
 /// PNG does not allow.
-pub fn draw_map(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(picture)?.to_png(provenance)
-}
-
-/// Draws a map as one SVG document: words and marks as vectors, the map itself as an embedded PNG.
-///
-/// # Errors
-/// As [`draw_map`].
-pub fn draw_map_svg(picture: &MapPicture<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(picture)?.to_svg(provenance)
+pub fn draw_map(
+    picture: &MapPicture<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(picture)?.write(form, provenance)
 }
 
 fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
-    check(picture)?;
+    check_layer(picture.layer, [picture.n_cols, picture.n_rows], picture.cell_m, picture.surface_m)?;
     let axes = paint::scale(picture.n_cols, picture.n_rows, picture.cell_m);
     let (painted, legend) = map_layers::paint_layer(picture, axes);
     let size = axes.map(|axis| axis.n_px as f64);
@@ -153,7 +150,7 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     furniture.place(&title.drawing, left, MARGIN - 6.0);
     furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
     furniture.place(&cell_borders(picture, size), left, top);
-    furniture.place(&rings(picture, px_per_cell), left, top);
+    furniture.place(&rings(picture.layer, picture.n_cols, px_per_cell), left, top);
     furniture.place(&draw_marks(picture.uavs, size, px_per_cell, picture.cell_m), left, top);
     let mut bottom = top + map_h;
     if narrow {
@@ -179,13 +176,18 @@ fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     })
 }
 
-fn check(picture: &MapPicture<'_>) -> Result<(), String> {
-    let shape = |name: &str, length: usize| super::check_shape(name, length, picture.n_cols, picture.n_rows);
-    let (cell_x, cell_y) = picture.cell_m;
+/// Refuses a layer, cell sizes or a surface that cannot be drawn.
+pub(crate) fn check_layer(
+    layer: Layer<'_>,
+    [n_cols, n_rows]: [usize; 2],
+    (cell_x, cell_y): (f64, f64),
+    surface_m: Option<&[f32]>,
+) -> Result<(), String> {
+    let shape = |name: &str, length: usize| super::check_shape(name, length, n_cols, n_rows);
     if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
         return Err(format!("cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"));
     }
-    match picture.layer {
+    match layer {
         Layer::Los(mask) => shape("mask", mask.len())?,
         Layer::Count { count, mask, .. } => {
             shape("count", count.len())?;
@@ -208,15 +210,15 @@ fn check(picture: &MapPicture<'_>) -> Result<(), String> {
             shape("outlines", outlines.len())?;
         }
     }
-    picture.surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
+    surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
 }
 
 /// Rings around the few receivers that a move turns.
-fn rings(picture: &MapPicture<'_>, px_per_cell: [f64; 2]) -> Drawing {
+pub(crate) fn rings(layer: Layer<'_>, n_cols: usize, px_per_cell: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
     let radius = 0.71 * px_per_cell[0].max(px_per_cell[1]) + 8.0;
-    for cell in map_layers::ringed(picture.layer) {
-        let place = [cell % picture.n_cols, cell / picture.n_cols];
+    for cell in map_layers::ringed(layer) {
+        let place = [cell % n_cols, cell / n_cols];
         let [x, y] = [0, 1].map(|k| (place[k] as f64 + 0.5) * px_per_cell[k]);
         drawing.circle([x, y], radius, &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"2\""));
     }
@@ -247,6 +249,7 @@ fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::render::colors;
+    use crate::render::text;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -275,7 +278,7 @@ mod tests {
         let sheet = compose(&picture).expect("the picture is valid");
         let (left, top, map) = &sheet.images[0];
         assert_eq!(map.dimensions(), (960, 640));
-        let file = draw_map(&picture, &[]).expect("the picture is valid");
+        let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
         let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
         assert_eq!(image.width(), crate::render::sheet::pixels(sheet.width));
         assert_eq!(image.get_pixel(left + 100, top + 100).0, colors::NLOS);
@@ -321,7 +324,7 @@ mod tests {
     fn equal_input_gives_equal_bytes() {
         let mask: Vec<u8> = (0..5000_u16).map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3")).collect();
         let picture = picture(Layer::Los(&mask), 100, 50);
-        assert_eq!(draw_map(&picture, &[]), draw_map(&picture, &[]));
+        assert_eq!(draw_map(&picture, &PictureForm::PNG, &[]), draw_map(&picture, &PictureForm::PNG, &[]));
     }
 
     #[test]
@@ -331,7 +334,7 @@ mod tests {
         for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
             let mask = vec![1; n_cols * n_rows];
             let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
-            let file = draw_map(&picture, &[]).expect("the picture is valid");
+            let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
             let image = image::load_from_memory(&file).expect("it is a PNG");
             assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
         }
@@ -339,17 +342,18 @@ mod tests {
 
     #[test]
     fn input_of_the_wrong_shape_is_refused() {
-        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &[]).is_err());
-        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &[]).is_err());
+        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &PictureForm::PNG, &[]).is_err());
         let flat = MapPicture { cell_m: (1.0, 0.0), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&flat, &[]).is_err());
+        assert!(draw_map(&flat, &PictureForm::PNG, &[]).is_err());
         let surface = MapPicture { surface_m: Some(&[1.0; 3]), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&surface, &[]).is_err());
+        assert!(draw_map(&surface, &PictureForm::PNG, &[]).is_err());
     }
 
     #[test]
     fn vector_output_holds_the_same_words() {
-        let svg = draw_map_svg(&picture(Layer::Los(&[0, 1]), 2, 1), &[]).expect("the picture is valid");
+        let svg =
+            text(draw_map(&picture(Layer::Los(&[0, 1]), 2, 1), &PictureForm::SVG, &[])).expect("the picture is valid");
         assert!(svg.starts_with("<svg") && svg.contains("No line of sight") && svg.contains("<image"));
     }
 }

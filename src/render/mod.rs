@@ -4,8 +4,8 @@
 //! bytes. Maps and cities are painted pixel by pixel; title, legend, scale bar, marks and caption are SVG over it,
 //! rasterized with the embedded font, or kept as vectors.
 //!
-//! * [`draw_map`]: a coverage map with everything that a publication wants around it; [`draw_map_svg`] keeps words as
-//!   vectors.
+//! * [`draw_map`]: a coverage map with everything that a publication wants around it.
+//! * [`draw_map_panels`]: a layer of several UAVs side by side.
 //! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
 //! * [`draw_city`]: a plan and a view of a city.
 //! * [`draw_link_profile`]: one link from the side.
@@ -15,6 +15,8 @@
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
+//!
+//! Each is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
@@ -37,41 +39,48 @@ mod lettering;
 mod line_look;
 mod link_profile;
 mod map_layers;
+mod map_panels;
 mod map_picture;
 mod marks;
 mod overlay_legend;
 mod paint;
 mod panel_grid;
+mod pdf;
+mod picture_form;
 mod plot_axis;
 mod plot_frame;
 mod png;
 mod point_labels;
 mod rate_sheet;
+mod resized;
 mod sheet;
 mod side_labels;
+mod small_maps;
 mod track_profile;
 mod tradeoff;
 mod tradeoff_rows;
 mod z_buffer;
 
-pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city, draw_city_svg};
+pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city};
+pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
 pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
-pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet, draw_compare_sheet_svg};
-pub use curve_sheet::{
-    CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet, draw_curve_sheet_svg,
-};
-pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet, draw_heat_sheet_svg};
-pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve, draw_height_curve_svg};
+pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
+pub use curve_sheet::{CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
+pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
+pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
 pub use lettering::grouped;
+pub(crate) use lettering::percent;
 pub use line_look::LineLook;
-pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile, draw_link_profile_svg};
-pub use map_picture::{Layer, MapClass, MapPicture, draw_map, draw_map_svg};
+pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile};
+pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
+pub use map_picture::{Layer, MapClass, MapPicture, draw_map};
 pub use marks::Mark;
 pub use overlay_legend::draw_overlay_legend;
+pub use picture_form::{PictureForm, PictureFormat};
 pub use png::{draw_bare, draw_bare_count};
-pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet, draw_rate_sheet_svg};
-pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile, draw_track_profile_svg};
-pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff, draw_tradeoff_svg};
+pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
+pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile};
+pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff};
 
 /// Refuses an empty raster and an array that does not fit it.
 fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {
@@ -82,4 +91,10 @@ fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Resul
         return Err(format!("cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"));
     }
     Ok(())
+}
+
+/// The text of an SVG document that was drawn.
+#[cfg(test)]
+pub(crate) fn text(drawn: Result<Vec<u8>, String>) -> Result<String, String> {
+    drawn.map(|bytes| String::from_utf8(bytes).expect("SVG is text"))
 }

@@ -6,25 +6,20 @@ use image::RgbaImage;
 
 use super::colors::{self, Rgb};
 
-/// Pixels per meter in the `pHYs` chunk: 200 dpi, which prints a large map about 20 cm wide.
-const PIXELS_PER_METER: u32 = 7874;
-
-/// Encodes an opaque picture as an RGB file.
+/// Encodes an opaque picture as an RGB file that is printed at `dpi` \[pixels per inch\].
 ///
 /// # Errors
 /// A keyword of `provenance` that PNG does not allow.
-pub(crate) fn encode_picture(image: &RgbaImage, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+pub(crate) fn encode_picture(image: &RgbaImage, dpi: u32, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, image.width(), image.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-    encoder.set_pixel_dims(Some(png::PixelDimensions {
-        xppu: PIXELS_PER_METER,
-        yppu: PIXELS_PER_METER,
-        unit: png::Unit::Meter,
-    }));
+    // An inch is 25.4 mm.
+    let per_m = (dpi * 5000 + 63) / 127;
+    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_m, yppu: per_m, unit: png::Unit::Meter }));
     add_provenance(&mut encoder, provenance)?;
     let mut rgb = Vec::with_capacity(image.as_raw().len() / 4 * 3);
     for pixel in image.pixels() {

@@ -7,6 +7,7 @@ use super::colors::{self, HATCH, INK, Rgb, TURNS, WHITE};
 use super::furniture::{self, Block, DETAIL, NAME, Swatch};
 use super::heat_sheet::hatch;
 use super::lettering::{self, number};
+use super::picture_form::PictureForm;
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
 
@@ -34,21 +35,17 @@ pub struct RateColumn<'a> {
     pub group: &'a str,
 }
 
-/// Draws failure rates as PNG.
+/// Draws failure rates.
 ///
 /// # Errors
 /// No row, no column, an array of another length, more failures than trials, no trial, or a keyword of `provenance` that
 /// PNG does not allow.
-pub fn draw_rate_sheet(sheet: &RateSheet<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(sheet)?.to_png(provenance)
-}
-
-/// Draws failure rates as an SVG document.
-///
-/// # Errors
-/// As [`draw_rate_sheet`].
-pub fn draw_rate_sheet_svg(sheet: &RateSheet<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(sheet)?.to_svg(provenance)
+pub fn draw_rate_sheet(
+    sheet: &RateSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
 }
 
 /// Width and height of a square \[px\].
@@ -177,6 +174,7 @@ fn groups<'a>(columns: &[RateColumn<'a>], lefts: &[f64]) -> Vec<(&'a str, [f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     const COLUMNS: [RateColumn<'static>; 3] = [
         RateColumn { name: "ray", group: "exact" },
@@ -191,7 +189,7 @@ mod tests {
     #[test]
     fn none_is_white_and_few_are_not() {
         let rates = [Some([0, 900]), Some([1, 100_000]), Some([3, 100]), None, Some([0, 5]), Some([5, 5])];
-        let svg = draw_rate_sheet_svg(&sheet(&rates), &[]).expect("the sheet is valid");
+        let svg = text(draw_rate_sheet(&sheet(&rates), &PictureForm::SVG, &[])).expect("the sheet is valid");
         for text in [">0<", ">0.001<", ">3<", ">100<", ">exact<", ">approximate<", ">step:1<", ">not applicable<"] {
             assert!(svg.contains(text), "{text}: {svg}");
         }
@@ -202,8 +200,8 @@ mod tests {
 
     #[test]
     fn impossible_sheets_are_refused() {
-        assert!(draw_rate_sheet(&sheet(&[None; 5]), &[]).is_err());
-        assert!(draw_rate_sheet(&sheet(&[Some([0, 0]); 6]), &[]).is_err());
-        assert!(draw_rate_sheet(&sheet(&[Some([3, 2]); 6]), &[]).is_err());
+        assert!(draw_rate_sheet(&sheet(&[None; 5]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_rate_sheet(&sheet(&[Some([0, 0]); 6]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_rate_sheet(&sheet(&[Some([3, 2]); 6]), &PictureForm::PNG, &[]).is_err());
     }
 }

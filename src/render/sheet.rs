@@ -1,4 +1,4 @@
-//! A sheet: raster images at the back, vector furniture in front, written as PNG or as SVG.
+//! A sheet: raster images at the back, vector furniture in front, written as PNG, SVG or PDF.
 //!
 //! All furniture is SVG text first, whatever the output, so that a test can read what a picture says.
 
@@ -9,7 +9,11 @@ use resvg::{tiny_skia, usvg};
 
 use super::colors::{self, Rgb};
 use super::lettering::{self, Weight};
+use super::paint::narrow;
+use super::pdf::{self, PdfPage};
+use super::picture_form::{PictureForm, PictureFormat};
 use super::png;
+use super::resized::resized;
 
 /// A finished picture that can be written in either format.
 #[derive(Debug)]
@@ -25,23 +29,61 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// Returns the sheet as a PNG file.
-    pub(crate) fn to_png(&self, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-        let (width, height) = (pixels(self.width), pixels(self.height));
-        let mut canvas = RgbaImage::from_pixel(width, height, image::Rgba([255; 4]));
-        for (x, y, image) in &self.images {
-            image::imageops::replace(&mut canvas, image, i64::from(*x), i64::from(*y));
+    /// Returns the sheet as a file.
+    pub(crate) fn write(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+        match form.format {
+            PictureFormat::Png => self.to_png(form, provenance),
+            PictureFormat::Svg => self.to_svg(form, provenance).map(String::into_bytes),
+            PictureFormat::Pdf => self.to_pdf(form, provenance),
         }
-        let options = usvg::Options { fontdb: lettering::fonts(), ..usvg::Options::default() };
-        let tree = usvg::Tree::from_str(&self.svg_around(""), &options).map_err(|e| format!("cannot draw: {e}"))?;
-        let mut pixmap = tiny_skia::PixmapMut::from_bytes(canvas.as_mut(), width, height)
-            .ok_or_else(|| format!("cannot draw a picture of {width} × {height} pixels"))?;
-        resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixmap);
-        png::encode_picture(&canvas, provenance)
     }
 
-    /// Returns the sheet as one SVG document, its images embedded.
-    pub(crate) fn to_svg(&self, provenance: &[(String, String)]) -> Result<String, String> {
+    fn to_png(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+        let [width, height] = self.size();
+        let scale = form.scale(width);
+        let [width, height] = [width, height].map(|length| pixels((f64::from(length) * scale).round()));
+        let mut canvas = RgbaImage::from_pixel(width, height, image::Rgba([255; 4]));
+        for (x, y, image) in &self.images {
+            // Both ends are rounded, so that frames stay on the borders of maps.
+            let ends = |from: u32, length: u32| {
+                [from, from + length].map(|at| pixels((f64::from(at) * scale).round().max(1.0)))
+            };
+            let ([left, right], [top, bottom]) = (ends(*x, image.width()), ends(*y, image.height()));
+            let image = resized(image, (right - left).max(1), (bottom - top).max(1));
+            let [left, top] = [(x, left), (y, top)].map(|(from, at)| if *from == 0 { 0 } else { i64::from(at) });
+            image::imageops::replace(&mut canvas, &image, left, top);
+        }
+        let mut pixmap = tiny_skia::PixmapMut::from_bytes(canvas.as_mut(), width, height)
+            .ok_or_else(|| format!("cannot draw a picture of {width} × {height} pixels"))?;
+        let scale = narrow(scale);
+        resvg::render(&self.tree()?, tiny_skia::Transform::from_scale(scale, scale), &mut pixmap);
+        png::encode_picture(&canvas, form.dpi(), provenance)
+    }
+
+    fn to_pdf(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+        let size = self.size();
+        let page = PdfPage {
+            size,
+            inches: size.map(|length| form.inches(size[0], length)),
+            images: &self.images,
+            tree: &self.tree()?,
+        };
+        pdf::encode(&page, provenance)
+    }
+
+    /// Width and height of the layout in whole pixels.
+    fn size(&self) -> [u32; 2] {
+        [pixels(self.width), pixels(self.height)]
+    }
+
+    /// The furniture as paths.
+    fn tree(&self) -> Result<usvg::Tree, String> {
+        let options = usvg::Options { fontdb: lettering::fonts(), ..usvg::Options::default() };
+        usvg::Tree::from_str(&self.svg_around(&PictureForm::SVG, ""), &options).map_err(|e| format!("cannot draw: {e}"))
+    }
+
+    /// One SVG document, its images embedded.
+    fn to_svg(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<String, String> {
         let mut back = String::new();
         if !provenance.is_empty() {
             let lines: Vec<String> = provenance.iter().map(|(k, v)| lettering::escape(&format!("{k}: {v}"))).collect();
@@ -49,7 +91,7 @@ impl Sheet {
         }
         let _ = writeln!(back, "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>");
         for (x, y, image) in &self.images {
-            let data = base64(&png::encode_picture(image, &[])?);
+            let data = base64(&png::encode_picture(image, form.dpi(), &[])?);
             let (w, h) = image.dimensions();
             let _ = writeln!(
                 back,
@@ -57,13 +99,14 @@ impl Sheet {
                  href=\"data:image/png;base64,{data}\"/>"
             );
         }
-        Ok(self.svg_around(&back))
+        Ok(self.svg_around(form, &back))
     }
 
-    fn svg_around(&self, back: &str) -> String {
-        let (w, h) = (pixels(self.width), pixels(self.height));
+    fn svg_around(&self, form: &PictureForm, back: &str) -> String {
+        let [w, h] = self.size();
+        let [width, height] = form.svg_size(w, h);
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {w} {h}\" \
              font-family=\"{}\">\n{back}{}</svg>\n",
             lettering::FAMILY,
             self.furniture.svg
@@ -244,13 +287,21 @@ mod tests {
         furniture.rect([4.0, 0.0, 4.0, 8.0], "fill=\"#0072B2\"");
         let red = RgbaImage::from_pixel(8, 8, image::Rgba([200, 0, 0, 255]));
         let sheet = Sheet { width: 10.0, height: 8.0, images: vec![(0, 0, red)], furniture };
-        let file = sheet.to_png(&[]).expect("the sheet is small");
+        let file = sheet.write(&PictureForm::PNG, &[]).expect("the sheet is small");
         let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
         assert_eq!(image.dimensions(), (10, 8));
         assert_eq!(image.get_pixel(1, 3).0, [200, 0, 0]);
         assert_eq!(image.get_pixel(5, 3).0, [0x00, 0x72, 0xB2]);
         assert_eq!(image.get_pixel(9, 3).0, [255; 3]);
-        assert!(sheet.to_svg(&[]).expect("the sheet is small").contains("data:image/png;base64,iVBOR"));
+        let svg = sheet.to_svg(&PictureForm::SVG, &[]).expect("the sheet is small");
+        assert!(svg.contains("data:image/png;base64,iVBOR"));
+        // Twice as wide, everything is twice as large.
+        let form = PictureForm { width_px: Some(20), dpi: Some(50), ..PictureForm::PNG };
+        let image =
+            image::load_from_memory(&sheet.write(&form, &[]).expect("the sheet is small")).expect("it is a PNG");
+        assert_eq!((image.width(), image.height()), (20, 16));
+        assert_eq!(image.to_rgb8().get_pixel(3, 9).0, [200, 0, 0]);
+        assert_eq!(image.to_rgb8().get_pixel(13, 9).0, [0x00, 0x72, 0xB2]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::colors::{self, INK, Rgb};
 use super::furniture::{self, Block, DETAIL, Swatch};
 use super::lettering::length as length_words;
+use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
@@ -43,20 +44,16 @@ pub struct TrackStretch {
     pub los: Option<bool>,
 }
 
-/// Draws a track as PNG.
+/// Draws a track.
 ///
 /// # Errors
 /// A length that is not above 0 or a value that is not finite; a keyword of `provenance` that PNG does not allow.
-pub fn draw_track_profile(track: &TrackProfile<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(track)?.to_png(provenance)
-}
-
-/// Draws a track as an SVG document.
-///
-/// # Errors
-/// As [`draw_track_profile`].
-pub fn draw_track_profile_svg(track: &TrackProfile<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(track)?.to_svg(provenance)
+pub fn draw_track_profile(
+    track: &TrackProfile<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(track)?.write(form, provenance)
 }
 
 fn compose(track: &TrackProfile<'_>) -> Result<Sheet, String> {
@@ -149,6 +146,7 @@ fn no_axis() -> Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     #[test]
     fn the_strip_shows_every_stretch_at_its_place_and_bad_numbers_are_refused() {
@@ -162,15 +160,18 @@ mod tests {
             enough: &[(0.0, Some(0.5)), (25.0, Some(2.0)), (49.0, Some(9.0)), (60.0, None)],
             user_m: 1.5,
         };
-        let svg = draw_track_profile_svg(&track, &[]).expect("a picture");
+        let svg = text(draw_track_profile(&track, &PictureForm::SVG, &[])).expect("a picture");
         for words in ["A walk", "No receiver", "50 m", "25 m", "user at 1.5 m", "Distance along the track"] {
             assert!(svg.contains(words), "{words}");
         }
         // 25 m of 100 are a quarter of the width.
         assert!(svg.contains("width=\"375\" height=\"40\" fill=\"#E69F00\""), "{svg}");
-        assert_eq!(draw_track_profile_svg(&track, &[]), Ok(svg));
-        assert!(draw_track_profile(&track, &[]).is_ok_and(|png| png.starts_with(b"\x89PNG")));
-        assert!(draw_track_profile_svg(&TrackProfile { length_m: 0.0, ..track }, &[]).is_err());
-        assert!(draw_track_profile_svg(&TrackProfile { enough: &[(f64::NAN, None)], ..track }, &[]).is_err());
+        assert_eq!(text(draw_track_profile(&track, &PictureForm::SVG, &[])), Ok(svg));
+        assert!(draw_track_profile(&track, &PictureForm::PNG, &[]).is_ok_and(|png| png.starts_with(b"\x89PNG")));
+        assert!(text(draw_track_profile(&TrackProfile { length_m: 0.0, ..track }, &PictureForm::SVG, &[])).is_err());
+        assert!(
+            text(draw_track_profile(&TrackProfile { enough: &[(f64::NAN, None)], ..track }, &PictureForm::SVG, &[]))
+                .is_err()
+        );
     }
 }

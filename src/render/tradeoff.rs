@@ -7,6 +7,7 @@ use super::furniture::{Block, DETAIL, NAME};
 use super::lettering;
 use super::line_look::{LineLook, LineStyle, stroke};
 use super::marks::Bounds;
+use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::point_labels::{self, LabeledPoint};
@@ -52,7 +53,7 @@ pub struct TradeoffPoint<'a> {
     pub label: &'a str,
     /// What its family is called.
     pub family: &'a str,
-    /// Color and shape of the family's marks, as for [`CurveLine`](super::CurveLine).
+    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
     pub look: usize,
     /// Cost, above 0, and error, at least 0; one without is in the rows alone.
     pub place: Option<(f64, f64)>,
@@ -60,26 +61,22 @@ pub struct TradeoffPoint<'a> {
     pub bias: Option<f64>,
 }
 
-/// Draws cost against error as PNG.
+/// Draws cost against error.
 ///
 /// # Errors
 /// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, a front that names no point, or a
 /// keyword of `provenance` that PNG does not allow.
-pub fn draw_tradeoff(plot: &Tradeoff<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    compose(plot)?.to_png(provenance)
+pub fn draw_tradeoff(
+    plot: &Tradeoff<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(plot)?.write(form, provenance)
 }
 
-/// Draws cost against error as an SVG document.
-///
-/// # Errors
-/// As [`draw_tradeoff`].
-pub fn draw_tradeoff_svg(plot: &Tradeoff<'_>, provenance: &[(String, String)]) -> Result<String, String> {
-    compose(plot)?.to_svg(provenance)
-}
-
-/// The mark of a family.
+/// The mark of a contestant.
 pub(crate) fn mark(look: usize) -> LineStyle {
-    LineStyle::new(LineLook::Solid, look, 0)
+    LineStyle::new(LineLook::Solid, look)
 }
 
 fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
@@ -249,6 +246,7 @@ fn break_marks(drawing: &mut Drawing, y: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::text;
 
     fn point<'a>(label: &'a str, place: (f64, f64), bias: f64) -> TradeoffPoint<'a> {
         TradeoffPoint { label, family: "Engines", look: 0, place: Some(place), bias: Some(bias) }
@@ -280,27 +278,27 @@ mod tests {
         assert!((cx - x).abs() < 1e-9 && (cy - 748.0).abs() < 1e-9);
         let y = (800.0 - 104.0) * (0.2_f64 / 0.1).ln() / (0.2_f64 / 0.0005).ln();
         assert!((window.at((1.0, 0.1))[1] - y).abs() < 1e-9);
-        let svg = draw_tradeoff_svg(&plot, &[]).expect("the plot is valid");
+        let svg = text(draw_tradeoff(&plot, &PictureForm::SVG, &[])).expect("the plot is valid");
         for words in [">0: none wrong<", ">memory floor<", "CPU time [ns]", "Bias [points]", "Wrong receivers"] {
             assert!(svg.contains(words), "{words}: {svg}");
         }
-        assert!(draw_tradeoff(&plot, &[]).is_ok());
+        assert!(draw_tradeoff(&plot, &PictureForm::PNG, &[]).is_ok());
     }
 
     #[test]
     fn without_a_zero_there_is_no_band() {
         let points = [point("a", (1.0, 0.1), 1.0), point("b", (2.0, 0.01), -2.0)];
-        let svg = draw_tradeoff_svg(&plot(&points, &[]), &[]).expect("the plot is valid");
+        let svg = text(draw_tradeoff(&plot(&points, &[]), &PictureForm::SVG, &[])).expect("the plot is valid");
         assert!(!svg.contains("none wrong"));
-        assert!(draw_tradeoff_svg(&plot(&[], &[]), &[]).is_ok());
+        assert!(text(draw_tradeoff(&plot(&[], &[]), &PictureForm::SVG, &[])).is_ok());
     }
 
     #[test]
     fn impossible_points_are_refused() {
         for bad in [(0.0, 0.1), (f64::NAN, 0.1), (1.0, -0.1), (1.0, f64::INFINITY)] {
-            assert!(draw_tradeoff(&plot(&[point("a", bad, 0.0)], &[]), &[]).is_err(), "{bad:?}");
+            assert!(draw_tradeoff(&plot(&[point("a", bad, 0.0)], &[]), &PictureForm::PNG, &[]).is_err(), "{bad:?}");
         }
-        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), f64::NAN)], &[]), &[]).is_err());
-        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), 0.0)], &[1]), &[]).is_err());
+        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), f64::NAN)], &[]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), 0.0)], &[1]), &PictureForm::PNG, &[]).is_err());
     }
 }

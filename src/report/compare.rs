@@ -204,6 +204,13 @@ fn grazing_share(margins: &MarginStats) -> f64 {
 }
 
 impl CompareReport {
+    /// Whether any P_LoS or difference of two has an interval.
+    pub fn has_intervals(&self) -> bool {
+        let shares = self.placements.iter().flat_map(|p| &p.groups).map(|g| &g.p_los);
+        let differences = self.pairs.iter().flat_map(|p| &p.groups).map(|g| &g.difference);
+        shares.chain(differences).any(|estimate| estimate.interval.is_some())
+    }
+
     /// The document `skyshed/compare/1`; without `timing` it is the same for equal runs.
     pub fn document(&self, timing: Option<Timing>) -> Value {
         let mut document = self.facts.head("skyshed/compare/1");

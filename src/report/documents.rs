@@ -419,7 +419,7 @@ pub struct LinkReport {
     pub receiver: [f64; 3],
     /// Whether the link is in line of sight.
     pub los: bool,
-    /// Receiver height less ceiling \[m\]; `None` if no receiver height is enough.
+    /// Receiver height less the least visible height \[m\]; `None` if no receiver height is enough.
     pub margin_m: Option<f64>,
     /// Horizontal distance \[m\].
     pub distance_m: f64,

@@ -40,7 +40,7 @@ pub fn kml(report: &MapReport, degrees: &LonLatGrid, overlays: &[KmlOverlay], le
         "<ScreenOverlay>\n<name>Legend</name>\n<Icon><href>{legend}</href></Icon>\n\
          <overlayXY x=\"0\" y=\"1\" xunits=\"fraction\" yunits=\"fraction\"/>\n\
          <screenXY x=\"0.01\" y=\"0.99\" xunits=\"fraction\" yunits=\"fraction\"/>\n\
-         <size x=\"0\" y=\"0\" xunits=\"pixels\" yunits=\"pixels\"/>\n</ScreenOverlay>\n"
+         <size x=\"-1\" y=\"-1\" xunits=\"pixels\" yunits=\"pixels\"/>\n</ScreenOverlay>\n"
     );
     for site in &report.sites {
         let (lon, lat) = degrees.degrees((site.x, site.y))?;

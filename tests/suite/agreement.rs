@@ -7,7 +7,8 @@ use num_bigint::BigInt;
 use num_rational::Ratio;
 use skyshed::height_field::{Columns, Prisms};
 use skyshed::los::{
-    Ceiling, columns_ceiling, columns_least_height, columns_los, prisms_ceiling, prisms_least_height, prisms_los,
+    LeastHeight, columns_least_height, columns_least_receiver_height, columns_los, prisms_least_height,
+    prisms_least_receiver_height, prisms_los,
 };
 
 use crate::case_file::{CaseKind, N_CASES, all_cases};
@@ -15,7 +16,7 @@ use crate::oracle::{self, P3};
 use crate::support::{Random, columns_of, point, prisms_of, slow};
 
 /// Whether the crate's ceiling [steps] is the oracle's, to within the rounding of one f64.
-fn same_height(ours: &Ceiling, oracle: &oracle::Ceiling) -> bool {
+fn same_height(ours: &LeastHeight, oracle: &oracle::Ceiling) -> bool {
     let ours = ours.height_steps();
     match oracle {
         oracle::Ceiling::Clear => ours == f64::NEG_INFINITY,
@@ -39,7 +40,7 @@ fn check_columns(columns: &Columns, exact: &oracle::Columns, uav: P3, receiver: 
     let (u, r) = (point(uav), point(receiver));
     let context = || format!("{place}: UAV {uav:?}, receiver {receiver:?}, {exact:?}");
     assert_eq!(columns_los(columns, u, r), expected, "ray: {}", context());
-    let ceiling = columns_ceiling(columns, u, r);
+    let ceiling = columns_least_receiver_height(columns, u, r);
     assert_eq!(ceiling.is_met_by(r.z), expected, "ceiling: {}", context());
     let exact_ceiling = oracle::columns_ceiling(exact, uav, [receiver[0], receiver[1]]);
     assert!(same_height(&ceiling, &exact_ceiling), "ceiling {ceiling:?}, oracle {exact_ceiling:?}: {}", context());
@@ -56,7 +57,7 @@ fn check_prisms(prisms: &Prisms, exact: &[oracle::Prism], uav: P3, receiver: P3,
     let (u, r) = (point(uav), point(receiver));
     let context = || format!("{place}: UAV {uav:?}, receiver {receiver:?}, {exact:?}");
     assert_eq!(prisms_los(prisms, u, r), expected, "ray: {}", context());
-    let ceiling = prisms_ceiling(prisms, u, r);
+    let ceiling = prisms_least_receiver_height(prisms, u, r);
     if uav != receiver {
         assert_eq!(ceiling.is_met_by(r.z), expected, "ceiling: {}", context());
     }

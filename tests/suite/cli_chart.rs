@@ -240,7 +240,9 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 17] = [
+const OTHER: [&str; 19] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--height-unit",

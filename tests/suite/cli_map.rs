@@ -209,21 +209,25 @@ fn every_format_holds_the_same_numbers() {
 #[test]
 fn layers_become_bands_named_after_their_site() {
     let folder = town();
-    let layers = "los,margin,ceiling,least-height,count,which";
+    let layers = "los,margin,least-receiver-height,least-height,count,which";
     let two = format!("{MAP} --uav 691650,5334780,60 --receivers all");
     folder.type_in(&format!("{two} --layers {layers} -o all.tif -o all.exr -o all.npz")).done();
     folder.type_in(&format!("{two} -o los.tif")).done();
     folder.type_in(&format!("{two} --layers count,which -o sets.tif")).done();
-    for (name, layer) in [("ceiling.asc", "ceiling"), ("margin.tif", "margin")] {
+    // The old word is understood, and written as the new one.
+    for (name, layer) in [("least.asc", "ceiling"), ("margin.tif", "margin"), ("old.tif", "ceiling")] {
         folder.type_in(&format!("{MAP} --receivers all --layers {layer} -o {name}")).done();
     }
+    let old = tif(&folder, "old.tif");
+    let items = old.tiff().ifd(0).unwrap().tag(42112).unwrap().value.as_str().unwrap().to_string();
+    assert!(items.contains(">1.least-receiver-height<"), "{items}");
     let names = [
         "1.los",
         "2.los",
         "1.margin",
         "2.margin",
-        "1.ceiling",
-        "2.ceiling",
+        "1.least-receiver-height",
+        "2.least-receiver-height",
         "1.least-height",
         "2.least-height",
         "count",
@@ -269,7 +273,7 @@ fn layers_become_bands_named_after_their_site() {
     assert!(header.contains("'<f4'") && header.contains("(2, 40, 60)"), "{header}");
     let first: Vec<u8> = margin.iter().flat_map(|v| v.to_le_bytes()).collect();
     assert_eq!(bytes[..first.len()], first);
-    let asc = RasterFile::open(&folder.join("ceiling.asc"), &mut Vec::new()).unwrap();
+    let asc = RasterFile::open(&folder.join("least.asc"), &mut Vec::new()).unwrap();
     let cells = asc.read(asc.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
     assert!(cells.iter().zip(&ceiling).all(|(a, b)| (a - f64::from(*b)).abs() < 1e-4));
     let alone: Vec<f32> = tif(&folder, "margin.tif").read_raster::<f32>().unwrap().into_iter().collect();

@@ -281,7 +281,9 @@ const FLAGS: [(&str, &str); 39] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 18] = [
+const OTHER: [&str; 20] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--levels-field",
@@ -375,7 +377,7 @@ fn bad_parameters_are_refused_with_their_range() {
         ("city.geojson --gamma 5,6", "a real city"),
         ("city.geojson --placement street-center", "wanted anywhere, street, crossroad or rooftop"),
         ("city.geojson --phi 30", "a real city"),
-        ("itu:urban --title Mine", "without a .png or .svg"),
+        ("itu:urban --title Mine", "without a .png, .svg or .pdf"),
         ("itu:urban --csv table.txt", "ends in .csv"),
     ] {
         let answer = folder.type_in(&format!("plos {line}"));

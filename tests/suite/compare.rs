@@ -380,7 +380,9 @@ const FLAGS: [(&str, &str); 23] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 15] = [
+const OTHER: [&str; 17] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--levels-field",

@@ -310,7 +310,11 @@ fn what_makes_no_sense_of_a_curve_is_refused() {
         ("--height-curve a.csv -o a.csv", 2, "error[E105]: cannot write a.csv: it is named twice"),
         ("--height-curve a.csv --height-curve a.csv", 2, "error[E105]: cannot write a.csv: it is named twice"),
         ("--height-curve there.svg", 2, "error[E106]: cannot write there.svg: it exists"),
-        ("--height-curve a.csv --title T", 2, "error[E116]: `--title` has no meaning without a .png or .svg output"),
+        (
+            "--height-curve a.csv --title T",
+            2,
+            "error[E116]: `--title` has no meaning without a .png, .svg or .pdf output",
+        ),
         ("--json --curve-heights 0:10:1", 2, "error[E116]: `--curve-heights` has no meaning without `--height-curve`"),
         ("--height-curve a.csv --curve-heights 0:10", 2, "error[E101]: invalid value '0:10' for '--curve-heights"),
         ("--height-curve a.csv --curve-heights 0:nan:1", 2, "error[E101]: invalid value '0:nan:1' for '--curve-hei"),

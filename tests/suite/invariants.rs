@@ -12,7 +12,10 @@ use skyshed::coverage::{
     Control, HeightLayers, MapOptions, Overlay, Placement, Receivers, SiteCoverage, Uav, class, map_site, which_layer,
 };
 use skyshed::height_field::{CellKind, HeightField, Station};
-use skyshed::los::{columns_ceiling, columns_least_height, columns_los, link_los, prisms_ceiling, prisms_los};
+use skyshed::los::{
+    columns_least_height, columns_least_receiver_height, columns_los, link_los, prisms_least_receiver_height,
+    prisms_los,
+};
 use skyshed::quantity::{Frame, VOID};
 use skyshed::raster::{GeoRef, LargeVec, Raster};
 use skyshed::scene::{DataArea, Footprint, FootprintFaults, Ground, Solids};
@@ -188,8 +191,8 @@ fn cutting_a_footprint_in_two_along_a_line_through_lattice_points_changes_nothin
         };
         let los = prisms_los(&whole_engine, point(uav), point(receiver));
         assert_eq!(los, prisms_los(&cut_engine, point(uav), point(receiver)), "{whole:?} {uav:?} {receiver:?}");
-        let ceilings =
-            [&whole_engine, &cut_engine].map(|p| prisms_ceiling(p, point(uav), point(receiver)).height_steps());
+        let ceilings = [&whole_engine, &cut_engine]
+            .map(|p| prisms_least_receiver_height(p, point(uav), point(receiver)).height_steps());
         assert!(ceilings[0].total_cmp(&ceilings[1]).is_eq(), "{ceilings:?} {whole:?} {uav:?} {receiver:?}");
         los
     });
@@ -244,7 +247,7 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
             p.z = z;
             p
         };
-        let ceiling = columns_ceiling(&columns, uav, receiver);
+        let ceiling = columns_least_receiver_height(&columns, uav, receiver);
         assert_eq!(ceiling.is_met_by(receiver.z), los);
         if ceiling.height_steps().is_finite() {
             let near = ceiling.height_steps().round() as i64;
@@ -268,7 +271,7 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
         let ([x, y, z], [rx, ry, rz]) = (random_prism_end(random), random_prism_end(random));
         let (uav, receiver) = (point([x, y, z * M]), point([rx, ry, rz * M]));
         let los = prisms_los(&prisms, uav, receiver);
-        let ceiling = prisms_ceiling(&prisms, uav, receiver);
+        let ceiling = prisms_least_receiver_height(&prisms, uav, receiver);
         if uav != receiver {
             assert_eq!(ceiling.is_met_by(receiver.z), los);
         }
@@ -285,7 +288,8 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
 // ---------------------------------------------------------------------------------------------------------------------
 // Whole maps.
 
-const ALL_LAYERS: HeightLayers = HeightLayers { margin: true, ceiling: true, least_height: true, stability: false };
+const ALL_LAYERS: HeightLayers =
+    HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
 
 fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
     MapOptions { rx_height: 1536, receivers, layers, ..MapOptions::default() }
@@ -371,7 +375,7 @@ fn the_margin_is_never_negative_zero_and_tells_los_by_its_sign() {
         assert_eq!(with_layers.mask, plain.mask);
         assert_eq!(with_layers.tally, plain.tally);
         assert!(plain.tally.los > 100 && plain.tally.receivers - plain.tally.los > 100, "{:?}", plain.tally);
-        let (margin, ceiling) = (with_layers.margin.unwrap(), with_layers.ceiling.unwrap());
+        let (margin, ceiling) = (with_layers.margin.unwrap(), with_layers.least_receiver_height.unwrap());
         for ((class, margin), ceiling) in plain.mask.iter().zip(&margin).zip(&ceiling) {
             match *class {
                 class::LOS => assert!(*margin >= 0.0 && margin.is_sign_positive() && *margin <= 1.5),
@@ -426,7 +430,7 @@ fn masks_and_layers_are_equal_with_one_two_and_seven_threads() {
             assert_eq!(all[0].mask, other.mask);
             assert_eq!(all[0].tally, other.tally);
             assert_eq!(bits(&all[0].margin), bits(&other.margin));
-            assert_eq!(bits(&all[0].ceiling), bits(&other.ceiling));
+            assert_eq!(bits(&all[0].least_receiver_height), bits(&other.least_receiver_height));
             assert_eq!(bits(&all[0].least_height), bits(&other.least_height));
         }
     });

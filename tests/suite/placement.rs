@@ -421,7 +421,9 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 32] = [
+const OTHER: [&str; 34] = [
+    "--width",
+    "--dpi",
     "--project",
     "--repairs",
     "--levels-field",

@@ -169,6 +169,14 @@ fn an_overlay_lies_where_proj_says() {
         assert_eq!(all.iter().filter(|e| *e == element).count(), n, "{element}");
     }
     assert!(kml.contains("<altitudeMode>relativeToGround</altitudeMode>") && kml.contains("UAV 1"));
+    // The legend has its own size, and the colors of the overlay beside words.
+    assert!(kml.contains("<Icon><href>legend.png</href></Icon>") && kml.contains("<size x=\"-1\" y=\"-1\""));
+    let mut legend = Vec::new();
+    kmz(&folder, "m.kmz").by_name("legend.png").unwrap().read_to_end(&mut legend).unwrap();
+    let legend = image::load_from_memory(&legend).unwrap().to_rgb8();
+    for color in [[0x00, 0x72, 0xB2], [0xE6, 0x9F, 0x00]] {
+        assert!(legend.pixels().any(|pixel| pixel.0 == color), "{color:?}");
+    }
 
     let mut bytes = Vec::new();
     kmz(&folder, "m.kmz").by_name("overlay-1.png").unwrap().read_to_end(&mut bytes).unwrap();

@@ -61,7 +61,7 @@ impl Raster {
     pub(crate) fn check_heights(&self, uav: P3, receiver: P3, count: &mut Count) -> bool {
         let what = || format!("{:?}\nuav {uav:?} receiver {receiver:?}", self.oracle);
         let wanted = oracle::columns_ceiling(&self.oracle, uav, plan(receiver));
-        compare(&los::columns_ceiling(&self.engine, point(uav), point(receiver)), &wanted, what);
+        compare(&los::columns_least_receiver_height(&self.engine, point(uav), point(receiver)), &wanted, what);
         let least = oracle::columns_least_uav_height(&self.oracle, plan(uav), receiver);
         compare(&los::columns_least_height(&self.engine, point(uav), point(receiver)), &least, what);
         let is_tie = is_at(&wanted, receiver[2]);
@@ -96,9 +96,9 @@ impl Footprints {
     pub(crate) fn check_heights(&self, uav: P3, receiver: P3, count: &mut Count) -> bool {
         let what = || format!("{:?}\nuav {uav:?} receiver {receiver:?}", self.oracle);
         let wanted = oracle::prisms_ceiling(&self.oracle, uav, plan(receiver));
-        compare(&los::prisms_ceiling(&self.engine, point(uav), point(receiver)), &wanted, what);
+        compare(&los::prisms_least_receiver_height(&self.engine, point(uav), point(receiver)), &wanted, what);
         let least = oracle::prisms_least_uav_height(&self.oracle, plan(uav), receiver);
-        compare(&los::prisms_ceiling(&self.engine, point(receiver), point(uav)), &least, what);
+        compare(&los::prisms_least_receiver_height(&self.engine, point(receiver), point(uav)), &least, what);
         let is_tie = is_at(&wanted, receiver[2]);
         count.ties += u64::from(is_tie);
         is_tie
@@ -110,10 +110,10 @@ fn is_at(ceiling: &oracle::Ceiling, z: i64) -> bool {
 }
 
 /// Asserts that a ceiling is the oracle's: the same lattice heights meet it, and its value in meters is near.
-pub(crate) fn compare(found: &los::Ceiling, wanted: &oracle::Ceiling, what: impl Fn() -> String) {
+pub(crate) fn compare(found: &los::LeastHeight, wanted: &oracle::Ceiling, what: impl Fn() -> String) {
     let value = found.height_steps();
     match wanted {
-        oracle::Ceiling::Clear => assert!(*found == los::Ceiling::Clear, "{found:?}, wanted none\n{}", what()),
+        oracle::Ceiling::Clear => assert!(*found == los::LeastHeight::Clear, "{found:?}, wanted none\n{}", what()),
         oracle::Ceiling::Never => assert!(value == f64::INFINITY, "{found:?}, wanted none is enough\n{}", what()),
         oracle::Ceiling::At(height) => {
             let least = i64::try_from(height.ceil().to_integer()).unwrap();

@@ -143,7 +143,10 @@ fn words_for_a_picture_that_is_not_made_are_refused() {
         "map small.asc --ground 0 --uav 0.5,0.5,9 -o o.tif --title Title",
         "city small.asc --ground 0 -o o.tif --attribution Somebody",
     ] {
-        assert!(folder.type_in(line).refused(2)[0].contains("has no meaning without a .png or .svg output"), "{line}");
+        assert!(
+            folder.type_in(line).refused(2)[0].contains("has no meaning without a .png, .svg or .pdf output"),
+            "{line}"
+        );
     }
 }
 

@@ -17,7 +17,8 @@ use crate::invariants::{raster_town, vector_town};
 use crate::program::Folder;
 use crate::support::Random;
 
-const STABILITY: HeightLayers = HeightLayers { margin: false, ceiling: false, least_height: false, stability: true };
+const STABILITY: HeightLayers =
+    HeightLayers { margin: false, least_receiver_height: false, least_height: false, stability: true };
 
 fn map(field: &HeightField, uav: &Uav, options: &MapOptions) -> SiteCoverage {
     Mapper::new(field, options).unwrap().map(uav, &Control::default()).unwrap()

@@ -287,9 +287,11 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change no answer, and the tests that show what they do.
-const OTHER: [(&str, &str); 14] = [
+const OTHER: [(&str, &str); 16] = [
     ("--base", "other_bases_are_the_mean_by_area_and_the_highest"),
     ("--data-area", "ground_beyond_the_last_house_holds_no_data"),
+    ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
+    ("--dpi", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--repairs", "every_command_that_reads_footprints_lists_repairs"),
     ("--project", "rows_6_to_9_of_reference_systems"),
     ("--levels-field", "every_flag_changes_the_plan"),
@@ -357,7 +359,7 @@ fn what_makes_no_sense_is_refused() {
         ("stress --max-memory 1G", 2, "error[E116]: `--max-memory` has no meaning without a scene"),
         ("stress --radius 5", 2, "error[E116]: `--radius` has no meaning without a scene"),
         ("stress --attribution me -o a.png", 2, "error[E116]: `--attribution` has no meaning without a scene"),
-        ("stress --title Failures -o a.csv", 2, "error[E116]: `--title` has no meaning without a .png or .svg"),
+        ("stress --title Failures -o a.csv", 2, "error[E116]: `--title` has no meaning without a .png, .svg or .pdf"),
         ("stress dsm.asc --uav 1,1,9 --scenes 3", 2, "error[E116]: `--scenes` has no meaning with a scene"),
         ("stress dsm.asc --uav 1,1,9 --families cell-slits", 2, "error[E116]: `--families` has no meaning with a sce"),
         ("stress dsm.asc", 2, "error[E108]: no UAV: wanted `--uav X,Y,H`"),

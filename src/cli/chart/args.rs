@@ -35,7 +35,7 @@ pub(in crate::cli) struct ChartArgs {
     /// Time each contestant for at least so long, and at least three times; those above half a second once [s]
     #[arg(long, value_name = "S", value_parser = number, default_value = "0.2", allow_hyphen_values = true)]
     pub(in crate::cli) time: f64,
-    /// File to write, by extension: .png .svg (picture), .csv, .json, `-` for JSON on standard output; repeat for more.
+    /// File to write, by extension: .png .svg .pdf (picture), .csv, .json, `-` for JSON on standard output; repeat for more.
     /// Without any the table goes to standard output
     #[arg(short, long = "output", value_name = "FILE")]
     pub(in crate::cli) output: Vec<PathBuf>,

@@ -24,7 +24,7 @@ use crate::export::{Format, OutputRules};
 use crate::scene::BuiltUpCity;
 
 /// Formats of `skyshed chart`.
-const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
 /// Longest time that a contestant may be asked to take \[s\].
 const LONGEST_S: f64 = 60.0;

@@ -4,15 +4,15 @@ use super::{ChartArgs, threads};
 use crate::accuracy::chart::Family;
 use crate::accuracy::plos_cost::PlosWay;
 use crate::cli::map::undrawable;
+use crate::cli::method_looks::look_of;
 use crate::cli::plan::Ready;
 use crate::cli::receivers::{cell_names, setting_line};
 use crate::cli::words::{title_of, unbreakable};
 use crate::coverage::Uav;
 use crate::error::Result;
-use crate::export::Format;
 use crate::los_probability::models::Model;
 use crate::quantity::{counted, tidy};
-use crate::render::{Tradeoff, TradeoffPoint, draw_tradeoff, draw_tradeoff_svg, grouped};
+use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
 use crate::report::{ChartReport, PlosChartReport};
 
 /// A picture with its words.
@@ -48,8 +48,8 @@ struct Point {
 const MOST_UAVS: usize = 4;
 
 impl Picture {
-    /// Draws it as a file of this format.
-    pub(super) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
+    /// Draws it as a file.
+    pub(super) fn draw(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let points: Vec<TradeoffPoint<'_>> = self
             .points
             .iter()
@@ -69,11 +69,7 @@ impl Picture {
             points: &points,
             front: &self.front,
         };
-        let drawn = match format {
-            Format::Svg => draw_tradeoff_svg(&plot, provenance).map(String::into_bytes),
-            _ => draw_tradeoff(&plot, provenance),
-        };
-        drawn.map_err(undrawable)
+        draw_tradeoff(&plot, form, provenance).map_err(undrawable)
     }
 }
 
@@ -171,12 +167,13 @@ fn timing_words(args: &ChartArgs) -> String {
 /// The picture of the ways to P_LoS.
 pub(super) fn of_plos(args: &ChartArgs, report: &PlosChartReport) -> Picture {
     let point = |row: &crate::report::PlosChartRow| {
-        let (family, look) = match row.way {
-            PlosWay::Product(_) => ("Product over buildings", 0),
-            PlosWay::City(_) => ("3-D city simulator", 1),
-            PlosWay::Geometry(_) => ("Geometry simulator", 2),
-            PlosWay::Model(_) => ("Published models", 3),
+        let family = match row.way {
+            PlosWay::Product(_) => "Product over buildings",
+            PlosWay::City(_) => "3-D city simulator",
+            PlosWay::Geometry(_) => "Geometry simulator",
+            PlosWay::Model(_) => "Published models",
         };
+        let (_, look) = look_of(row.way.method(), &[]);
         let bias = report.p_los_error(row).map(|error| 100.0 * error);
         Point { label: plos_label(row.way), family, look, place: report.place(row), bias }
     };

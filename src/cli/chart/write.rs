@@ -29,7 +29,7 @@ pub(super) fn write(args: &ChartArgs, chart: &Chart<'_>, outputs: &[(PathBuf, Fo
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
     for (path, format) in outputs {
-        add(chart, &mut batch, path, *format)?;
+        add(args, chart, &mut batch, path, *format)?;
     }
     batch.commit()?;
     let files: Vec<String> =
@@ -54,15 +54,16 @@ pub(super) fn write(args: &ChartArgs, chart: &Chart<'_>, outputs: &[(PathBuf, Fo
 }
 
 /// Adds the files of one output to a batch.
-fn add(chart: &Chart<'_>, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+fn add(args: &ChartArgs, chart: &Chart<'_>, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
     match format {
         Format::Json => batch.add(path, pretty(&chart.document).as_bytes()),
         Format::Csv => {
             batch.add(path, &encode_table(&chart.table)?)?;
             batch.add(&with_suffix(path, ".json"), pretty(&chart.provenance).as_bytes())
         }
-        Format::Png | Format::Svg => {
-            batch.add(path, &chart.picture.draw(format, &picture_provenance(&chart.provenance))?)
+        Format::Png | Format::Svg | Format::Pdf => {
+            let form = args.words.size.form(format);
+            batch.add(path, &chart.picture.draw(&form, &picture_provenance(&chart.provenance))?)
         }
         _ => Ok(()),
     }

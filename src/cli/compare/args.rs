@@ -27,7 +27,7 @@ pub(in crate::cli) struct CompareArgs {
     /// Edge of the blocks of ground that are resampled for intervals [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "50", allow_hyphen_values = true)]
     pub(in crate::cli) block: f64,
-    /// File to write, by extension: .html (a page to swipe over, in one file), .png .svg (all maps on one sheet), .tif
+    /// File to write, by extension: .html (a page to swipe over, in one file), .png .svg .pdf (all maps on one sheet), .tif
     /// (masks, differences, count), .csv, .json, `-` for JSON on standard output; repeat for more. Without any the table
     /// goes to standard output
     #[arg(short, long = "output", value_name = "FILE")]

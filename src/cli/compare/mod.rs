@@ -32,8 +32,8 @@ use crate::scene::{Site, Source};
 use crate::zones::{NONE, ZoneMap};
 
 /// Formats of `skyshed compare`.
-const FORMATS: [Format; 7] =
-    [Format::Html, Format::Png, Format::Svg, Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
+const FORMATS: [Format; 8] =
+    [Format::Html, Format::Png, Format::Svg, Format::Pdf, Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
 
 /// Most placements: their pairs grow with the square.
 const MOST_PLACEMENTS: usize = 16;

@@ -137,15 +137,19 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
     let Writer { args, scene, report, .. } = writer;
     let intervals = &report.intervals;
     let (receivers, _) = cell_names(args.receivers, &scene.field);
-    let mut lines = vec![format!(
-        "P_LoS is the share of {receivers} in line of sight; brackets hold its {:.0} % interval from {} resamplings of \
-         blocks of {} m, seed {}.",
-        100.0 * intervals.confidence,
-        grouped(RESAMPLINGS),
-        tidy(intervals.block_m),
-        intervals.seed
-    )];
-    lines.push(format!("In each resampling {MEANING}."));
+    let mut lines = if report.has_intervals() {
+        let brackets = format!(
+            "P_LoS is the share of {receivers} in line of sight; brackets hold its {:.0} % interval from {} resamplings of \
+             blocks of {} m, seed {}.",
+            100.0 * intervals.confidence,
+            grouped(RESAMPLINGS),
+            tidy(intervals.block_m),
+            intervals.seed
+        );
+        vec![brackets, format!("In each resampling {MEANING}.")]
+    } else {
+        vec![format!("P_LoS is the share of {receivers} in line of sight.")]
+    };
     let heights = (report.rx_height_m, report.radius_m);
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
     lines.extend(args.words.credit(scene.attribution.as_ref()));

@@ -50,14 +50,12 @@ impl Writer<'_> {
                 batch.add(path, &encode_table(&self.report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())
             }
-            Format::Png | Format::Svg => {
+            Format::Png | Format::Svg | Format::Pdf => {
                 let show = Show::of(self);
                 let software = ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
                 let provenance = [software, ("skyshed".to_string(), provenance().to_string())];
-                let file = show.with_sheet(|sheet| match format {
-                    Format::Svg => render::draw_compare_sheet_svg(sheet, &provenance).map(String::into_bytes),
-                    _ => render::draw_compare_sheet(sheet, &provenance),
-                });
+                let form = self.args.words.size.form(format);
+                let file = show.with_sheet(|sheet| render::draw_compare_sheet(sheet, &form, &provenance));
                 batch.add(path, &file.map_err(undrawable)?)
             }
             Format::Html => {

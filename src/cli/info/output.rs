@@ -146,7 +146,7 @@ impl Output {
             }
             (_, "tif" | "tiff" | "exr" | "asc" | "bil") => "a raster of results, not a scene: open it in QGIS",
             (_, "geojson" | "fgb" | "kmz") => "results as features, not a scene: open them in QGIS or a globe",
-            (_, "png" | "svg" | "html") => "a picture: look at it",
+            (_, "png" | "svg" | "pdf" | "html") => "a picture: look at it",
             _ => "results: read them with any program",
         }
     }

@@ -21,8 +21,16 @@ use crate::report::RunFacts;
 use crate::scene::{BuiltUp, Footprint, FootprintFaults, Scene, Solids, Source, vertical_of};
 use crate::zones::{Zone, ZoneMap};
 
-const FORMATS: [Format; 7] =
-    [Format::Png, Format::Svg, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Csv, Format::Stdout];
+const FORMATS: [Format; 8] = [
+    Format::Png,
+    Format::Svg,
+    Format::Pdf,
+    Format::GeoTiff,
+    Format::GeoJson,
+    Format::Json,
+    Format::Csv,
+    Format::Stdout,
+];
 
 pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let outputs = checked_outputs(args)?;
@@ -215,7 +223,7 @@ impl Found {
         if let Some(zones) = &self.zones {
             let attribution = args.words.credit(self.scene.attribution.as_ref());
             let (field, title) = (&self.field, args.words.title.as_deref());
-            ZoneFiles { zones, field, facts, title, attribution }.add(&mut batch, outputs)?;
+            ZoneFiles { zones, field, facts, title, attribution, size: args.words.size }.add(&mut batch, outputs)?;
         }
         for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {
             batch.add(path, pretty(document).as_bytes())?;

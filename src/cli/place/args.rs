@@ -57,14 +57,14 @@ pub(in crate::cli) struct PlaceArgs {
     /// Which cells hold receivers; a goal of a zone has its own
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
-    /// File to write, by extension: .csv (all candidates, ranked), .json, .geojson (the best ones), .png .svg (where to
+    /// File to write, by extension: .csv (all candidates, ranked), .json, .geojson (the best ones), .png .svg .pdf (where to
     /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// Write the table to this file, whatever its name
     #[arg(long, value_name = "FILE")]
     pub(super) csv: Option<PathBuf>,
-    /// What the winner sees, or those chosen together: a coverage map (.png .svg .tif)
+    /// What the winner sees, or those chosen together: a coverage map (.png .svg .pdf .tif)
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
     #[command(flatten)]

@@ -36,8 +36,16 @@ use inputs::Inputs;
 use search::Search;
 
 /// Formats of `skyshed place`.
-const FORMATS: [Format; 7] =
-    [Format::Png, Format::Svg, Format::GeoTiff, Format::Csv, Format::Json, Format::GeoJson, Format::Stdout];
+const FORMATS: [Format; 8] = [
+    Format::Png,
+    Format::Svg,
+    Format::Pdf,
+    Format::GeoTiff,
+    Format::Csv,
+    Format::Json,
+    Format::GeoJson,
+    Format::Stdout,
+];
 
 pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     if !args.sample.sample.is_empty() {
@@ -166,7 +174,7 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
         input_paths(&args.scene).into_iter().chain(files.into_iter().flatten().cloned()).collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
-    let is_spatial = |format: &Format| matches!(format, Format::Png | Format::Svg | Format::GeoTiff);
+    let is_spatial = |format: &Format| format.is_picture() || *format == Format::GeoTiff;
     if let Some((path, _)) = outputs.iter().find(|(_, f)| args.candidates.is_some() && is_spatial(f)) {
         let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
         return Err(Error::usage(109, text).with_hint("-o places.geojson"));
@@ -179,7 +187,7 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
         map = checked.filter(|(_, format)| is_spatial(format));
         if map.is_none() {
             let text = format!("cannot write {}: `--map` writes a map", path.display());
-            return Err(Error::usage(105, text).with_hint("wanted .png, .svg or .tif"));
+            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .pdf or .tif"));
         }
     }
     let all: Vec<Output> = outputs.iter().cloned().chain(map.clone()).collect();

@@ -58,7 +58,7 @@ impl Writer<'_> {
                 batch.add(path, &encode_table(&self.report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&self.report.provenance()).as_bytes())
             }
-            Format::Png | Format::Svg | Format::GeoTiff => {
+            Format::Png | Format::Svg | Format::Pdf | Format::GeoTiff => {
                 let Some(places) = self.places else {
                     return Err(Error::usage(109, "only candidates on a grid make a picture or a raster"));
                 };

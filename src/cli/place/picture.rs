@@ -2,9 +2,11 @@
 
 use super::super::map::mark;
 use super::super::plan::meters_per_unit;
+use super::super::receivers::cell_names;
 use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::{Writer, height_words, in_words};
+use super::winner_map::receivers_of;
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::placement::PlaceGrid;
@@ -57,10 +59,8 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
-    let drawn = match format {
-        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
-        _ => render::draw_map(&picture, &provenance),
-    };
+    let form = job.args.words.size.form(format);
+    let drawn = render::draw_map(&picture, &form, &provenance);
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
 }
 
@@ -108,11 +108,13 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
     let whom = match job.goal.whom {
         Whom::Area => format!("{} cells of the area", report.receivers),
         Whom::Weights => format!("{} cells by weight", report.receivers),
-        Whom::Receivers | Whom::Zone(_) => format!("{} cells", report.receivers),
+        Whom::Receivers | Whom::Zone(_) => cell_names(receivers_of(job), &job.scene.field).0.to_string(),
     };
+    let over: Vec<&str> = job.args.over.iter().map(|zone| zone.zone().name()).collect();
+    let over = if over.is_empty() { String::new() } else { format!(" over zones {}", over.join(", ")) };
     let range = report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
     lines.push(format!(
-        "Goal {} over {whom}{range}; candidates every {} m at {}; receivers {} m high; method {}; {}; skyshed {}",
+        "Goal {} over {whom}{range}; candidates every {} m{over} at {}; receivers {} m high; method {}; {}; skyshed {}",
         report.goal,
         report.step_m.map_or(String::new(), tidy),
         heights_in_words(&report.heights),

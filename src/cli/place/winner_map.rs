@@ -120,18 +120,15 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         counts: None,
     };
     let provenance = picture_provenance(&job.report.provenance());
-    match format {
-        Format::Svg => render::draw_map_svg(&picture, &provenance).map(String::into_bytes),
-        _ => render::draw_map(&picture, &provenance),
-    }
-    .map_err(undrawable)
+    let form = job.args.words.size.form(format);
+    render::draw_map(&picture, &form, &provenance).map_err(undrawable)
 }
 
 /// More UAVs than this are not listed in the caption.
 const MOST_LINES: usize = 6;
 
 /// The receivers that the goal counts, as they are typed for a map.
-fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
+pub(super) fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
     match job.goal.whom {
         Whom::Zone(Zone::Street) => ReceiversArg::Street,
         Whom::Zone(Zone::Crossroad) => ReceiversArg::Crossroad,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::args::{OutputArgs, SceneArgs, memory_size, number};
+use crate::cli::args::{OutputArgs, PictureSize, SceneArgs, memory_size, number};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum UsersArg {
@@ -136,7 +136,7 @@ pub(in crate::cli) struct PlosArgs {
     /// least 100 m
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, help_heading = "Effort")]
     pub(in crate::cli) block: Option<f64>,
-    /// File to write, by extension: .png .svg (plot), .csv, .json, .npz, `-` for JSON on standard output; repeat for more.
+    /// File to write, by extension: .png .svg .pdf (plot), .csv, .json, .npz, `-` for JSON on standard output; repeat for more.
     /// Without any the table goes to standard output
     #[arg(short, long = "output", value_name = "FILE", help_heading = "Output")]
     pub(in crate::cli) output: Vec<PathBuf>,
@@ -149,6 +149,8 @@ pub(in crate::cli) struct PlosArgs {
     /// Title of the plot
     #[arg(long, value_name = "TEXT", help_heading = "Output")]
     pub(in crate::cli) title: Option<String>,
+    #[command(flatten)]
+    pub(in crate::cli) size: PictureSize,
     /// Most memory that the maps of a real city may take, such as 800M or 4G
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true, help_heading = "Effort")]
     pub(in crate::cli) max_memory: Option<u64>,

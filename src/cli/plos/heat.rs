@@ -5,7 +5,7 @@ use super::plot_words::{axis_name, city_name, groups, method_name, placement_wor
 use super::sweep::Quantity;
 use crate::cli::words::title_of;
 use crate::error::{Error, Result};
-use crate::render::{self, HeatAxis, HeatPanel, HeatSheet};
+use crate::render::{self, HeatAxis, HeatPanel, HeatSheet, PictureForm};
 use crate::report::{PlosReport, PlosRow};
 
 /// Iso-lines of P_LoS in heat maps.
@@ -17,7 +17,7 @@ pub(super) fn heat_maps(
     title: &str,
     caption: &[String],
     provenance: &[(String, String)],
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Drawn> {
     // The angle or distance goes up, what it is compared with goes along.
     let [(y, y_values), (x, x_values)] = varying else {
@@ -74,9 +74,5 @@ pub(super) fn heat_maps(
         .collect();
     let columns = if sheet_panels.len() > 4 { 3 } else { sheet_panels.len().min(2) };
     let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns, levels: &LEVELS };
-    Ok(if as_vectors {
-        render::draw_heat_sheet_svg(&sheet, provenance).map(String::into_bytes)
-    } else {
-        render::draw_heat_sheet(&sheet, provenance)
-    })
+    Ok(render::draw_heat_sheet(&sheet, form, provenance))
 }

@@ -37,7 +37,8 @@ use crate::report::{PlosReport, PlosRow, PlosValue};
 use crate::scene::{BuiltUp, BuiltUpCity, Source};
 
 /// Formats of `skyshed plos`.
-const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
+const FORMATS: [Format; 7] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
 
 pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();
@@ -55,10 +56,11 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         .collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
-    let makes_picture = outputs.iter().any(|(_, f)| matches!(f, Format::Png | Format::Svg));
+    let makes_picture = outputs.iter().any(|(_, f)| f.is_picture());
     if args.title.is_some() && !makes_picture {
-        return Err(Error::usage(116, "`--title` has no meaning without a .png or .svg output"));
+        return Err(Error::usage(116, "`--title` has no meaning without a .png, .svg or .pdf output"));
     }
+    args.size.refuse_without_picture(&outputs)?;
     refuse_flags_without_meaning(args, &words)?;
 
     let mut report = PlosReport {
@@ -78,6 +80,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         report.sources.push(Source::of(path, args.scene.hash)?);
     }
     let curves: Vec<UserCurve> = curves.into_iter().map(|(curve, _)| curve).collect();
+    plot.curves.clone_from(&curves);
     for word in words {
         let (real, built_up) = match BuiltUpCity::parse_built_up(word) {
             Some(built_up) => (None, Some(built_up?)),
@@ -115,7 +118,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
                     statistical_rows(args, &sweeps, (word, built_up), way, leave_out, &mut cautions)?
                 }
             };
-            let is_model = matches!(way, Way::Model(_) | Way::Curve(_));
+            let is_model = matches!(way, Way::Model(_));
             if let (true, true, Some(built_up), Some(fine)) = (makes_picture, is_model, built_up, sweeps.refined())
                 && !rows.is_empty()
             {
@@ -196,8 +199,8 @@ fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&String]) -> Result<()
     if args.until.is_some() && (is_typed("cities") || is_typed("links")) {
         return refuse("until", "together with `--cities` or `--links`, which fix the effort");
     }
-    if is_typed("plot") && !args.output.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Svg))) {
-        return refuse("plot", "without a .png or .svg output");
+    if is_typed("plot") && !args.output.iter().any(|o| Format::of(o).is_ok_and(Format::is_picture)) {
+        return refuse("plot", "without a .png, .svg or .pdf output");
     }
     Ok(())
 }
@@ -401,8 +404,9 @@ fn write(
                 batch.add(path, pretty(&report.document(Some(seconds))).as_bytes())?;
             }
             Format::Npz => batch.add(path, &encode_arrays(report)?)?,
-            Format::Png => batch.add(path, &plot::draw(args, sweeps, plot, report, false)?)?,
-            Format::Svg => batch.add(path, &plot::draw(args, sweeps, plot, report, true)?)?,
+            Format::Png | Format::Svg | Format::Pdf => {
+                batch.add(path, &plot::draw(args, sweeps, plot, report, &args.size.form(*format))?)?;
+            }
             _ => {}
         }
     }

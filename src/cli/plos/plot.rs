@@ -2,13 +2,17 @@
 
 use super::args::{PlosArgs, PlotArg};
 use super::heat::heat_maps;
-use super::plot_words::{axis_name, caption, city_name, groups, method_name, placement_words, title, value, words};
+use super::plot_words::{
+    Intervals, axis_name, caption, city_name, groups, method_name, placement_words, title, value, words,
+};
 use super::sweep::{Quantity, Sweeps};
+use crate::cli::method_looks::look_of;
 use crate::cli::words::{picture_provenance, unbreakable};
 use crate::error::{Error, Result};
 use crate::los_probability::fit::BuiltUpFit;
+use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{PlosReport, PlosRow};
 
 /// What pictures need beside the report.
@@ -18,6 +22,8 @@ pub(super) struct Facts {
     pub(super) attributions: Vec<String>,
     /// Models between the values of the table, so that their steps and bends are drawn where they are.
     pub(super) fine_rows: Vec<PlosRow>,
+    /// Curves of the user's own, whose rows are drawn.
+    pub(super) curves: Vec<UserCurve>,
 }
 
 /// The most lines of a panel, and panels of a sheet.
@@ -32,7 +38,7 @@ pub(super) fn draw(
     sweeps: &Sweeps,
     facts: &Facts,
     report: &PlosReport,
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Vec<u8>> {
     let varying = sweeps.varying();
     let is_heat = match args.plot {
@@ -48,12 +54,17 @@ pub(super) fn draw(
         }
     };
     let title = args.title.as_ref().map_or_else(|| title(report, &varying), |typed| unbreakable(typed));
-    let caption = caption(facts, report, !is_heat);
+    let intervals = match (is_heat, varying.is_empty()) {
+        (true, _) => Intervals::None,
+        (false, true) => Intervals::Bars,
+        (false, false) => Intervals::BandsOfLines,
+    };
+    let caption = caption(facts, report, intervals);
     let provenance = picture_provenance(&report.provenance());
     let drawn = if is_heat {
-        heat_maps(report, &varying, &title, &caption, &provenance, as_vectors)?
+        heat_maps(report, &varying, &title, &caption, &provenance, form)?
     } else {
-        curves((report, facts), &varying, &title, &caption, &provenance, as_vectors)?
+        curves((report, facts), &varying, &title, &caption, &provenance, form)?
     };
     drawn.map_err(|cause| Error::internal(403, format!("cannot draw the plot: {cause}")))
 }
@@ -74,7 +85,7 @@ fn curves(
     title: &str,
     caption: &[String],
     provenance: &[(String, String)],
-    as_vectors: bool,
+    form: &PictureForm,
 ) -> Result<Drawn> {
     let (x, values) = varying.first().cloned().unwrap_or_else(|| {
         // A single value is a point on the axis of what it was asked for.
@@ -89,7 +100,7 @@ fn curves(
     if sets.len() > MOST_PANELS {
         return Err(too_many(sets.len(), "cities", MOST_PANELS));
     }
-    let mut looks = Looks::default();
+    let mut looks = Looks { own_curves: facts.curves.iter().map(UserCurve::name).collect(), ..Looks::default() };
     let mut panels: Vec<Vec<(Line, LineLook, usize)>> = Vec::new();
     for set in &sets {
         let is_fine = |row: &PlosRow| facts.fine_rows.iter().any(|f| f.city == row.city && f.method == row.method);
@@ -111,8 +122,8 @@ fn curves(
             lines
                 .into_iter()
                 .map(|line| {
-                    let (look, color) = looks.of(&line, methods.len() > 1);
-                    (line, look, color)
+                    let (look, index) = looks.of(&line, values.len() > 1);
+                    (at_own_rows(line, x, &facts.curves), look, index)
                 })
                 .collect(),
         );
@@ -121,10 +132,10 @@ fn curves(
     let drawn: Vec<Vec<CurveLine<'_>>> = panels
         .iter()
         .map(|lines| {
-            let drawn = lines.iter().map(|(line, look, color)| CurveLine {
+            let drawn = lines.iter().map(|(line, look, index)| CurveLine {
                 label: &line.label,
                 detail: None,
-                color_index: *color,
+                color_index: *index,
                 look: *look,
                 points: &line.points,
             });
@@ -163,11 +174,7 @@ fn curves(
         _ => 3,
     };
     let sheet = CurveSheet { title, caption, panels: &sheet_panels, columns };
-    Ok(if as_vectors {
-        render::draw_curve_sheet_svg(&sheet, provenance).map(String::into_bytes)
-    } else {
-        render::draw_curve_sheet(&sheet, provenance)
-    })
+    Ok(render::draw_curve_sheet(&sheet, form, provenance))
 }
 
 /// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.
@@ -273,39 +280,43 @@ fn lines_of(
     lines
 }
 
-/// Looks that stay with methods and labels over all panels.
-#[derive(Default)]
-struct Looks {
-    /// Labels with their colors.
-    colors: Vec<String>,
-    models: Vec<String>,
+/// A curve of the user's own at the rows of its table, where these are along the axis.
+fn at_own_rows(line: Line, x: Quantity, curves: &[UserCurve]) -> Line {
+    let is_along =
+        |axis| matches!((axis, x), (CurveOver::Theta, Quantity::Theta) | (CurveOver::Distance, Quantity::Distance));
+    match curves.iter().find(|curve| curve.name() == line.method && is_along(curve.axis())) {
+        Some(curve) => {
+            let point = |(x, p_los): &(f64, f64)| CurvePoint { x: *x, y: Some(*p_los), low_high: None };
+            Line { points: curve.points().iter().map(point).collect(), ..line }
+        }
+        None => line,
+    }
 }
 
-impl Looks {
-    /// Estimates of one thing share a color; models are dashed, each pattern in turn.
-    fn of(&mut self, line: &Line, by_method: bool) -> (LineLook, usize) {
-        let look = match line.method.as_str() {
-            "product" | "maps" => LineLook::Solid,
-            "city" | "geometry" => LineLook::Markers,
-            model => {
-                let k = self.models.iter().position(|m| m == model).unwrap_or_else(|| {
-                    self.models.push(model.to_string());
-                    self.models.len() - 1
-                });
-                [LineLook::Dashed, LineLook::DashDot, LineLook::Dotted][k % 3]
-            }
-        };
-        // With several methods the color is the method's; what else varies shares it only if nothing does.
-        let key = if by_method && line.rest.is_empty() {
-            line.method.clone()
-        } else {
-            format!("{}|{}", line.method, line.rest)
-        };
-        let color = self.colors.iter().position(|c| *c == key).unwrap_or_else(|| {
-            self.colors.push(key);
-            self.colors.len() - 1
+/// Looks that stay with methods and labels over all panels.
+#[derive(Default)]
+struct Looks<'a> {
+    /// The names of curves of the user's own.
+    own_curves: Vec<&'a str>,
+    /// What varies beside methods, in the order in which it comes.
+    varying: Vec<String>,
+}
+
+impl Looks<'_> {
+    /// A method has its look wherever it is drawn; several lines of one method differ in color, marker and pattern.
+    fn of(&mut self, line: &Line, is_line: bool) -> (LineLook, usize) {
+        let (look, index) = look_of(&line.method, &self.own_curves);
+        // A single value has an error bar where a line has a band.
+        let look = if look == LineLook::Solid && !is_line { LineLook::Markers } else { look };
+        if line.rest.is_empty() {
+            return (look, index);
+        }
+        let key = format!("{}|{}", line.method, line.rest);
+        let index = self.varying.iter().position(|known| *known == key).unwrap_or_else(|| {
+            self.varying.push(key);
+            self.varying.len() - 1
         });
-        (look, color)
+        (look, index)
     }
 }
 
@@ -333,11 +344,11 @@ impl FitLines {
     }
 
     fn lines(&self) -> [CurveLine<'_>; 2] {
-        // Beyond the colors of most studies.
+        // Looks that no method has.
         let line = |label, look, color_index, points| CurveLine { label, detail: None, color_index, look, points };
         [
             line("Building heights", LineLook::Solid, 6, &self.share[..]),
-            line("Rayleigh, most likely γ", LineLook::Dashed, 7, &self.rayleigh[..]),
+            line("Rayleigh, most likely γ", LineLook::Dashed, 23, &self.rayleigh[..]),
         ]
     }
 }

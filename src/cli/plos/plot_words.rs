@@ -2,8 +2,10 @@
 
 use super::plot::Facts;
 use super::sweep::Quantity;
+use crate::cli::method_looks::look_of;
 use crate::cli::words::{title_of, unbreakable};
 use crate::quantity::tidy;
+use crate::render::LineLook;
 use crate::report::{PlosReport, PlosRow};
 use crate::scene::BuiltUp;
 
@@ -115,8 +117,37 @@ pub(super) fn title(report: &PlosReport, varying: &[(Quantity, Vec<f64>)]) -> St
     unbreakable(&format!("P_LoS{against}{over}"))
 }
 
+/// How a plot draws intervals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Intervals {
+    /// Not at all.
+    None,
+    /// As bars, of all estimates.
+    Bars,
+    /// As bands of the estimates that are lines, as bars of the others.
+    BandsOfLines,
+}
+
+impl Intervals {
+    /// What is drawn of the intervals that a report has.
+    fn in_words(self, report: &PlosReport) -> Option<&'static str> {
+        let is_line = |row: &PlosRow| self == Intervals::BandsOfLines && look_of(&row.method, &[]).0 == LineLook::Solid;
+        let has = |of_lines: bool| {
+            let mut drawn = report.rows.iter().filter(|row| is_line(row) == of_lines);
+            drawn.any(|row| row.estimate().is_some_and(|e| e.p_los.and(e.interval).is_some()))
+        };
+        match (has(true), has(false)) {
+            _ if self == Intervals::None => None,
+            (true, true) => Some("Bands and bars"),
+            (true, false) => Some("Bands"),
+            (false, true) => Some("Bars"),
+            (false, false) => None,
+        }
+    }
+}
+
 /// What is the same for all rows, and where the numbers come from.
-pub(super) fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool) -> Vec<String> {
+pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals) -> Vec<String> {
     let mut said: Vec<String> = Vec::new();
     if let [height] = groups(report, &|r| r.height_m)[..] {
         said.push(format!("UAV {} m above ground", tidy(height)));
@@ -143,6 +174,13 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool)
     }
     if let [Some(phi)] = groups(report, &|r| r.phi_deg)[..] {
         said.push(format!("azimuth {}°", tidy(phi)));
+    }
+    let centimeters = |m: f64| tidy((100.0 * m).round() / 100.0);
+    if let [Some(distance)] = groups(report, &|r| r.distance_m)[..] {
+        said.push(format!("ground distance {} m", centimeters(distance)));
+    }
+    if let [Some(radius)] = groups(report, &|r| r.radius_m)[..] {
+        said.push(format!("users within {} m", centimeters(radius)));
     }
     let mut lines = vec![title_of(&said.join("; "))];
     let mut cities: Vec<String> = Vec::new();
@@ -196,16 +234,13 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, shows_intervals: bool)
         lines.push(unbreakable(&line));
         lines.extend(real.tolerance.as_ref().map(|t| unbreakable(&t.in_words())));
     }
-    if shows_intervals && report.rows.iter().any(|r| r.estimate().is_some_and(|e| e.interval.is_some())) {
-        lines.push(format!(
-            "Bands and bars: {} % intervals; seed {}; skyshed {}",
-            tidy(100.0 * report.confidence),
-            report.seed,
-            env!("CARGO_PKG_VERSION")
-        ));
-    } else {
-        lines.push(format!("skyshed {}", env!("CARGO_PKG_VERSION")));
-    }
+    let drawn = intervals.in_words(report);
+    let drawn = drawn.map(|words| format!("{words}: {} % intervals", tidy(100.0 * report.confidence)));
+    let has_estimates = report.rows.iter().any(|r| r.estimate().is_some());
+    let seed = has_estimates.then(|| format!("seed {}", report.seed));
+    let version = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
+    let parts: Vec<String> = drawn.into_iter().chain(seed).chain([version]).collect();
+    lines.push(title_of(&parts.join("; ")));
     lines.extend(facts.attributions.iter().cloned());
     lines.retain(|line| !line.is_empty());
     lines

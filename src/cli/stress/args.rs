@@ -28,7 +28,7 @@ pub(in crate::cli) struct StressArgs {
     /// Which cells of SCENE hold receivers
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
-    /// File to write, by extension: .png .svg (failure rates by family and method; of SCENE a map of what turns), .csv,
+    /// File to write, by extension: .png .svg .pdf (failure rates by family and method; of SCENE a map of what turns), .csv,
     /// .json, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,

@@ -67,7 +67,7 @@ fn add(
             batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())
         }
         Format::Json => batch.add(path, pretty(&report.document(Some(start.elapsed().as_secs_f64()))).as_bytes()),
-        Format::Png | Format::Svg => batch.add(path, &picture(args, report, format)?),
+        Format::Png | Format::Svg | Format::Pdf => batch.add(path, &picture(args, report, format)?),
         _ => Ok(()),
     }
 }
@@ -102,11 +102,8 @@ fn picture(args: &StressArgs, report: &StressReport, format: Format) -> Result<V
     let caption = caption(report);
     let sheet = RateSheet { title: &title, caption: &caption, rows: &rows, columns: &columns, rates: &rates };
     let provenance = picture_provenance(&report.document(None));
-    match format {
-        Format::Svg => render::draw_rate_sheet_svg(&sheet, &provenance).map(String::into_bytes),
-        _ => render::draw_rate_sheet(&sheet, &provenance),
-    }
-    .map_err(undrawable)
+    let form = args.words.size.form(format);
+    render::draw_rate_sheet(&sheet, &form, &provenance).map_err(undrawable)
 }
 
 fn caption(report: &StressReport) -> Vec<String> {

@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::export::{Format, encode_table};
 
 /// Formats of `skyshed stress`.
-const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
 pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let is_typed = |name: &&&str| args.scene.typed.iter().any(|typed| typed == **name);

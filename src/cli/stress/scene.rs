@@ -121,8 +121,7 @@ fn add(
         }
         // The time of writing is not known before the file is written.
         Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes()),
-        Format::Png => batch.add(path, &drawing.draw(false, &provenance())?),
-        Format::Svg => batch.add(path, &drawing.draw(true, &provenance())?),
+        Format::Png | Format::Svg | Format::Pdf => batch.add(path, &drawing.draw(format, &provenance())?),
         _ => Ok(()),
     }
 }

@@ -104,6 +104,11 @@ impl UserCurve {
         self.axis
     }
 
+    /// Its rows: elevation angle \[deg\] or ground distance \[m\], ascending, and P_LoS.
+    pub fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+
     /// The first and last elevation angle \[deg\] or ground distance \[m\] of the curve.
     pub fn range(&self) -> (f64, f64) {
         (self.points[0].0, self.points[self.points.len() - 1].0)

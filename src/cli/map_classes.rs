@@ -1,0 +1,130 @@
+//! Maps of classes: which UAVs see a cell, and from which height it is seen.
+
+use crate::coverage::class;
+use crate::quantity::tidy;
+use crate::render::{ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, grouped, percent};
+
+/// Up to so many UAVs have a color each.
+pub(super) const MOST_COLORS: usize = ONLY_COLORS.len() - 2;
+
+/// What each cell is, with names and colors.
+#[derive(Debug)]
+pub(super) struct ClassMap {
+    /// Which class, where the mask is a receiver.
+    index: Vec<u8>,
+    names: Vec<String>,
+    /// Shares and numbers of cells.
+    details: Vec<String>,
+    colors: Vec<[u8; 3]>,
+}
+
+impl ClassMap {
+    fn new(index: Vec<u8>, mask: &[u8], classes: Vec<(String, [u8; 3])>) -> Self {
+        let mut numbers = vec![0_u64; classes.len()];
+        let receivers = index.iter().zip(mask).filter(|(_, class)| is_receiver(**class));
+        receivers.for_each(|(k, _)| numbers[usize::from(*k)] += 1);
+        let all: u64 = numbers.iter().sum();
+        let details = numbers.iter().map(|n| format!("{} · {}", percent(*n, all), grouped(*n))).collect();
+        let (names, colors) = classes.into_iter().unzip();
+        ClassMap { index, names, details, colors }
+    }
+
+    /// What a picture draws.
+    pub(super) fn index(&self) -> &[u8] {
+        &self.index
+    }
+
+    /// The classes for its legend.
+    pub(super) fn palette(&self) -> Vec<MapClass<'_>> {
+        let both = self.names.iter().zip(&self.details);
+        both.zip(&self.colors).map(|((name, detail), color)| MapClass { name, detail, color: *color }).collect()
+    }
+}
+
+fn is_receiver(of_mask: u8) -> bool {
+    matches!(of_mask, class::NLOS | class::LOS)
+}
+
+/// Which of a few UAVs, by their ids, sees a cell: none, only one of them, several.
+pub(super) fn who_sees(sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> ClassMap {
+    let several = sites.len() + 1;
+    let index = |cell: usize| match count[cell] {
+        0 => 0,
+        1 => 1 + sites.iter().position(|(_, mask)| mask[cell] == class::LOS).unwrap_or(0),
+        _ => several,
+    };
+    let index = (0..union.len()).map(|cell| u8::try_from(index(cell)).unwrap_or(u8::MAX)).collect();
+    let mut classes = vec![("Seen by none".to_string(), ONLY_COLORS[0])];
+    classes.extend(sites.iter().enumerate().map(|(k, (id, _))| (format!("Only by UAV {id}"), ONLY_COLORS[1 + k])));
+    let last = if sites.len() == 2 { "By both UAVs" } else { "By several UAVs" };
+    classes.push((last.to_string(), ONLY_COLORS[ONLY_COLORS.len() - 1]));
+    ClassMap::new(index, union, classes)
+}
+
+/// Who sees a cell, to one UAV of many: none, only others, this and others, only this one.
+pub(super) fn seen_alone(mask: &[u8], count: &[u32], union: &[u8]) -> ClassMap {
+    let index = |cell: usize| match (mask[cell] == class::LOS, count[cell]) {
+        (_, 0) => 0,
+        (false, _) => 1,
+        (true, 2..) => 2,
+        (true, 1) => 3,
+    };
+    let names = ["Seen by none", "Only by others", "By this UAV and others", "Only by this UAV"];
+    let classes = names.into_iter().map(str::to_string).zip(ALONE_COLORS).collect();
+    ClassMap::new((0..union.len()).map(index).collect(), union, classes)
+}
+
+/// Heights above ground that pilots and rules know \[m\].
+const STEPS_M: [f64; 4] = [30.0, 60.0, 120.0, 240.0];
+
+/// From which height above `base_m`, the ground below the UAV's place or the datum, cells are seen, in classes.
+pub(super) fn least_heights(least_m: &[f32], mask: &[u8], base_m: f64, above: &str) -> ClassMap {
+    let index = |least: &f32| match f64::from(*least) - base_m {
+        height if height.is_finite() => STEPS_M.iter().position(|step| height <= *step).unwrap_or(STEPS_M.len()),
+        _ => STEPS_M.len() + 1,
+    };
+    let index = least_m.iter().map(|least| u8::try_from(index(least)).unwrap_or(u8::MAX)).collect();
+    let mut names = vec![format!("Up to {} m above {above}", tidy(STEPS_M[0]))];
+    names.extend(STEPS_M.windows(2).map(|ends| format!("{} to {} m", tidy(ends[0]), tidy(ends[1]))));
+    names.push(format!("Above {} m", tidy(STEPS_M[STEPS_M.len() - 1])));
+    names.push("At no height".to_string());
+    ClassMap::new(index, mask, names.into_iter().zip(LEAST_HEIGHT_COLORS).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MASKS: [[u8; 5]; 3] = [[0, 1, 1, 0, 2], [0, 0, 1, 3, 2], [0, 0, 0, 1, 2]];
+    const COUNT: [u32; 5] = [0, 1, 2, 1, 0];
+    const UNION: [u8; 5] = [0, 1, 1, 1, 2];
+
+    #[test]
+    fn a_cell_is_that_of_its_only_uav_of_several_or_of_none() {
+        let sites = [("a", &MASKS[0][..]), ("b", &MASKS[1]), ("c", &MASKS[2])];
+        let map = who_sees(&sites, &COUNT, &UNION);
+        assert_eq!(map.index()[..4], [0, 1, 4, 3]);
+        let names: Vec<&str> = map.palette().iter().map(|class| class.name).collect();
+        assert_eq!(names, ["Seen by none", "Only by UAV a", "Only by UAV b", "Only by UAV c", "By several UAVs"]);
+        // Buildings are no share of anything.
+        assert_eq!(map.palette()[1].detail, "25.0\u{202F}% · 1");
+        assert_eq!(who_sees(&sites[..2], &COUNT, &UNION).palette()[3].name, "By both UAVs");
+    }
+
+    #[test]
+    fn to_one_uav_of_many_a_cell_is_seen_by_it_alone_with_others_by_others_or_by_none() {
+        assert_eq!(seen_alone(&MASKS[0], &COUNT, &UNION).index()[..4], [0, 3, 2, 1]);
+        assert_eq!(seen_alone(&MASKS[2], &COUNT, &UNION).index()[..4], [0, 1, 1, 3]);
+    }
+
+    #[test]
+    fn least_heights_are_above_the_ground_and_their_ends_belong_to_the_lower_class() {
+        let least = [500.0, 530.0, 530.5, 560.0, 620.0, 740.0, 740.5, f32::INFINITY, f32::NAN];
+        let mask = [1, 1, 1, 1, 0, 0, 0, 0, 2];
+        let map = least_heights(&least, &mask, 500.0, "ground");
+        assert_eq!(map.index()[..8], [0, 0, 1, 1, 2, 3, 4, 5]);
+        let palette = map.palette();
+        assert_eq!((palette[0].name, palette[4].name), ("Up to 30 m above ground", "Above 240 m"));
+        assert_eq!(palette[1].detail, "25.0\u{202F}% · 2");
+    }
+}

@@ -1,0 +1,286 @@
+//! PDF files: one page with images at the back and vectors in front.
+//!
+//! The furniture of a sheet is SVG text, which `usvg` turns into paths; letters become outlines, so that no viewer needs
+//! the font. Only what sheets draw is known here: opaque groups with a transform, paths in flat colors, lines with dashes.
+//! A file holds no time and nothing of the machine.
+//!
+//! # References
+//! ISO 32000-1:2008, sections 8.4 (state), 8.5 (paths), 8.9 (images).
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use image::RgbaImage;
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use resvg::tiny_skia::{PathSegment, Transform};
+use resvg::usvg;
+
+use super::colors;
+use super::paint::narrow;
+
+/// Points of PDF per inch.
+const POINTS: f64 = 72.0;
+
+/// A page to write.
+#[derive(Debug)]
+pub(crate) struct PdfPage<'a> {
+    /// Width and height of the layout \[px\].
+    pub(crate) size: [u32; 2],
+    /// Width and height on paper \[inches\].
+    pub(crate) inches: [f64; 2],
+    /// Images with the place of their top left corner \[px\].
+    pub(crate) images: &'a [(u32, u32, RgbaImage)],
+    /// What is drawn over them.
+    pub(crate) tree: &'a usvg::Tree,
+}
+
+/// Encodes a page; what it says of where it comes from is in the document information.
+///
+/// # Errors
+/// A paint that is no flat color.
+pub(crate) fn encode(page: &PdfPage<'_>, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+    let mut ids = (1..).map(Ref::new);
+    let mut next = || ids.next().unwrap_or(Ref::new(i32::MAX));
+    let (catalog, pages, page_id, contents, info) = (next(), next(), next(), next(), next());
+    let [width, height] = page.inches.map(|inches| narrow(POINTS * inches));
+    let per_px = narrow(POINTS * page.inches[0] / f64::from(page.size[0]));
+
+    let mut pdf = Pdf::new();
+    let mut content = Content::new();
+    // Pixels count from the top, points from the bottom.
+    content.transform([per_px, 0.0, 0.0, -per_px, 0.0, height]);
+    let mut image_ids = Vec::new();
+    for (k, (x, y, image)) in page.images.iter().enumerate() {
+        let id = next();
+        image_ids.push((format!("I{k}"), id));
+        add_image(&mut pdf, id, image)?;
+        let [w, h] = [image.width(), image.height()].map(|n| n as f32);
+        content.save_state();
+        content.transform([w, 0.0, 0.0, -h, *x as f32, *y as f32 + h]);
+        content.x_object(Name(image_ids[k].0.as_bytes()));
+        content.restore_state();
+    }
+    let mut painter = Painter { content, opacities: BTreeMap::new() };
+    painter.group(page.tree.root())?;
+    let Painter { content, opacities } = painter;
+
+    pdf.catalog(catalog).pages(pages);
+    pdf.pages(pages).kids([page_id]).count(1);
+    let states: Vec<(String, Ref)> = opacities.keys().map(|percent| (state_name(*percent), next())).collect();
+    let mut written = pdf.page(page_id);
+    written.parent(pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(contents);
+    let mut resources = written.resources();
+    let mut named = resources.x_objects();
+    image_ids.iter().for_each(|(name, id)| {
+        named.pair(Name(name.as_bytes()), id);
+    });
+    named.finish();
+    let mut named = resources.ext_g_states();
+    states.iter().for_each(|(name, id)| {
+        named.pair(Name(name.as_bytes()), id);
+    });
+    named.finish();
+    resources.finish();
+    written.finish();
+    for ((_, id), opacity) in states.iter().zip(opacities.values()) {
+        pdf.ext_graphics(*id).stroking_alpha(*opacity).non_stroking_alpha(*opacity);
+    }
+    let bytes = deflated(&content.finish())?;
+    pdf.stream(contents, &bytes).filter(Filter::FlateDecode);
+    let mut facts = pdf.document_info(info);
+    for (key, text) in provenance {
+        match key.as_str() {
+            "Software" => facts.producer(TextStr(text)),
+            _ => facts.pair(Name(key.as_bytes()), TextStr(&ascii(text))),
+        };
+    }
+    facts.finish();
+    Ok(pdf.finish())
+}
+
+/// A document without characters beyond ASCII, escaped as JSON allows: in PDF it stays as it is, byte by byte.
+fn ascii(json: &str) -> String {
+    let escaped = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect();
+    json.chars().map(|c| if c.is_ascii() { c.to_string() } else { escaped(c) }).collect()
+}
+
+/// The name of an opacity in percent.
+fn state_name(percent: u8) -> String {
+    format!("A{percent}")
+}
+
+fn add_image(pdf: &mut Pdf, id: Ref, image: &RgbaImage) -> Result<(), String> {
+    let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+    let bytes = deflated(&rgb)?;
+    let side = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
+    let mut object = pdf.image_xobject(id, &bytes);
+    object.filter(Filter::FlateDecode);
+    object.width(side(image.width())).height(side(image.height()));
+    object.color_space().device_rgb();
+    object.bits_per_component(8).interpolate(false);
+    object.finish();
+    Ok(())
+}
+
+fn deflated(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|e| format!("cannot encode PDF: {e}"))
+}
+
+/// Writes paths as they come.
+struct Painter {
+    content: Content,
+    /// Opacities that occur, by percent.
+    opacities: BTreeMap<u8, f32>,
+}
+
+impl Painter {
+    fn group(&mut self, group: &usvg::Group) -> Result<(), String> {
+        self.content.save_state();
+        self.transform(group.transform());
+        for node in group.children() {
+            match node {
+                usvg::Node::Group(group) => self.group(group)?,
+                usvg::Node::Path(path) if path.is_visible() => self.path(path)?,
+                // Letters as outlines.
+                usvg::Node::Text(text) => self.group(text.flattened())?,
+                usvg::Node::Path(_) | usvg::Node::Image(_) => {}
+            }
+        }
+        self.content.restore_state();
+        Ok(())
+    }
+
+    fn transform(&mut self, t: Transform) {
+        if !t.is_identity() {
+            self.content.transform([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty]);
+        }
+    }
+
+    fn path(&mut self, path: &usvg::Path) -> Result<(), String> {
+        // A line has no inside, which some viewers would fill all the same.
+        if let Some(fill) = path.fill().filter(|_| path.data().len() > 2) {
+            let [r, g, b] = flat(fill.paint())?;
+            self.content.save_state();
+            self.opacity(fill.opacity());
+            self.content.set_fill_rgb(r, g, b);
+            self.segments(path);
+            match fill.rule() {
+                usvg::FillRule::NonZero => self.content.fill_nonzero(),
+                usvg::FillRule::EvenOdd => self.content.fill_even_odd(),
+            };
+            self.content.restore_state();
+        }
+        if let Some(stroke) = path.stroke() {
+            let [r, g, b] = flat(stroke.paint())?;
+            self.content.save_state();
+            self.opacity(stroke.opacity());
+            self.content.set_stroke_rgb(r, g, b).set_line_width(stroke.width().get());
+            self.content.set_line_cap(match stroke.linecap() {
+                usvg::LineCap::Butt => LineCapStyle::ButtCap,
+                usvg::LineCap::Round => LineCapStyle::RoundCap,
+                usvg::LineCap::Square => LineCapStyle::ProjectingSquareCap,
+            });
+            self.content.set_line_join(match stroke.linejoin() {
+                usvg::LineJoin::Round => LineJoinStyle::RoundJoin,
+                usvg::LineJoin::Bevel => LineJoinStyle::BevelJoin,
+                usvg::LineJoin::Miter | usvg::LineJoin::MiterClip => LineJoinStyle::MiterJoin,
+            });
+            self.content.set_miter_limit(stroke.miterlimit().get());
+            if let Some(dashes) = stroke.dasharray() {
+                self.content.set_dash_pattern(dashes.iter().copied(), stroke.dashoffset());
+            }
+            self.segments(path);
+            self.content.stroke();
+            self.content.restore_state();
+        }
+        Ok(())
+    }
+
+    fn opacity(&mut self, opacity: usvg::Opacity) {
+        let opacity = opacity.get();
+        if opacity < 1.0 {
+            let percent = colors::byte(100.0 * f64::from(opacity));
+            self.opacities.insert(percent, f32::from(percent) / 100.0);
+            self.content.set_parameters(Name(state_name(percent).as_bytes()));
+        }
+    }
+
+    fn segments(&mut self, path: &usvg::Path) {
+        let mut at = [0.0_f32; 2];
+        for segment in path.data().segments() {
+            match segment {
+                PathSegment::MoveTo(p) => {
+                    self.content.move_to(p.x, p.y);
+                    at = [p.x, p.y];
+                }
+                PathSegment::LineTo(p) => {
+                    self.content.line_to(p.x, p.y);
+                    at = [p.x, p.y];
+                }
+                PathSegment::QuadTo(c, p) => {
+                    // The cubic through the same points.
+                    let toward = |end: f32, control: f32| end + 2.0 / 3.0 * (control - end);
+                    let [x1, y1] = [toward(at[0], c.x), toward(at[1], c.y)];
+                    self.content.cubic_to(x1, y1, toward(p.x, c.x), toward(p.y, c.y), p.x, p.y);
+                    at = [p.x, p.y];
+                }
+                PathSegment::CubicTo(a, b, p) => {
+                    self.content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y);
+                    at = [p.x, p.y];
+                }
+                PathSegment::Close => {
+                    self.content.close_path();
+                }
+            }
+        }
+    }
+}
+
+fn flat(paint: &usvg::Paint) -> Result<[f32; 3], String> {
+    match paint {
+        usvg::Paint::Color(color) => Ok([color.red, color.green, color.blue].map(|c| f32::from(c) / 255.0)),
+        _ => Err("cannot encode PDF: a paint is no flat color".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(svg: &str) -> Result<Vec<u8>, String> {
+        let options = usvg::Options { fontdb: super::super::lettering::fonts(), ..usvg::Options::default() };
+        let tree = usvg::Tree::from_str(svg, &options).expect("the test text is valid SVG");
+        let image = RgbaImage::from_pixel(2, 2, image::Rgba([200, 0, 0, 255]));
+        let images = [(0, 0, image)];
+        let page = PdfPage { size: [100, 50], inches: [2.0, 1.0], images: &images, tree: &tree };
+        encode(&page, &[("Software".into(), "skyshed 1".into()), ("skyshed".into(), "{\"θ\":1}".into())])
+    }
+
+    #[test]
+    fn a_page_has_its_size_image_opacity_and_provenance() {
+        let file = page(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\" height=\"50\" font-family=\"Skyshed Sans\">\
+             <rect width=\"10\" height=\"10\" fill=\"#0072B2\" fill-opacity=\"0.2\"/><text x=\"9\" y=\"20\">P</text></svg>",
+        )
+        .expect("flat colors");
+        let text = String::from_utf8_lossy(&file);
+        assert!(text.starts_with("%PDF-1.") && text.trim_end().ends_with("%%EOF"));
+        for words in ["/MediaBox [0 0 144 72]", "/ca 0.2", "/Width 2", "/Producer (skyshed 1)", "/skyshed", "u03b8\":1"]
+        {
+            assert!(text.contains(words), "{words}: {text}");
+        }
+        assert!(!text.contains("/CreationDate"));
+    }
+
+    #[test]
+    fn a_gradient_is_refused() {
+        let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><defs><linearGradient id=\"g\">\
+                   <stop offset=\"0\" stop-color=\"#000000\"/><stop offset=\"1\" stop-color=\"#FFFFFF\"/></linearGradient>\
+                   </defs><rect width=\"9\" height=\"9\" fill=\"url(#g)\"/></svg>";
+        assert!(page(svg).expect_err("a gradient").contains("flat color"));
+    }
+}
