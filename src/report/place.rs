@@ -70,8 +70,8 @@ impl PlaceFacts {
         object.insert("placement".into(), self.placement.into());
         match self.value {
             PlaceValue::Counts(score) => {
-                object.insert("receivers".into(), score.wanted.into());
-                object.insert("los".into(), score.seen.into());
+                object.insert("receivers".into(), count(score.wanted).into());
+                object.insert("los".into(), count(score.seen).into());
                 object.insert("p_los".into(), score.share().into());
             }
             PlaceValue::Weighted(score) => {
@@ -131,7 +131,7 @@ pub struct SeveralFacts {
 
 impl SeveralFacts {
     /// What a value is of all wanted receivers.
-    pub fn share(&self, value: u64) -> Option<f64> {
+    pub fn share(&self, value: u128) -> Option<f64> {
         Score { wanted: self.cover.wanted, seen: value }.share()
     }
 }
@@ -173,16 +173,23 @@ pub struct PlaceReport {
     pub digest: String,
 }
 
+/// A number of receivers.
+fn count(n: u128) -> u64 {
+    u64::try_from(n).unwrap_or(u64::MAX)
+}
+
 /// SHA-256 of the values of the ranked places: per place its x and y (f64), its height above the datum (f64) and its value,
-/// seen and wanted (u64) or margin (f32); little endian.
+/// seen and wanted (u64, weights u128) or margin (f32); little endian.
 pub fn place_digest(ranked: &[PlaceFacts]) -> String {
     let mut hasher = Sha256::new();
     for place in ranked {
         [place.x, place.y, place.height_amsl_m].iter().for_each(|v| hasher.update(v.to_le_bytes()));
         match place.value {
-            PlaceValue::Counts(score) | PlaceValue::Weighted(score) => {
-                hasher.update(score.seen.to_le_bytes());
-                hasher.update(score.wanted.to_le_bytes());
+            PlaceValue::Counts(score) => {
+                [score.seen, score.wanted].iter().for_each(|n| hasher.update(count(*n).to_le_bytes()));
+            }
+            PlaceValue::Weighted(score) => {
+                [score.seen, score.wanted].iter().for_each(|n| hasher.update(n.to_le_bytes()));
             }
             PlaceValue::Margin(margin) => hasher.update(margin.map_or(f32::NAN, |m| m.margin_m).to_le_bytes()),
         }
@@ -267,7 +274,7 @@ impl PlaceReport {
         }
         if let Some(several) = &self.several {
             for (place, chosen) in several.places.iter().zip(&several.cover.chosen) {
-                let share = |v: u64| several.share(v).map_or(String::new(), |p| p.to_string());
+                let share = |v: u128| several.share(v).map_or(String::new(), |p| p.to_string());
                 push("chosen", place.rank.to_string(), place, [share(chosen.gain), share(chosen.covered)]);
             }
         }

@@ -135,8 +135,8 @@ fn the_worst_margin_is_the_least_of_the_layer() {
 }
 
 /// The largest value of any union of `k` of the sets.
-fn optimum(sets: &[u64], weights: &[u64], k: usize, covered: u64) -> u64 {
-    let value = |set: u64| (0..weights.len()).filter(|i| set >> i & 1 == 1).map(|i| weights[i]).sum();
+fn optimum(sets: &[u64], weights: &[u64], k: usize, covered: u64) -> u128 {
+    let value = |set: u64| (0..weights.len()).filter(|i| set >> i & 1 == 1).map(|i| u128::from(weights[i])).sum();
     match (k, sets) {
         (0, _) | (_, []) => value(covered),
         (_, [first, rest @ ..]) => {
@@ -203,7 +203,7 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         assert_eq!(of_each, scores(&scorer, &uavs, &Control::default()).unwrap());
         assert_eq!(cover(&all, 2, &Control::default()).unwrap().chosen, found.chosen);
         let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));
-        let best = pairs.max().unwrap();
+        let best = u128::from(pairs.max().unwrap());
         assert!(found.covered() <= best && best <= found.bound && found.bound <= found.wanted);
         assert!(found.covered() as f64 >= 0.75 * best as f64, "1 − (1 − 1/2)² of {best}: {found:?}");
     }

@@ -26,6 +26,7 @@ use super::words::pretty;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules, check_outputs};
+use crate::placement::Weights;
 use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
 use crate::zones::{Zone, ZoneMap};
@@ -80,8 +81,11 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     let n_uavs = candidates.kept.len();
     let n_cells = scene.field.grid().n_cells();
     let sets = if args.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
-    let held = if inputs.weights.is_some() { 4 } else { 0 };
-    let of_candidate = CANDIDATE_BYTES + UavGrid::BYTES_PER_PLACE_AND_THREAD * rayon::current_num_threads();
+    let (held, of_place) = match &inputs.weights {
+        Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
+        None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
+    };
+    let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
     let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
     let needs = (FIELD_BYTES_PER_CELL, per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;

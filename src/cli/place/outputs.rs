@@ -142,7 +142,7 @@ pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
         report.refined.iter().map(|(place, tried)| format!("refined ({tried} more places): {}", place_words(place))),
     );
     if let Some(several) = &report.several {
-        let share = |v: u64| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
+        let share = |v: u128| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
         let chosen: Vec<String> = several.places.iter().map(|p| format!("({}, {})", tidy(p.x), tidy(p.y))).collect();
         let gap = several.cover.gap().map_or("undefined".to_string(), |gap| format!("{:.2} %", 100.0 * gap));
         lines.push(format!(
