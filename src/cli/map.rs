@@ -146,7 +146,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     // Zones cost as much as a map: they are found where a table or a document tells them.
     let tells_zones = args.out.json
         || args.receivers.zone().is_some()
-        || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout));
+        || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout))
+        || curve_plan.outputs().iter().any(|(_, f)| *f == Format::Json);
     let zones = if tells_zones { scene.zones() } else { None };
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
     let options = MapOptions {
