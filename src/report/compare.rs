@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{RunFacts, SiteFacts, Timing};
+use super::position::PositionCells;
+use super::{Position, RunFacts, SiteFacts, Timing};
 use crate::coverage::{GRAZING_M, MarginStats, PairCounts, Tally};
 use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
@@ -38,8 +39,8 @@ pub enum Origin {
     File {
         /// Its file.
         path: String,
-        /// Where its UAV was, if the file says so \[CRS units\].
-        place: Option<(f64, f64)>,
+        /// Where its UAV was, if the file says so.
+        place: Option<Position>,
     },
 }
 
@@ -203,6 +204,24 @@ fn grazing_share(margins: &MarginStats) -> f64 {
     margins.grazing as f64 / margins.receivers as f64
 }
 
+impl PlacementFacts {
+    /// Where its UAV is, if that is known.
+    pub fn position(&self) -> Option<Position> {
+        match &self.origin {
+            Origin::Uav(site) => Some(site.position()),
+            Origin::File { place, .. } => *place,
+        }
+    }
+
+    /// Its heights above the datum and above the ground \[m\], as far as they are known.
+    fn heights(&self) -> [Option<f64>; 2] {
+        match &self.origin {
+            Origin::Uav(site) => [Some(site.height_amsl_m), site.height_agl_m],
+            Origin::File { .. } => [None; 2],
+        }
+    }
+}
+
 impl CompareReport {
     /// The document `skyshed/compare/1`; without `timing` it is the same for equal runs.
     pub fn document(&self, timing: Option<Timing>) -> Value {
@@ -246,16 +265,17 @@ impl CompareReport {
         object.insert("id".into(), placement.id.clone().into());
         match &placement.origin {
             Origin::Uav(site) => {
-                object.insert("x".into(), site.x.into());
-                object.insert("y".into(), site.y.into());
+                site.position().tell(&mut object);
                 object.insert("height_amsl_m".into(), site.height_amsl_m.into());
                 object.insert("height_agl_m".into(), site.height_agl_m.into());
                 object.insert("placement".into(), site.placement.into());
             }
             Origin::File { path, place } => {
                 object.insert("mask".into(), path.clone().into());
-                object.insert("x".into(), place.map(|p| p.0).into());
-                object.insert("y".into(), place.map(|p| p.1).into());
+                match place {
+                    Some(place) => place.tell(&mut object),
+                    None => object.extend(["x", "y"].map(|name| (name.to_string(), Value::Null))),
+                }
             }
         }
         object.extend(placement.groups[0].json());
@@ -308,9 +328,13 @@ impl CompareReport {
 
     /// The table: a row per placement and zone, then one per pair and zone.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let header = "row,first,second,zone,receivers,los,p_los,difference,ci_low,ci_high,exceeds,blocks,both,only_first,\
-                      only_second,neither,receivers_of_first_only,receivers_of_second_only,margin_q05_m,margin_median_m,\
-                      margin_q95_m,margin_grazing_share,margin_receivers,rx_height_m,radius_m,block_m,method";
+        let positions = PositionCells::of(self.placements.iter().filter_map(PlacementFacts::position));
+        let header = format!(
+            "row,first,second,zone,{},height_amsl_m,height_agl_m,receivers,los,p_los,difference,ci_low,ci_high,exceeds,\
+             blocks,both,only_first,only_second,neither,receivers_of_first_only,receivers_of_second_only,margin_q05_m,\
+             margin_median_m,margin_q95_m,margin_grazing_share,margin_receivers,rx_height_m,radius_m,block_m,method",
+            positions.names()
+        );
         let header: Vec<String> = header.split(',').map(str::to_string).collect();
         let run = [
             self.rx_height_m.to_string(),
@@ -323,6 +347,8 @@ impl CompareReport {
             for (k, name) in group_names().into_iter().enumerate().take(self.n_told()) {
                 let group = &placement.groups[k];
                 let mut row = vec!["placement".to_string(), placement.id.clone(), String::new(), name.to_string()];
+                row.extend(positions.cells(placement.position()));
+                row.extend(placement.heights().map(optional));
                 row.extend([group.receivers.to_string(), group.los.to_string(), optional(group.p_los.value)]);
                 row.push(String::new());
                 row.extend(interval_cells(&group.p_los));
@@ -337,6 +363,8 @@ impl CompareReport {
             for (k, name) in group_names().into_iter().enumerate().take(self.n_told()) {
                 let group = &pair.groups[k];
                 let mut row = vec!["pair".to_string(), first.clone(), second.clone(), name.to_string()];
+                row.extend(positions.cells(None));
+                row.extend([None; 2].map(optional));
                 row.extend([group.counts.compared().to_string(), String::new(), String::new()]);
                 row.push(optional(group.difference.value));
                 row.extend(interval_cells(&group.difference));

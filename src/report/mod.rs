@@ -11,6 +11,7 @@ mod kml;
 mod place;
 mod plos;
 mod polygons;
+mod position;
 mod repairs;
 mod sampled;
 mod stability;
@@ -34,6 +35,7 @@ pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, cur
 pub use kml::{KmlOverlay, kml};
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
+pub use position::Position;
 pub use repairs::{repairs_geojson, repairs_table};
 pub use sampled::{SampledReport, SampledRow};
 pub use stability::StabilityFacts;

@@ -297,12 +297,15 @@ fn every_output_of_a_search_holds_the_same_winner_and_threads_change_nothing() {
     let line = "--height 10,15 -k 3";
     let said = folder.type_in(&format!("{PLACE} {line} {files}")).done().err;
     assert!(said.contains("best of 48 candidates") && said.contains("3 UAVs see together"), "{said}");
+    assert!(said.contains("of all ground receivers; no 3 of these"), "{said}");
     let found = document(&folder, line);
     let text = folder.text("p.csv");
-    let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     let winner = &found["winner"];
-    assert_eq!(first[..2], ["candidate", "1"]);
-    assert_eq!(first[9], winner["p_los"].as_f64().unwrap().to_string());
+    // The choice of three comes first, then the ranks.
+    let kinds: Vec<[&str; 2]> = rows[1..5].iter().map(|row| [row[0], row[1]]).collect();
+    assert_eq!(kinds, [["chosen", "1"], ["chosen", "2"], ["chosen", "3"], ["candidate", "1"]]);
+    assert_eq!(rows[4][9], winner["p_los"].as_f64().unwrap().to_string());
     assert_eq!(text.lines().count(), 1 + 48 + 1 + found["several"]["chosen"].as_array().unwrap().len());
     assert_eq!(folder.json("p.json")["winner"], *winner);
     assert_eq!(folder.json("p.geojson")["features"][0]["properties"]["p_los"], winner["p_los"]);

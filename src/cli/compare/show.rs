@@ -154,11 +154,8 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
 
 /// The mark of a UAV on a grid.
 fn mark<'a>(placement: &'a PlacementFacts, grid: &GeoRef) -> Option<Mark<'a>> {
-    let (x, y) = match &placement.origin {
-        Origin::Uav(site) => (site.x, site.y),
-        Origin::File { place, .. } => (*place)?,
-    };
-    Some(map::mark(grid, (x, y), &placement.id, ""))
+    let at = placement.position()?;
+    Some(map::mark(grid, (at.x, at.y), &placement.id, ""))
 }
 
 /// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.

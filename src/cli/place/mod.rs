@@ -108,6 +108,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         mapper: &mapper,
         weights: inputs.weights.as_ref(),
         places: inputs.places.as_ref(),
+        sites: &inputs.sites,
     };
     let found = search.run()?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
@@ -145,7 +146,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         timing,
     };
     job.write(&outputs, map.as_ref())?;
-    say(args, &report, start, &scene.timing, &outputs)
+    say((args, goal), &report, start, &scene.timing, &outputs)
 }
 
 /// Refuses what makes no sense together, before any work.
@@ -211,11 +212,11 @@ fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>,
 }
 
 /// Says what was found.
-fn say(args: &PlaceArgs, report: &PlaceReport, start: Instant, spent: &Timing, outputs: &[Output]) -> Result<()> {
+fn say((args, goal): (&PlaceArgs, Goal), report: &PlaceReport, start: Instant, spent: &Timing, outputs: &[Output]) -> Result<()> {
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..*spent };
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
-        outputs::in_words(report).iter().for_each(|line| messages::note(line));
+        outputs::in_words(report, goal).iter().for_each(|line| messages::note(line));
         messages::note(&format!(
             "method {}: search {:.3} s of {:.2} s",
             report.facts.method_in_words(),
