@@ -24,6 +24,8 @@ const HEADING: Type = Type { size: 30.0, ..NAME };
 pub struct CompareSheet<'a> {
     /// Title.
     pub title: &'a str,
+    /// What comes out, below the title.
+    pub verdict: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
     /// Columns.
@@ -118,7 +120,10 @@ fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     let title = furniture::paragraph(sheet.title, TITLE, body_w);
     let mut page = Page { furniture: Drawing::default(), images: Vec::new(), bottom: MARGIN - 6.0 };
     page.furniture.place(&title.drawing, MARGIN, page.bottom);
-    page.bottom += title.height + 18.0;
+    page.bottom += title.height + 6.0;
+    let verdict = furniture::paragraph(sheet.verdict, NAME, body_w);
+    page.furniture.place(&verdict.drawing, MARGIN, page.bottom);
+    page.bottom += verdict.height + 18.0;
     for (heading, panels) in [("Placements", maps), ("From the first to the second, with the change of P_LoS", pairs)] {
         if !panels.is_empty() {
             page.heading(heading);
@@ -321,6 +326,7 @@ mod tests {
             .collect();
         let sheet = CompareSheet {
             title: "A test",
+            verdict: "One is best.",
             caption: &[],
             n_cols: 2,
             n_rows: 2,
@@ -343,7 +349,16 @@ mod tests {
     fn a_sheet_names_every_map_once_and_what_occurs_on_them() {
         let pair = ComparePair { title: "0 → 1", detail: "falls", first: 0, second: 1 };
         let svg = words(2, &[pair]);
-        for text in ["UAV 0<", "UAV 1<", "0 → 1<", "Lost: only", "Both see it", "Neither sees it", "By both UAVs"] {
+        for text in [
+            "One is best.<",
+            "UAV 0<",
+            "UAV 1<",
+            "0 → 1<",
+            "Lost: only",
+            "Both see it",
+            "Neither sees it",
+            "By both UAVs",
+        ] {
             assert_eq!(svg.matches(text).count(), 1, "{text}");
         }
         assert!(!svg.contains("Gained") && !svg.contains("Out of range"));
@@ -365,6 +380,7 @@ mod tests {
         let pair = ComparePair { title: "", detail: "", first: 0, second: 1 };
         let sheet = CompareSheet {
             title: "",
+            verdict: "",
             caption: &[],
             n_cols: 4,
             n_rows: 1,
@@ -388,6 +404,7 @@ mod tests {
         let one = [CompareMap { title: "", detail: "", mask: &[1], mark: None }];
         let sheet = CompareSheet {
             title: "",
+            verdict: "",
             caption: &[],
             n_cols: 1,
             n_rows: 1,

@@ -24,7 +24,7 @@ pub use chart::{CHART_SCHEMA, ChartReport, ChartRow, Cost};
 pub use chart_plos::{PlosChartReport, PlosChartRow};
 pub use city::city_geojson;
 pub use compare::{
-    CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,
+    CompareReport, GroupDifference, GroupShare, IntervalFacts, MarginFacts, N_GROUPS, Origin, PairFacts,
     PlacementFacts, group_names, signed,
 };
 pub(crate) use documents::digest_words;

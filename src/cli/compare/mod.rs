@@ -244,6 +244,7 @@ fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
 fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(PathBuf, Format)]) -> Result<()> {
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
+        messages::note(&report.verdict());
         for p in &report.placements {
             let share = p.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
             messages::note(&format!("{}: P_LoS {share}, {} of {} receivers", p.id, p.tally.los, p.tally.receivers));

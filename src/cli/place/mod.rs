@@ -212,7 +212,13 @@ fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>,
 }
 
 /// Says what was found.
-fn say((args, goal): (&PlaceArgs, Goal), report: &PlaceReport, start: Instant, spent: &Timing, outputs: &[Output]) -> Result<()> {
+fn say(
+    (args, goal): (&PlaceArgs, Goal),
+    report: &PlaceReport,
+    start: Instant,
+    spent: &Timing,
+    outputs: &[Output],
+) -> Result<()> {
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..*spent };
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);

@@ -181,9 +181,8 @@ impl Search<'_> {
             let by_share = b.score.compare(&a.score);
             b.reaches.cmp(&a.reaches).then(by_height).then(by_share).then(a.candidate.cmp(&b.candidate))
         });
-        let fact = |(rank, f): (usize, &crate::placement::LeastHeight)| {
-            self.fact(rank + 1, f.candidate, self.value(f.score))
-        };
+        let fact =
+            |(rank, f): (usize, &crate::placement::LeastHeight)| self.fact(rank + 1, f.candidate, self.value(f.score));
         let facts: Vec<PlaceFacts> = found.iter().enumerate().map(fact).collect();
         let winner = match (found.first(), facts.first()) {
             (Some(first), Some(facts)) if first.reaches => Ok(facts.clone()),
