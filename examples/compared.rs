@@ -67,6 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let caption: Vec<String> = attribution.into_iter().collect();
     let sheet = CompareSheet {
         title: "Three places to hover over Munich, 60 m above ground",
+        verdict: "What each sees, and what changes from one to another.",
         caption: &caption,
         n_cols: grid.n_cols(),
         n_rows: grid.n_rows(),

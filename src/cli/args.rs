@@ -411,12 +411,14 @@ pub(super) enum LayerArg {
     /// Least receiver height in line of sight [m above the datum]; once called ceiling
     #[value(alias = "ceiling")]
     LeastReceiverHeight,
-    /// Least UAV height over its place that sees the receiver [m above the datum]
+    /// Least UAV height over its place that sees the receiver, never below the surface under the UAV [m above the datum];
+    /// infinite where no height is enough, minus infinite where nothing limits it, no surface under the UAV either (in .tif,
+    /// .asc and .bil 32768 and -32768)
     LeastHeight,
     /// How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, down, all
     /// roofs up, down (1/1024 m; of a raster horizontally 1/1024 cell). Costs eight more maps
     Stability,
-    /// Number of UAVs that see the cell
+    /// Number of UAVs that see the cell; nodata where nobody receives (NaN in .exr, 4294967295 in .npz)
     Count,
     /// Which UAVs see the cell, one bit each
     Which,

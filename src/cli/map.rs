@@ -18,7 +18,9 @@ use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
 use super::words::{idle_in_words, pretty};
 use super::{interrupt, messages};
-use crate::coverage::{Control, HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, Tally, Uav, maps_at_once};
+use crate::coverage::{
+    Control, HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Uav, maps_at_once,
+};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
@@ -26,7 +28,7 @@ use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::Mark;
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tallies};
-use crate::scene::{Site, StreamedSurface, read_sites};
+use crate::scene::{GivenSite, Site, StreamedSurface, read_given_sites};
 
 /// Formats of `skyshed map`.
 const FORMATS: [Format; 14] = [
@@ -50,7 +52,7 @@ const FORMATS: [Format; 14] = [
 #[derive(Default)]
 pub(super) struct Given<'a> {
     /// The UAVs, instead of those that were typed.
-    pub(super) sites: Option<Vec<Site>>,
+    pub(super) sites: Option<Vec<GivenSite>>,
     /// The scene, instead of the one that was typed.
     pub(super) scene: GivenScene<'a>,
     /// What the run is one of, for `--resume`.
@@ -150,7 +152,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     // Zones cost as much as a map: they are found where a table or a document tells them.
     let tells_zones = args.out.json
         || args.receivers.zone().is_some()
-        || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout));
+        || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout))
+        || curve_plan.outputs().iter().any(|(_, f)| *f == Format::Json);
     let zones = if tells_zones { scene.zones() } else { None };
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
     let options = MapOptions {
@@ -213,7 +216,11 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
                 rayon::join(|| digest.add(cells), write);
             }
         };
-        mapper.map_many(&uavs, keep, &control, each_part, |site| facts.push(SiteFacts::of(site, zones.as_ref())))
+        let each_site = |site: &SiteCoverage| {
+            let lonlat = sites[facts.len()].lonlat;
+            facts.push(SiteFacts { lonlat, ..SiteFacts::of(site, zones.as_ref()) });
+        };
+        mapper.map_many(&uavs, keep, &control, each_part, each_site)
     });
     let file = file.map(MaskFile::written).transpose()?.flatten();
     let ManyMaps { sites: coverages, overlay } = mapped?;
@@ -324,11 +331,11 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
 }
 
 /// Typed sites, then those of the file; ids must differ.
-pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, grid: &GeoRef) -> Result<Vec<Site>> {
-    let mut sites = typed;
+pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, grid: &GeoRef) -> Result<Vec<GivenSite>> {
+    let mut sites: Vec<GivenSite> = typed.into_iter().map(GivenSite::from).collect();
     if let Some(path) = file {
         let first = sites.len() + 1;
-        sites.extend(read_sites(path, grid, first)?);
+        sites.extend(read_given_sites(path, grid, first)?);
     }
     let mut seen = std::collections::HashSet::new();
     match sites.iter().find(|s| !seen.insert(s.id.clone())) {
@@ -338,7 +345,7 @@ pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, grid: &GeoRef) -> Res
 }
 
 /// Refuses bare pictures of several sites that would share a name or replace a file, before any work.
-fn check_bare_names(sites: &[Site], outputs: &[(PathBuf, Format)], overwrite: bool) -> Result<()> {
+fn check_bare_names(sites: &[GivenSite], outputs: &[(PathBuf, Format)], overwrite: bool) -> Result<()> {
     let mut names = std::collections::HashMap::new();
     for (path, _) in outputs.iter().filter(|(_, f)| *f == Format::Png && sites.len() > 1) {
         for site in sites {

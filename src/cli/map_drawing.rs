@@ -292,9 +292,10 @@ impl MapDrawing<'_> {
 
     fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
         let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
+        let in_range = if self.report.radius_m.is_some() { " in range" } else { "" };
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
-                "P_LoS = {p:.4} ({} of {} {receivers_name})",
+                "P_LoS = {p:.4} ({} of {} {receivers_name}{in_range})",
                 render::grouped(t.los),
                 render::grouped(t.receivers)
             ),

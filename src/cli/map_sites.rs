@@ -22,7 +22,7 @@ use crate::export::{Format, sidecars, site_in_names, with_suffix};
 use crate::quantity::counted;
 use crate::raster::{GeoRef, RasterFile, origin_of};
 use crate::report::digest_words;
-use crate::scene::{Site, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
+use crate::scene::{GivenSite, Site, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
 const SITE: &str = "{site}";
@@ -188,7 +188,7 @@ impl<'a> SiteRuns<'a> {
     }
 
     /// What each UAV's run was asked, with files of its own.
-    fn plans(&self, sites: &[Site]) -> Result<Vec<MapArgs>> {
+    fn plans(&self, sites: &[GivenSite]) -> Result<Vec<MapArgs>> {
         let mut names = std::collections::HashMap::new();
         let mut plans = Vec::with_capacity(sites.len());
         for site in sites {
@@ -214,7 +214,7 @@ impl<'a> SiteRuns<'a> {
         &self,
         (mut args, command): (MapArgs, &[String]),
         (scenes, grid): (&mut Option<SiteScenes>, &GeoRef),
-        (site, unit): (&Site, &str),
+        (site, unit): (&GivenSite, &str),
     ) -> Result<bool> {
         if args.resume {
             match found(&args, unit)? {
@@ -271,7 +271,7 @@ impl<'a> SiteRuns<'a> {
     }
 
     /// What the run of a UAV, or of all, is one of: a hash of everything that its files depend on.
-    fn unit(&self, site: Option<&Site>, inputs: &str) -> String {
+    fn unit(&self, site: Option<&GivenSite>, inputs: &str) -> String {
         let mut args = self.args.clone();
         // What changes no number.
         (args.output, args.height_curve) = (Vec::new(), Vec::new());

@@ -20,7 +20,7 @@ use crate::los::{Method, StreamLimits};
 use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::{ClassPyramid, GeoRef, RasterFile};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
-use crate::scene::{Site, StreamedSurface, WindowedBase, WindowedSolids};
+use crate::scene::{GivenSite, StreamedSurface, WindowedBase, WindowedSolids};
 
 /// Bytes that a map of a raster in memory takes for each cell: its heights, what is below them, and the mask.
 const BYTES_IN_MEMORY: u64 = FIELD_BYTES_PER_CELL as u64 + 1;
@@ -210,7 +210,7 @@ pub(super) struct StreamedRun<'a> {
 
 impl StreamedRun<'_> {
     /// Copies the heights to the disk, then maps.
-    pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>) -> Result<()> {
+    pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<GivenSite>>) -> Result<()> {
         check_streamed(self.args)?;
         let mut warnings: Vec<Warning> = Vec::new();
         let scene = on_disk(self.args, &mut warnings)?;
@@ -222,14 +222,15 @@ impl StreamedRun<'_> {
         self,
         scene: &StreamedSurface,
         mut warnings: Vec<Warning>,
-        sites: impl FnOnce(&GeoRef) -> Result<Vec<Site>>,
+        sites: impl FnOnce(&GeoRef) -> Result<Vec<GivenSite>>,
     ) -> Result<()> {
         check_streamed(self.args)?;
         let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
-        let uav = self.uav(scene, &sites(grid)?, radius)?;
+        let sites = sites(grid)?;
+        let uav = self.uav(scene, &sites, radius)?;
         if scene.base() == WindowedBase::Surface {
             check_surface_receivers(args.receivers)?;
         }
@@ -274,7 +275,7 @@ impl StreamedRun<'_> {
             receivers: args.receivers.name(),
             radius_m: self.radius_m,
             union_zones: None,
-            sites: vec![SiteFacts::of(&coverage, None)],
+            sites: vec![SiteFacts { lonlat: sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
             tolerance: None,
             idle: None,
@@ -364,7 +365,7 @@ impl StreamedRun<'_> {
     }
 
     /// The one UAV of the run.
-    fn uav(&self, scene: &StreamedSurface, sites: &[Site], radius: Option<f64>) -> Result<Uav> {
+    fn uav(&self, scene: &StreamedSurface, sites: &[GivenSite], radius: Option<f64>) -> Result<Uav> {
         let [site] = sites else {
             let text = format!(
                 "cannot map {}: it does not fit in memory, and strip by strip one UAV is mapped at a time, found {}",

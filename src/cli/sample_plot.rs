@@ -114,10 +114,9 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
     let inside: usize =
         in_order(report, |row| (row.placement, row.height_m.to_bits(), row.n_inside)).iter().map(|k| k.2).sum();
     let where_ = if report.is_centered { "over middles of the zone" } else { "spread evenly over the zone" };
-    let mut first = format!(
-        "Exact maps of up to {} for each zone and height, {where_}",
-        counted(n as u64, "placement", "placements")
-    );
+    let maps = if report.facts.method.is_some_and(crate::los::Method::is_exact) { "Exact maps" } else { "Maps" };
+    let mut first =
+        format!("{maps} of up to {} for each zone and height, {where_}", counted(n as u64, "placement", "placements"));
     if report.n_cities > 1 {
         first += &format!(", in {} cities", report.n_cities);
     }

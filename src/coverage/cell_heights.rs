@@ -49,7 +49,11 @@ impl<'a> CellHeights<'a> {
                 let (b, t) = link_least_heights(self.field, &self.uav.station, &receiver);
                 let least = b.height_steps().max(t.height_steps()).max(floor_of(self.surface_under_uav));
                 let least = least / f64::from(STEPS_PER_UNIT);
-                *v = if least > MAX_HEIGHT_M { f32::INFINITY } else { narrow(least) };
+                *v = match least {
+                    least if least > MAX_HEIGHT_M => f32::INFINITY,
+                    least if least < -MAX_HEIGHT_M => f32::NEG_INFINITY,
+                    least => narrow(least),
+                };
             }
         }
     }
@@ -73,13 +77,9 @@ pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
     field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place))
 }
 
-/// A surface as the least height over it; nothing known bounds nothing but the lattice.
+/// A surface as the least height over it \[1/1024 m\]; nothing known bounds nothing.
 fn floor_of(surface: i32) -> f64 {
-    if surface == VOID {
-        -MAX_HEIGHT_M * f64::from(STEPS_PER_UNIT)
-    } else {
-        meters(surface) * f64::from(STEPS_PER_UNIT)
-    }
+    if surface == VOID { f64::NEG_INFINITY } else { meters(surface) * f64::from(STEPS_PER_UNIT) }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32, 4 mm at 32 km")]

@@ -21,7 +21,7 @@ impl PlaceSums {
     }
 
     /// Adds `number` to the sum of each place of a set.
-    pub(super) fn add(&mut self, places: &BitGrid, number: u32) {
+    pub(super) fn add(&mut self, places: &BitGrid, number: u128) {
         let mut left = number;
         while left != 0 {
             self.add_bit(places, left.trailing_zeros() as usize);
@@ -65,12 +65,12 @@ impl PlaceSums {
     }
 
     /// The sums, 64 for each word.
-    pub(super) fn totals(&self) -> Vec<u64> {
+    pub(super) fn totals(&self) -> Vec<u128> {
         let mut totals = vec![0; self.n_words * 64];
         for (k, plane) in self.planes.iter().enumerate() {
             for (totals, word) in totals.chunks_exact_mut(64).zip(plane) {
                 for (bit, total) in totals.iter_mut().enumerate() {
-                    *total |= (word >> bit & 1) << k;
+                    *total |= u128::from(word >> bit & 1) << k;
                 }
             }
         }
@@ -85,19 +85,19 @@ mod tests {
     #[test]
     fn sums_are_those_of_adding_one_by_one() {
         let (mut even, mut odd) = (PlaceSums::new(6), PlaceSums::new(6));
-        let mut wanted = vec![0_u64; 6 * 64];
+        let mut wanted = vec![0_u128; 6 * 64];
         let mut state = 1_u64;
-        for k in 0..500_u32 {
+        for k in 0..500_u128 {
             let mut places = BitGrid::new(3, 100);
             for cell in 0..300 {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                 if state >> 62 == 0 {
                     let bit = cell / 100 * 128 + cell % 100;
                     places.words_mut()[bit / 64] |= 1 << (bit % 64);
-                    wanted[bit] += u64::from(k * k);
+                    wanted[bit] += (k * k) << 70;
                 }
             }
-            if k % 2 == 0 { &mut even } else { &mut odd }.add(&places, k * k);
+            if k % 2 == 0 { &mut even } else { &mut odd }.add(&places, (k * k) << 70);
         }
         assert_eq!(even.plus(&odd).totals(), wanted);
     }

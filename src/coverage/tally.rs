@@ -125,18 +125,15 @@ impl Tally {
         }
     }
 
-    /// The bands that hold receivers, and all from 0° to 90°, lowest first.
+    /// The bands from the lowest that holds a receiver, or from 0° where that is lower, up to 90°; empty ones too.
     pub fn elevation_bands(&self) -> Vec<ElevationBand> {
-        (0..N_BANDS)
+        let horizon = N_BANDS / 2;
+        let lowest = self.bands.iter().position(|(receivers, _)| *receivers > 0).unwrap_or(horizon);
+        (lowest.min(horizon)..N_BANDS)
             .filter_map(|k| {
                 let from_deg = i32::try_from(k).ok()? * BAND_DEGREES - 90;
                 let (receivers, los) = self.bands[k];
-                (receivers > 0 || from_deg >= 0).then_some(ElevationBand {
-                    from_deg,
-                    to_deg: from_deg + BAND_DEGREES,
-                    receivers,
-                    los,
-                })
+                Some(ElevationBand { from_deg, to_deg: from_deg + BAND_DEGREES, receivers, los })
             })
             .collect()
     }
@@ -153,5 +150,17 @@ mod tests {
         assert_eq!(Tally::of_mask(&[0, 1, 1, 3]).p_los(), Some(2.0 / 3.0));
         let [none, first] = Tally::by_group::<2>(&[0, 1, 1, 3], &[1, 0, 1, 1]);
         assert_eq!((none.p_los(), first.p_los(), first.out_of_range), (Some(1.0), Some(0.5), 1));
+    }
+
+    #[test]
+    fn bands_have_no_gap_from_the_lowest_with_a_receiver_up() {
+        let from = |tally: &Tally| tally.elevation_bands().iter().map(|b| b.from_deg).collect::<Vec<_>>();
+        let mut tally = Tally::default();
+        assert_eq!(from(&tally), [0, 10, 20, 30, 40, 50, 60, 70, 80]);
+        // A receiver 35° below the horizon of the UAV and one 15°: nobody between them.
+        (tally.bands[5], tally.bands[7]) = ((3, 1), (1, 1));
+        assert_eq!(from(&tally), [-40, -30, -20, -10, 0, 10, 20, 30, 40, 50, 60, 70, 80]);
+        let empty = tally.elevation_bands()[1];
+        assert_eq!((empty.to_deg, empty.receivers, empty.los), (-20, 0, 0));
     }
 }

@@ -40,14 +40,16 @@ pub struct UavGrid {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GridCounts {
     /// Receivers in range, or their weight.
-    pub wanted: Vec<u64>,
+    pub wanted: Vec<u128>,
     /// Of these, in line of sight.
-    pub seen: Vec<u64>,
+    pub seen: Vec<u128>,
 }
 
 impl UavGrid {
     /// What counting takes beside the counts, for each place and thread \[bytes\]: two sums of up to 45 bits.
     pub const BYTES_PER_PLACE_AND_THREAD: usize = 12;
+    /// The same where receivers have weights: two sums of up to 120 bits.
+    pub const BYTES_PER_WEIGHED_PLACE_AND_THREAD: usize = 30;
 }
 
 impl Mapper<'_> {
@@ -106,7 +108,7 @@ impl Mapper<'_> {
     pub fn count_grid(
         &self,
         uavs: &UavGrid,
-        weight: &(dyn Fn(usize) -> u32 + Sync),
+        weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
     ) -> Result<Option<GridCounts>> {
         let Some(positions) = self.engine().uav_positions(&uavs.shadows, uavs.z) else { return Ok(None) };
@@ -161,7 +163,7 @@ impl Progress<'_> {
 /// What was counted, place by place.
 struct Sums {
     /// The weight of receivers that all UAVs have in range.
-    everywhere: u64,
+    everywhere: u128,
     wanted: PlaceSums,
     seen: PlaceSums,
 }
@@ -178,7 +180,7 @@ impl Sums {
     fn counts(&self, uavs: &UavGrid) -> GridCounts {
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
         // Bits beyond the last column are no places.
-        let cut = |sums: Vec<u64>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect::<Vec<u64>>();
+        let cut = |sums: Vec<u128>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect::<Vec<u128>>();
         let mut counts = GridCounts { wanted: cut(self.wanted.totals()), seen: cut(self.seen.totals()) };
         for row in 0..uavs.places.n_rows() {
             set_bits(uavs.places.row(row)).for_each(|col| counts.wanted[row * n_cols + col] += self.everywhere);
@@ -193,7 +195,7 @@ struct Counting<'a> {
     uavs: &'a UavGrid,
     positions: UavPositions<'a>,
     receivers: &'a GridReceivers<'a>,
-    weight: &'a (dyn Fn(usize) -> u32 + Sync),
+    weight: &'a (dyn Fn(usize) -> u128 + Sync),
     sums: Sums,
 }
 
@@ -202,7 +204,7 @@ impl<'a> Counting<'a> {
         mapper: &'a Mapper<'a>,
         uavs: &'a UavGrid,
         (positions, receivers): (UavPositions<'a>, &'a GridReceivers<'a>),
-        weight: &'a (dyn Fn(usize) -> u32 + Sync),
+        weight: &'a (dyn Fn(usize) -> u128 + Sync),
     ) -> Self {
         let none = PlaceSums::new(uavs.places.words().len());
         let sums = Sums { everywhere: 0, wanted: none.clone(), seen: none };
@@ -289,7 +291,7 @@ impl<'a> Counting<'a> {
         // The steps from a cell to a place are those from the place to the cell.
         let range = Range::of(&self.uavs.positions, &station.place, self.mapper.radius());
         if range.is_everywhere() {
-            self.sums.everywhere += u64::from(weight);
+            self.sums.everywhere += weight;
         } else {
             self.sums.wanted.add(&range.cut(&self.uavs.places), weight);
         }

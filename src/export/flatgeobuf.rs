@@ -52,10 +52,11 @@ fn encode(file: &PolygonFile<'_>) -> std::result::Result<Vec<u8>, Box<dyn std::e
         ..FgbWriterOptions::default()
     };
     let mut writer = FgbWriter::create_with_options("coverage", GeometryType::Polygon, options)?;
+    // The types of the same columns in GeoJSON: GIS read an unsigned column of 64 bits as real numbers.
     let columns = [
         ("site", ColumnType::String),
         ("class", ColumnType::String),
-        ("cells", ColumnType::ULong),
+        ("cells", ColumnType::Long),
         ("area_m2", ColumnType::Double),
     ];
     columns.into_iter().for_each(|(name, kind)| writer.add_column(name, kind, |_, column| column.nullable = false));
@@ -63,7 +64,7 @@ fn encode(file: &PolygonFile<'_>) -> std::result::Result<Vec<u8>, Box<dyn std::e
         let values = [
             ColumnValue::String(&polygon.site),
             ColumnValue::String(polygon.class_name()),
-            ColumnValue::ULong(polygon.n_cells),
+            ColumnValue::Long(i64::try_from(polygon.n_cells).unwrap_or(i64::MAX)),
             ColumnValue::Double(polygon.area_m2),
         ];
         let mut failed = None;

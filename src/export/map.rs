@@ -112,10 +112,17 @@ impl MaskValues {
 }
 
 /// All masks laid over each other.
-pub(super) fn overlay_of(masks: &[&[u8]]) -> Overlay {
+fn overlay_of(masks: &[&[u8]]) -> Overlay {
     let mut overlay = Overlay::new(masks.first().map_or(0, |mask| mask.len()));
     masks.iter().for_each(|mask| overlay.add(mask));
     overlay
+}
+
+/// How many UAVs see each cell, [`NO_COUNT`] where it is a receiver of none.
+pub(super) fn count_of(masks: &[&[u8]]) -> Vec<u32> {
+    let overlay = overlay_of(masks);
+    let count = overlay.count().iter().zip(overlay.union());
+    count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT }).collect()
 }
 
 /// One band: a name and its values.
@@ -141,11 +148,7 @@ impl<'a> MapResult<'a> {
             }
             match layer {
                 Layer::Count => {
-                    let overlay = overlay_of(&masks);
-                    let count = overlay.count().iter().zip(overlay.union());
-                    let count = count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT });
-                    let count = count.collect();
-                    bands.push(("count".into(), Band::Count(count)));
+                    bands.push(("count".into(), Band::Count(count_of(&masks))));
                 }
                 Layer::Which => {
                     for (word, bits) in which_layer(&masks).into_iter().enumerate() {
@@ -204,6 +207,11 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
         )
         .with_hint("write `which` to a .tif of its own, or to .exr"));
     }
+    // Nodata of counts is the set of 32 UAVs.
+    if format == Format::GeoTiff && layers.contains(&Layer::Which) && layers.contains(&Layer::Count) && n_sites >= 32 {
+        let text = format!("cannot write {}: `count` beside `which` of 32 sites or more", path.display());
+        return Err(Error::usage(107, text).with_hint("write each to a .tif of its own, or both to .exr"));
+    }
     Ok(())
 }
 
@@ -253,6 +261,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
     }
     if bands.iter().all(|(_, b)| !matches!(b, Band::Measure(_))) {
         let has_bits = bands.iter().any(|(_, b)| matches!(b, Band::Bits(_)));
+        let is_any_number_a_set = has_bits && result.sites.len() >= u32::BITS as usize;
         let values: Vec<(String, Vec<u32>)> = bands
             .into_iter()
             .map(|(name, band)| {
@@ -265,7 +274,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
             })
             .collect();
         let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
-        let nodata = (!has_bits).then_some(f64::from(NO_COUNT));
+        let nodata = (!is_any_number_a_set).then_some(f64::from(NO_COUNT));
         return add(&image(Bands::UInt32(borrowed), nodata, None));
     }
     let mut values: Vec<(String, Vec<f32>)> = Vec::new();

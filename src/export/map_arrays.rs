@@ -1,12 +1,12 @@
 //! The coverage of a run as NumPy arrays.
 //!
-//! Layers per site have the shape `[n_sites, n_rows, n_cols]`, `count` `[n_rows, n_cols]`, `which` `[n_words, n_rows,
-//! n_cols]`; `x` and `y` are the centers of columns and rows \[CRS units\]; `sites` has a row x, y, height \[m above the
+//! Layers per site have the shape `[n_sites, n_rows, n_cols]`, `count` `[n_rows, n_cols]` (4294967295, the nodata of
+//! GeoTIFF, where nobody receives), `which` `[n_words, n_rows, n_cols]`; `x` and `y` are the centers of columns and rows \[CRS units\]; `sites` has a row x, y, height \[m above the
 //! datum\] per UAV and `site_ids` their names; `crs` is WKT (empty if local) and `meta` the provenance as JSON.
 
 use std::path::{Path, PathBuf};
 
-use super::map::{Layer, MapResult, overlay_of};
+use super::map::{Layer, MapResult, count_of};
 use crate::coverage::which_layer;
 use crate::error::Result;
 use crate::raster::{NpyArray, write_npz};
@@ -24,7 +24,7 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
     for &layer in result.layers {
         match layer {
             Layer::Los => classes = masks.concat(),
-            Layer::Count => counts = overlay_of(&masks).count().to_vec(),
+            Layer::Count => counts = count_of(&masks),
             Layer::Which => words = which_layer(&masks).concat(),
             Layer::Margin | Layer::LeastReceiverHeight | Layer::LeastHeight | Layer::Stability => {
                 let values = result.sites.iter().filter_map(|site| layer.measure_of(site));

@@ -27,7 +27,7 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::score::word_sum;
+use super::score::{quotient, word_sum};
 use super::{Candidate, Score, Scorer, Weights};
 use crate::coverage::{Control, interrupted, maps_at_once};
 use crate::error::Result;
@@ -39,7 +39,7 @@ pub struct SeenSets {
     /// Which words of the grid are kept: row and word of the row.
     kept: Vec<(usize, usize)>,
     /// What the receivers count, 64 to a kept word; 1 each without.
-    weights: Option<Vec<u32>>,
+    weights: Option<Vec<u128>>,
     words: Vec<u64>,
     wanted: Vec<u64>,
 }
@@ -51,7 +51,7 @@ impl SeenSets {
             .flat_map(|row| (0..wanted.words_per_row()).map(move |word| (row, word)))
             .filter(|(row, word)| wanted.row(*row)[*word] != 0)
             .collect();
-        let of_word = |weights: &Weights, (row, word): (usize, usize)| -> [u32; 64] {
+        let of_word = |weights: &Weights, (row, word): (usize, usize)| -> [u128; 64] {
             let row = weights.row(row);
             std::array::from_fn(|k| row.get(64 * word + k).copied().unwrap_or(0))
         };
@@ -110,16 +110,16 @@ impl SeenSets {
     }
 
     /// What the receivers of a set count that are in `left` too.
-    fn value(&self, set: &[u64], left: &[u64]) -> u64 {
+    fn value(&self, set: &[u64], left: &[u64]) -> u128 {
         let common = set.iter().zip(left).map(|(a, b)| a & b);
         match &self.weights {
-            None => common.map(|word| u64::from(word.count_ones())).sum(),
+            None => common.map(|word| u64::from(word.count_ones())).sum::<u64>().into(),
             Some(weights) => common.zip(weights.chunks_exact(64)).map(|(word, w)| word_sum(word, w)).sum(),
         }
     }
 
     /// What each set adds to those whose receivers are no longer in `left`.
-    fn gains(&self, left: &[u64]) -> Vec<u64> {
+    fn gains(&self, left: &[u64]) -> Vec<u128> {
         (0..self.len()).into_par_iter().map(|k| self.value(self.set(k), left)).collect()
     }
 }
@@ -130,9 +130,9 @@ pub struct Chosen {
     /// Index of the set.
     pub set: usize,
     /// What it adds to those before it.
-    pub gain: u64,
+    pub gain: u128,
     /// What it and those before it cover together.
-    pub covered: u64,
+    pub covered: u128,
 }
 
 /// Sets chosen one by one.
@@ -141,21 +141,20 @@ pub struct Cover {
     /// The sets in the order of choice; fewer than asked for where no other adds anything.
     pub chosen: Vec<Chosen>,
     /// What all wanted receivers count together.
-    pub wanted: u64,
+    pub wanted: u128,
     /// No choice of so many sets covers more than this.
-    pub bound: u64,
+    pub bound: u128,
 }
 
 impl Cover {
     /// What the choice covers.
-    pub fn covered(&self) -> u64 {
+    pub fn covered(&self) -> u128 {
         self.chosen.last().map_or(0, |c| c.covered)
     }
 
     /// How far the choice may be from the optimum, as a share of the bound; `None` if nothing can be covered.
-    #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
     pub fn gap(&self) -> Option<f64> {
-        (self.bound > 0).then(|| (self.bound - self.covered()) as f64 / self.bound as f64)
+        (self.bound > 0).then(|| quotient(self.bound - self.covered(), self.bound))
     }
 }
 
@@ -174,7 +173,7 @@ pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
             return Err(interrupted());
         }
         let gains = sets.gains(&left);
-        bound = bound.min(covered + sum_of_largest(&gains, k));
+        bound = bound.min(sum_of_largest(&gains, k).saturating_add(covered));
         // The first of the largest.
         let best = (0..gains.len()).rev().max_by_key(|j| gains[*j]);
         let Some(set) = best.filter(|j| gains[*j] > 0 && chosen.len() < k) else { break };
@@ -188,12 +187,13 @@ pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     Ok(Cover { chosen, wanted, bound })
 }
 
-fn sum_of_largest(values: &[u64], k: usize) -> u64 {
-    largest(values, k).iter().map(|j| values[*j]).sum()
+/// No more than all numbers hold: no bound is that high.
+fn sum_of_largest(values: &[u128], k: usize) -> u128 {
+    largest(values, k).iter().fold(0, |sum, j| sum.saturating_add(values[*j]))
 }
 
 /// The indices of the `k` largest values, the first of equal ones first.
-fn largest(values: &[u64], k: usize) -> Vec<usize> {
+fn largest(values: &[u128], k: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     let by_value = |j: &usize| (std::cmp::Reverse(values[*j]), *j);
     if k < order.len() {
@@ -214,13 +214,12 @@ const MOST_STEPS: usize = 120;
 /// uncovered, or away from what they cover more than once.
 ///
 /// λ_i is w_i times one of [`LEVELS`] levels, and receivers of one level form a plane of bits, so that sums are counts.
-fn dual_bound(sets: &SeenSets, k: usize, covered: u64, control: &Control) -> Result<u64> {
+fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Result<u128> {
     let n_words = sets.kept.len();
     let cost = sets.words.len().saturating_mul(if sets.weights.is_some() { 32 } else { LEVEL_BITS as usize + 1 });
     let n_steps = (MOST_WORDS / cost.max(1)).min(MOST_STEPS);
-    let full = |v: u64| u128::from(v) << LEVEL_BITS;
     let mut levels = vec![f64::from(LEVELS) / 2.0; 64 * n_words];
-    let mut least = u64::MAX;
+    let mut least = u128::MAX;
     let mut stride = f64::from(LEVELS) / 4.0;
     let mut since_better = 0;
     for _ in 0..n_steps {
@@ -228,13 +227,12 @@ fn dual_bound(sets: &SeenSets, k: usize, covered: u64, control: &Control) -> Res
             return Err(interrupted());
         }
         let planes = planes_of(&levels, &sets.wanted);
-        let paid: Vec<u64> = (0..sets.len()).into_par_iter().map(|j| paid_by(sets, j, &planes)).collect();
-        let all = planes.iter().enumerate().map(|(b, plane)| sets.value(plane, &sets.wanted) << b).sum::<u64>();
+        let paid: Vec<u128> = (0..sets.len()).into_par_iter().map(|j| paid_by(sets, j, &planes)).collect();
+        let all = planes.iter().enumerate().map(|(b, plane)| sets.value(plane, &sets.wanted) << b).sum::<u128>();
         let total = sets.value(&sets.wanted, &sets.wanted);
         let payers = largest(&paid, k);
-        let kept = full(total) - u128::from(all) + payers.iter().map(|j| u128::from(paid[*j])).sum::<u128>();
         // What is covered is an integer, so the bound may be rounded down.
-        let bound = u64::try_from(kept >> LEVEL_BITS).unwrap_or(u64::MAX);
+        let bound = sum_of_largest(&paid, k).saturating_add((total << LEVEL_BITS) - all) >> LEVEL_BITS;
         if bound < least {
             (least, since_better) = (bound, 0);
         } else {
@@ -267,7 +265,7 @@ fn planes_of(levels: &[f64], wanted: &[u64]) -> Vec<Vec<u64>> {
 }
 
 /// What a set is paid, in units of 1/[`LEVELS`].
-fn paid_by(sets: &SeenSets, j: usize, planes: &[Vec<u64>]) -> u64 {
+fn paid_by(sets: &SeenSets, j: usize, planes: &[Vec<u64>]) -> u128 {
     planes.iter().enumerate().map(|(b, plane)| sets.value(sets.set(j), plane) << b).sum()
 }
 

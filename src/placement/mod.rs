@@ -13,7 +13,7 @@
 //! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled placements.
 //! * [`SeenSets`] and [`cover`]: several UAVs that together see most, with an upper bound on what any choice could see.
 //!
-//! Sums are integers (weights are rounded to integers first), so nothing depends on the number of threads.
+//! Sums are integers (weights count multiples of a power of two), so nothing depends on the number of threads.
 
 mod candidates;
 mod cover;

@@ -52,7 +52,7 @@ fn together(
     let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
     let uav_grid = scorer.mapper.uav_grid(&places.grid, uavs);
     let Some(uav_grid) = uav_grid.filter(|uavs| scorer.mapper.is_counted_sooner(uavs)) else { return Ok(None) };
-    let weight = |cell: usize| scorer.weights.map_or(1, |weights| weights.of_cell(cell));
+    let weight = |cell: usize| scorer.weights.map_or(1_u128, |weights| weights.of_cell(cell));
     let counts = scorer.mapper.count_grid(&uav_grid, &weight, control)?;
     Ok(counts.map(|counts| {
         let score = |k: &usize| {

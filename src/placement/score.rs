@@ -9,58 +9,119 @@ use crate::coverage::{Control, Mapper, Seen, Uav, interrupted};
 use crate::error::Result;
 use crate::raster::BitGrid;
 
-/// What each cell counts, as integers: so sums are exact in any order.
+/// What each cell counts, as multiples of a power of two: so sums are exact in any order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weights {
     n_cols: usize,
-    of_cells: Vec<u32>,
+    of_cells: Vec<u128>,
 }
 
-/// The largest weight: sums over 2^32 cells and 2^6 levels fit 64 bits.
-const LARGEST: f64 = 16_777_216.0;
+/// Binary digits of the largest weight: sums over 2^32 cells and 2^6 levels fit 128 bits.
+const MOST_DIGITS: i32 = 88;
 
 impl Weights {
-    /// Weights of the cells of a grid with `n_cols` columns, row by row: finite and not negative. They are rounded to
-    /// 1/2^24 of the largest; `None` if all are 0.
+    /// Bytes that the weight of a cell takes.
+    pub const BYTES_PER_CELL: usize = 16;
+
+    /// Weights of the cells of a grid with `n_cols` columns, row by row: finite and not negative. They count multiples of 1,
+    /// or of the largest power of two below 1 that divides them all. Those below 2^-35 of the largest may be rounded, to
+    /// 2^-87 of it. `None` if all are 0.
     pub fn new(weights: &[f64], n_cols: usize) -> Option<Self> {
-        let largest = weights.iter().copied().fold(0.0, f64::max);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2^24 after the quotient")]
-        let integer = |w: &f64| (w / largest * LARGEST + 0.5).floor() as u32;
-        (largest > 0.0).then(|| Weights { n_cols, of_cells: weights.iter().map(integer).collect() })
+        let parts = || weights.iter().filter(|w| **w > 0.0).map(|w| mantissa_and_exponent(*w));
+        let top = parts().map(|(m, e)| e + u64::BITS.cast_signed() - m.leading_zeros().cast_signed()).max()?;
+        let divisor = parts().map(|(m, e)| e + m.trailing_zeros().cast_signed()).min()?;
+        let unit = divisor.min(0).max(top - MOST_DIGITS);
+        let multiples = |w: &f64| {
+            let (mantissa, exponent) = mantissa_and_exponent(*w);
+            match (u128::from(mantissa), exponent - unit) {
+                (mantissa, up @ 0..) => mantissa << up,
+                (mantissa, down @ -64..) => (mantissa + (1 << (-down - 1))) >> -down,
+                _ => 0,
+            }
+        };
+        Some(Weights { n_cols, of_cells: weights.iter().map(multiples).collect() })
     }
 
     /// The sum over the cells of a set.
-    pub fn sum(&self, cells: &BitGrid) -> u64 {
+    pub fn sum(&self, cells: &BitGrid) -> u128 {
         let rows = self.of_cells.chunks_exact(self.n_cols).enumerate();
         rows.map(|(row, weights)| weighted_sum(cells.row(row), weights)).sum()
     }
 
     /// The weight of a cell, cells row by row.
-    pub(super) fn of_cell(&self, cell: usize) -> u32 {
+    pub(super) fn of_cell(&self, cell: usize) -> u128 {
         self.of_cells[cell]
     }
 
     /// The weights of a row of cells.
-    pub(super) fn row(&self, row: usize) -> &[u32] {
+    pub(super) fn row(&self, row: usize) -> &[u128] {
         &self.of_cells[row * self.n_cols..(row + 1) * self.n_cols]
     }
 }
 
+/// A number that is not negative as an integer times a power of two.
+fn mantissa_and_exponent(w: f64) -> (u64, i32) {
+    let bits = w.to_bits();
+    let fraction = bits & ((1 << 52) - 1);
+    match i32::try_from(bits >> 52 & 0x7FF).unwrap_or(0) {
+        0 => (fraction, -1074),
+        biased => (fraction | 1 << 52, biased - 1075),
+    }
+}
+
 /// The sum of the weights whose bits are set.
-pub(super) fn weighted_sum(words: &[u64], weights: &[u32]) -> u64 {
+pub(super) fn weighted_sum(words: &[u64], weights: &[u128]) -> u128 {
     words.iter().zip(weights.chunks(64)).map(|(word, weights)| word_sum(*word, weights)).sum()
 }
 
 /// The sum of up to 64 weights whose bits are set.
 #[inline]
-pub(super) fn word_sum(word: u64, weights: &[u32]) -> u64 {
+pub(super) fn word_sum(word: u64, weights: &[u128]) -> u128 {
     let mut left = word;
     let mut sum = 0;
     while left != 0 {
-        sum += u64::from(weights[left.trailing_zeros() as usize]);
+        sum += weights[left.trailing_zeros() as usize];
         left &= left - 1;
     }
     sum
+}
+
+/// A part of a whole that is above 0 and below 2^127, as the nearest double.
+pub(super) fn quotient(part: u128, whole: u128) -> f64 {
+    if part >= whole {
+        return 1.0;
+    }
+    let is_double = |n: u128| n <= 1 << f64::MANTISSA_DIGITS;
+    #[expect(clippy::cast_precision_loss, reason = "doubles hold both, and division rounds once")]
+    if part == 0 || (is_double(part) && is_double(whole)) {
+        return part as f64 / whole as f64;
+    }
+    // Sixty-four digits by long division; the last one also says that there are more.
+    let (mut left, mut digits, mut exponent) = (part, 0_u64, 0);
+    while digits.leading_zeros() > 0 {
+        left <<= 1;
+        let digit = left >= whole;
+        left -= if digit { whole } else { 0 };
+        digits = digits << 1 | u64::from(digit);
+        exponent -= 1;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "rounded once, to the nearest")]
+    let rounded = (digits | u64::from(left > 0)) as f64;
+    rounded * 2.0_f64.powi(exponent)
+}
+
+/// The order of two quotients whose denominators are above 0, by continued fractions.
+fn compare_quotients(mut a: (u128, u128), mut b: (u128, u128)) -> Ordering {
+    loop {
+        match ((a.0 / a.1).cmp(&(b.0 / b.1)), a.0 % a.1, b.0 % b.1) {
+            (Ordering::Equal, 0, 0) => return Ordering::Equal,
+            (Ordering::Equal, 0, _) => return Ordering::Less,
+            (Ordering::Equal, _, 0) => return Ordering::Greater,
+            // Of the rests p/q < r/s if s/r < q/p.
+            (Ordering::Equal, of_a, of_b) => (a, b) = ((b.1, of_b), (a.1, of_a)),
+            (unequal, ..) => return unequal,
+        }
+    }
 }
 
 /// All wanted receivers and what of them is in range and seen, in numbers or in weights.
@@ -69,25 +130,24 @@ pub(super) fn word_sum(word: u64, weights: &[u32]) -> u64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Score {
     /// Wanted receivers, in range or not, or their weight.
-    pub wanted: u64,
+    pub wanted: u128,
     /// Of these, in range and in line of sight.
-    pub seen: u64,
+    pub seen: u128,
 }
 
 impl Score {
-    /// The share seen; `None` where nothing is wanted.
-    #[expect(clippy::cast_precision_loss, reason = "a share for reading; scores are compared as integers")]
+    /// The share seen, as the nearest double; `None` where nothing is wanted.
     pub fn share(&self) -> Option<f64> {
-        (self.wanted > 0).then(|| self.seen as f64 / self.wanted as f64)
+        (self.wanted > 0).then(|| quotient(self.seen, self.wanted))
     }
 
     /// The order of two shares, exact; no share is below every other.
     pub fn compare(&self, other: &Score) -> Ordering {
         match (self.wanted > 0, other.wanted > 0) {
-            (true, true) => {
-                let product = |a: u64, b: u64| u128::from(a) * u128::from(b);
-                product(self.seen, other.wanted).cmp(&product(other.seen, self.wanted))
-            }
+            (true, true) => match (self.seen.checked_mul(other.wanted), other.seen.checked_mul(self.wanted)) {
+                (Some(a), Some(b)) => a.cmp(&b),
+                _ => compare_quotients((self.seen, self.wanted), (other.seen, other.wanted)),
+            },
             (a, b) => a.cmp(&b),
         }
     }
@@ -101,28 +161,28 @@ pub struct Scorer<'a> {
     /// What each receiver counts; 1 without.
     pub(super) weights: Option<&'a Weights>,
     /// All wanted receivers, or their weight.
-    pub(super) wanted: u64,
+    pub(super) wanted: u128,
 }
 
 impl<'a> Scorer<'a> {
     /// Scores over a scene that was made ready for the wanted receivers; each counts 1, or its weight.
     pub fn new(mapper: &'a Mapper<'a>, weights: Option<&'a Weights>) -> Self {
         let cells = mapper.receiver_cells();
-        let wanted = weights.map_or_else(|| cells.count(), |weights| weights.sum(&cells));
+        let wanted = weights.map_or_else(|| cells.count().into(), |weights| weights.sum(&cells));
         Scorer { mapper, weights, wanted }
     }
 
     /// The score of one UAV.
     pub fn score(&self, uav: &Uav) -> Score {
         match self.weights {
-            None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1 },
+            None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1.into() },
             Some(_) => self.score_of(&self.mapper.seen(uav)),
         }
     }
 
     /// The score of what a UAV sees.
     pub fn score_of(&self, seen: &Seen) -> Score {
-        let seen = self.weights.map_or_else(|| seen.los.count(), |weights| weights.sum(&seen.los));
+        let seen = self.weights.map_or_else(|| seen.los.count().into(), |weights| weights.sum(&seen.los));
         Score { wanted: self.wanted, seen }
     }
 }
@@ -157,9 +217,30 @@ mod tests {
     #[test]
     fn shares_are_compared_as_products_and_ties_keep_their_order() {
         let score = |seen, wanted| Score { wanted, seen };
-        let scores = [score(1, 2), score(0, 0), score(2, 4), score(u64::MAX - 1, u64::MAX), score(u64::MAX, u64::MAX)];
-        assert_eq!(ranked(&scores), [4, 3, 0, 2, 1]);
+        let most = (1_u128 << 126) - 1;
+        let scores = [
+            score(1, 2),
+            score(0, 0),
+            score(2, 4),
+            score(most - 1, most),
+            score(most, most),
+            score(most - 2, most - 1),
+        ];
+        assert_eq!(ranked(&scores), [4, 3, 5, 0, 2, 1]);
         assert_eq!((scores[1].share(), scores[0].share()), (None, Some(0.5)));
+    }
+
+    #[test]
+    fn shares_are_the_nearest_doubles() {
+        // Both round to 2^100 as doubles, whose quotient is 1; the nearest to 1 - 2^-99 is 1, to 1 - 2^-53 it is itself.
+        assert!((quotient((1 << 100) - 2, 1 << 100) - 1.0).abs() <= 0.0);
+        assert!((quotient((1 << 100) - (1 << 47), 1 << 100) - (1.0 - 2.0_f64.powi(-53))).abs() <= 0.0);
+        // A third: its digits repeat, so the last one is rounded down, that of two thirds up.
+        let third = 1_u128 << 100;
+        assert_eq!(quotient(third, 3 * third).to_bits(), (1.0_f64 / 3.0).to_bits());
+        assert_eq!(quotient(2 * third + 1, 3 * third).to_bits(), (2.0_f64 / 3.0).to_bits());
+        assert_eq!(quotient(1, 1 << 120).to_bits(), 2.0_f64.powi(-120).to_bits());
+        assert_eq!((quotient(0, 1 << 120).to_bits(), quotient(7, 7).to_bits()), (0, 1.0_f64.to_bits()));
     }
 
     #[test]
@@ -168,10 +249,26 @@ mod tests {
         (of_cells[0], of_cells[69], of_cells[139]) = (1.0, 0.5, 2.0);
         let weights = Weights::new(&of_cells, 70).expect("some are above 0");
         let mut cells = BitGrid::full(2, 70);
-        let unit = 1 << 23;
-        assert_eq!(weights.sum(&cells), unit + unit / 2 + 2 * unit);
+        // In halves.
+        assert_eq!(weights.sum(&cells), 2 + 1 + 4);
         cells.words_mut()[0] &= !1;
-        assert_eq!(weights.sum(&cells), unit / 2 + 2 * unit);
+        assert_eq!(weights.sum(&cells), 1 + 4);
         assert_eq!(Weights::new(&[0.0; 4], 2), None);
+    }
+
+    #[test]
+    fn small_weights_count_beside_large_ones() {
+        let sum = |of_cells: &[f64]| {
+            let weights = Weights::new(of_cells, of_cells.len()).expect("some are above 0");
+            weights.sum(&BitGrid::full(1, of_cells.len()))
+        };
+        // Whole numbers are themselves, also far beyond what 24 digits or a double hold.
+        assert_eq!(sum(&[6.0, 2.0]), 8);
+        assert_eq!(sum(&[1e15, 1.0, 2.0_f64.powi(70)]), 1_000_000_000_000_001 + (1 << 70));
+        // A tenth is 3602879701896397/2^55 to a computer, ten of them and a thousand are not one and a thousand.
+        assert_eq!(sum(&[[0.1].repeat(10), vec![1000.0]].concat()), 10 * 3_602_879_701_896_397 + (1000 << 55));
+        // What is too small is rounded, and the largest keeps 88 digits.
+        assert_eq!(sum(&[1.0, 2.0_f64.powi(-87), 2.0_f64.powi(-89)]), (1 << 87) + 1);
+        assert_eq!(sum(&[f64::MAX, f64::MIN_POSITIVE]) >> 35, (1 << 53) - 1);
     }
 }

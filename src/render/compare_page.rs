@@ -33,6 +33,10 @@ const MOST_PIXELS_OF_ALL: usize = 24_000_000;
 pub struct ComparePage<'a> {
     /// Title.
     pub title: &'a str,
+    /// What comes out, below the title.
+    pub verdict: &'a str,
+    /// Differences between any two placements, below that.
+    pub matrix: &'a PageTable,
     /// Lines at the end.
     pub caption: &'a [String],
     /// Columns.
@@ -77,7 +81,7 @@ pub struct PageTable {
     pub caption: String,
     /// Names of the columns.
     pub head: Vec<String>,
-    /// Rows, each as long as the head; its first cell names it.
+    /// Rows, each as long as the head; its first cell names it. Line breaks in a cell are kept.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -108,11 +112,13 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     let mut symbol = Drawing::default();
     furniture::uav_symbol(&mut symbol, [20.0, 20.0], 18.0);
     let symbol = format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", symbol.svg.replace('\n', ""));
-    let parts: [(&str, String); 22] = [
+    let parts: [(&str, String); 24] = [
         ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
         ("css", STYLE.to_string()),
         ("js", SCRIPT.to_string()),
         ("title", escape(page.title)),
+        ("verdict", words(page.verdict)),
+        ("matrix", table(page.matrix)),
         ("options", options(page)),
         ("aspect", format!("{aspect:.6}")),
         ("backdrop", picture("id=\"backdrop\" alt=\"buildings\"", &thinned.backdrop()?)),
@@ -168,17 +174,23 @@ fn options(page: &ComparePage<'_>) -> String {
     })
 }
 
-/// Symbols and names of the UAVs that are on the map.
+/// Symbols and names of the UAVs that are on the map; of those at one place each stands below the one before it.
 fn marks(page: &ComparePage<'_>, symbol: &str) -> String {
     let mut out = String::new();
+    let places: Vec<Option<[f64; 2]>> =
+        page.placements.iter().map(|p| p.mark.map(|mark| [mark.col, mark.row])).collect();
     for (k, placement) in page.placements.iter().enumerate() {
         let Some(mark) = placement.mark else { continue };
         let (x, y) = (mark.col / page.n_cols as f64, mark.row / page.n_rows as f64);
         if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            let side = if x > 0.8 { "mark left-of" } else { "mark" };
+            let n_before = places[..k].iter().filter(|place| **place == places[k]).count();
+            let side = if x > 0.5 { " left-of" } else { "" };
+            let way = if y > 0.75 { " up" } else { "" };
+            let height = if mark.height.is_empty() { String::new() } else { format!(" · {}", escape(mark.height)) };
             let _ = writeln!(
                 out,
-                "<div class=\"{side}\" data-placement=\"{k}\" style=\"left:{:.4}%;top:{:.4}%\">{symbol}<span>{}</span></div>",
+                "<div class=\"mark{side}{way}\" data-placement=\"{k}\" style=\"left:{:.4}%;top:{:.4}%;--nth:{n_before}\">\
+                 {symbol}<span>{}{height}</span></div>",
                 100.0 * x,
                 100.0 * y,
                 escape(mark.label)
@@ -203,7 +215,8 @@ fn counts(n: usize) -> String {
 }
 
 fn table(table: &PageTable) -> String {
-    let cell = |name: &str, text: &String| format!("<{name}>{}</{}>", words(text), &name[..2]);
+    let lines = |text: &String| text.split('\n').map(words).collect::<Vec<_>>().join("<br>");
+    let cell = |name: &str, text: &String| format!("<{name}>{}</{}>", lines(text), &name[..2]);
     let head: String = table.head.iter().map(|text| cell("th scope=\"col\"", text)).collect();
     let mut out = format!(
         "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n",
@@ -332,6 +345,8 @@ mod tests {
         let placement = |k: usize| PagePlacement { id: ["a", "b"][k], label: "UAV", mask: &masks[k], mark: None };
         let page = ComparePage {
             title: "A test",
+            verdict: "One is best.",
+            matrix: &PageTable { caption: "Differences".into(), head: Vec::new(), rows: Vec::new() },
             caption: &["line".to_string()],
             n_cols: 2,
             n_rows: 2,

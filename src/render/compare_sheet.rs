@@ -18,6 +18,8 @@ use super::small_maps::{HEADING, Maps, Page, Panel};
 pub struct CompareSheet<'a> {
     /// Title.
     pub title: &'a str,
+    /// What comes out, below the title.
+    pub verdict: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
     /// Columns.
@@ -101,6 +103,7 @@ fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     if maps.len().is_multiple_of(columns) { &mut pairs } else { &mut maps }.push(count);
 
     let mut page = Page::new(sheet.title, painter.maps);
+    page.lead(sheet.verdict);
     for (heading, panels) in [("Placements", maps), ("From the first to the second, with the change of P_LoS", pairs)] {
         if !panels.is_empty() {
             page.heading(heading);
@@ -244,6 +247,7 @@ mod tests {
             .collect();
         let sheet = CompareSheet {
             title: "A test",
+            verdict: "One is best.",
             caption: &[],
             n_cols: 2,
             n_rows: 2,
@@ -266,7 +270,16 @@ mod tests {
     fn a_sheet_names_every_map_once_and_what_occurs_on_them() {
         let pair = ComparePair { title: "0 → 1", detail: "falls", first: 0, second: 1 };
         let svg = words(2, &[pair]);
-        for text in ["UAV 0<", "UAV 1<", "0 → 1<", "Lost: only", "Both see it", "Neither sees it", "By both UAVs"] {
+        for text in [
+            "One is best.<",
+            "UAV 0<",
+            "UAV 1<",
+            "0 → 1<",
+            "Lost: only",
+            "Both see it",
+            "Neither sees it",
+            "By both UAVs",
+        ] {
             assert_eq!(svg.matches(text).count(), 1, "{text}");
         }
         assert!(!svg.contains("Gained") && !svg.contains("Out of range"));
@@ -288,6 +301,7 @@ mod tests {
         let pair = ComparePair { title: "", detail: "", first: 0, second: 1 };
         let sheet = CompareSheet {
             title: "",
+            verdict: "",
             caption: &[],
             n_cols: 4,
             n_rows: 1,
@@ -311,6 +325,7 @@ mod tests {
         let one = [CompareMap { title: "", detail: "", mask: &[1], mark: None }];
         let sheet = CompareSheet {
             title: "",
+            verdict: "",
             caption: &[],
             n_cols: 1,
             n_rows: 1,

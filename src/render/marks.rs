@@ -36,13 +36,16 @@ struct Placed {
     at: [f64; 2],
     /// Unit vector towards a UAV outside the map.
     outward: Option<[f64; 2]>,
+    /// The place itself, where another mark is already.
+    moved_from: Option<[f64; 2]>,
     words: [String; 2],
 }
 
 /// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis.
 ///
-/// A UAV outside the grid becomes an arrow at the border and its distance from there. Labels that find no free place
-/// are left out, later marks first; beyond 60 UAVs there are no labels.
+/// A UAV outside the grid becomes an arrow at the border and its distance from there. Of UAVs at one place each is drawn
+/// below the one before it, with a line to the place. Labels that find no free place are shortened, then left out, later
+/// marks first; beyond 60 UAVs there are no labels.
 pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Drawing {
     let radius = match uavs.len() {
         0..=12 => 23.0,
@@ -50,8 +53,17 @@ pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2
         61..=400 => 10.0,
         _ => 6.0,
     };
-    let placed: Vec<Placed> = uavs.iter().map(|uav| place(uav, size, px_per_cell, cell_m)).collect();
+    let mut placed: Vec<Placed> = uavs.iter().map(|uav| place(uav, size, px_per_cell, cell_m)).collect();
+    if uavs.len() <= 60 {
+        set_apart(&mut placed, radius, size);
+    }
     let mut drawing = Drawing::default();
+    for mark in &placed {
+        if let Some(place) = mark.moved_from {
+            drawing.line(place, mark.at, "stroke=\"#FFFFFF\" stroke-width=\"6\"");
+            drawing.line(place, mark.at, "stroke=\"#101418\" stroke-width=\"3\"");
+        }
+    }
     // The first UAV is drawn last, on top.
     for mark in placed.iter().rev() {
         match mark.outward {
@@ -66,8 +78,13 @@ pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2
     let mut taken: Vec<Bounds> = placed.iter().map(|mark| symbol_bounds(mark, radius)).collect();
     for mark in &placed {
         let font_size = if radius > 20.0 { 25.0 } else { 20.0 };
-        // Where the whole label finds no place, the id alone may.
-        for words in [mark.words.clone(), [mark.words[0].clone(), String::new()]] {
+        // Where the whole label finds no place, the id alone may, or its beginning.
+        let beginning = |most: usize| {
+            let id = &mark.words[0];
+            if id.chars().count() <= most { id.clone() } else { id.chars().take(most - 1).chain(['…']).collect() }
+        };
+        let ids = [mark.words[0].clone(), beginning(20), beginning(12), beginning(6)].map(|id| [id, String::new()]);
+        for words in std::iter::once(mark.words.clone()).chain(ids) {
             let label = Label::new(&words, font_size);
             let spot = candidates(mark, radius, [label.width, label.height]).find_map(|[x, y]| {
                 let x = x.min(map[2] - label.width).max(map[0]);
@@ -94,7 +111,23 @@ fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f6
     let beyond = outward.map(|_| format!("{} outside", lettering::length(distance_m)));
     let height = (!uav.height.is_empty()).then(|| uav.height.to_string());
     let details: Vec<String> = height.into_iter().chain(beyond).collect();
-    Placed { at, outward, words: [uav.label.to_string(), details.join(" · ")] }
+    Placed { at, outward, moved_from: None, words: [uav.label.to_string(), details.join(" · ")] }
+}
+
+/// Puts marks at one place one below the other, or above where the map ends.
+fn set_apart(placed: &mut [Placed], radius: f64, size: [f64; 2]) {
+    let places: Vec<[f64; 2]> = placed.iter().map(|mark| mark.at).collect();
+    let is_same = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs() < 1.0 && (a[1] - b[1]).abs() < 1.0;
+    for (k, mark) in placed.iter_mut().enumerate() {
+        let n_there = places.iter().filter(|place| is_same(place, &places[k])).count();
+        let n_before = places[..k].iter().filter(|place| is_same(place, &places[k])).count();
+        if n_before > 0 {
+            let step = 2.4 * radius;
+            let way = if places[k][1] + step * n_there as f64 > size[1] { -1.0 } else { 1.0 };
+            mark.moved_from = Some(mark.at);
+            mark.at[1] = (mark.at[1] + way * step * n_before as f64).clamp(0.0, size[1]);
+        }
+    }
 }
 
 /// Says what the label of a mark says beside the id: its height, and its distance from a map of this size in cells.
@@ -233,6 +266,28 @@ mod tests {
         assert!(drawing.svg.contains("<polygon") && !drawing.svg.contains("<circle"));
         let inside = draw_marks(&[mark("1", 1000.0, 0.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
         assert!(inside.svg.contains("<circle") && !inside.svg.contains("outside"));
+    }
+
+    #[test]
+    fn uavs_at_one_place_are_all_seen_and_named() {
+        for row in [300.0, 990.0] {
+            let uavs = ["low", "middle", "high"].map(|label| mark(label, 500.0, row));
+            let svg = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).svg;
+            assert!(["low", "middle", "high"].iter().all(|label| svg.contains(&format!(">{label}<"))), "{svg}");
+            // The body of each symbol, the largest circle but for rotors, has a center of its own.
+            let centers: std::collections::BTreeSet<&str> =
+                svg.lines().filter(|l| l.starts_with("<circle") && l.contains(" cx=\"500")).collect();
+            assert_eq!(centers.len(), 2 * 3, "a halo and a body each: {centers:?}");
+            let plates = plates(&svg);
+            assert!(plates.len() == 3 && !overlap(&plates[0], &plates[1]) && !overlap(&plates[1], &plates[2]));
+        }
+    }
+
+    #[test]
+    fn a_name_that_finds_no_place_is_shortened() {
+        let name = "The tower beyond the old market hall";
+        let svg = draw_marks(&[mark(name, 150.0, 100.0)], [300.0, 200.0], [1.0, 1.0], (1.0, 1.0)).svg;
+        assert!(!svg.contains(name) && svg.contains("The tower b…"), "{svg}");
     }
 
     #[test]

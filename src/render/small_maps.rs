@@ -95,6 +95,14 @@ impl Page {
         page
     }
 
+    /// Places a sentence below the title.
+    pub(crate) fn lead(&mut self, text: &str) {
+        let text = furniture::paragraph(text, NAME, self.maps.body_width());
+        self.bottom -= 12.0;
+        self.furniture.place(&text.drawing, MARGIN, self.bottom);
+        self.bottom += text.height + 18.0;
+    }
+
     /// Places a heading.
     pub(crate) fn heading(&mut self, text: &str) {
         self.furniture.text(MARGIN, self.bottom + 28.0, HEADING, text);

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{RunFacts, SiteFacts, Timing};
+use super::position::PositionCells;
+use super::{Position, RunFacts, SiteFacts, Timing};
 use crate::coverage::{GRAZING_M, MarginStats, PairCounts, Tally};
 use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
@@ -38,8 +39,8 @@ pub enum Origin {
     File {
         /// Its file.
         path: String,
-        /// Where its UAV was, if the file says so \[CRS units\].
-        place: Option<(f64, f64)>,
+        /// Where its UAV was, if the file says so.
+        place: Option<Position>,
     },
 }
 
@@ -128,9 +129,8 @@ pub struct CompareReport {
 }
 
 /// What an interval of this document says, in words.
-pub const MEANING: &str = "blocks of ground are drawn with replacement, the same ones for all placements; an interval says how \
-                           far a value would move over other ground of this kind, not how wrong the heights are: over the \
-                           ground shown the maps are exact";
+const MEANING: &str = "blocks of ground are drawn with replacement, the same ones for all placements; an interval says how \
+                       far a value would move over other ground of this kind, not how wrong the heights are";
 
 /// Why a value has no interval.
 fn reason_without_interval(estimate: &RatioEstimate) -> String {
@@ -203,6 +203,24 @@ fn grazing_share(margins: &MarginStats) -> f64 {
     margins.grazing as f64 / margins.receivers as f64
 }
 
+impl PlacementFacts {
+    /// Where its UAV is, if that is known.
+    pub fn position(&self) -> Option<Position> {
+        match &self.origin {
+            Origin::Uav(site) => Some(site.position()),
+            Origin::File { place, .. } => *place,
+        }
+    }
+
+    /// Its heights above the datum and above the ground \[m\], as far as they are known.
+    fn heights(&self) -> [Option<f64>; 2] {
+        match &self.origin {
+            Origin::Uav(site) => [Some(site.height_amsl_m), site.height_agl_m],
+            Origin::File { .. } => [None; 2],
+        }
+    }
+}
+
 impl CompareReport {
     /// Whether any P_LoS or difference of two has an interval.
     pub fn has_intervals(&self) -> bool {
@@ -223,9 +241,10 @@ impl CompareReport {
             "block_m": self.intervals.block_m,
             "resamplings": RESAMPLINGS,
             "seed": self.intervals.seed,
-            "meaning": MEANING,
+            "meaning": self.meaning(),
         });
         document.insert("intervals".into(), intervals);
+        document.insert("verdict".into(), self.verdict().into());
         document.insert("placements".into(), self.placements.iter().map(|p| self.placement_json(p)).collect());
         document.insert("pairs".into(), self.pairs.iter().map(|p| self.pair_json(p)).collect());
         document.insert("union".into(), super::documents::tally_json(&self.union).into());
@@ -253,16 +272,17 @@ impl CompareReport {
         object.insert("id".into(), placement.id.clone().into());
         match &placement.origin {
             Origin::Uav(site) => {
-                object.insert("x".into(), site.x.into());
-                object.insert("y".into(), site.y.into());
+                site.position().tell(&mut object);
                 object.insert("height_amsl_m".into(), site.height_amsl_m.into());
                 object.insert("height_agl_m".into(), site.height_agl_m.into());
                 object.insert("placement".into(), site.placement.into());
             }
             Origin::File { path, place } => {
                 object.insert("mask".into(), path.clone().into());
-                object.insert("x".into(), place.map(|p| p.0).into());
-                object.insert("y".into(), place.map(|p| p.1).into());
+                match place {
+                    Some(place) => place.tell(&mut object),
+                    None => object.extend(["x", "y"].map(|name| (name.to_string(), Value::Null))),
+                }
             }
         }
         object.extend(placement.groups[0].json());
@@ -315,9 +335,13 @@ impl CompareReport {
 
     /// The table: a row per placement and zone, then one per pair and zone.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let header = "row,first,second,zone,receivers,los,p_los,difference,ci_low,ci_high,exceeds,blocks,both,only_first,\
-                      only_second,neither,receivers_of_first_only,receivers_of_second_only,margin_q05_m,margin_median_m,\
-                      margin_q95_m,margin_grazing_share,margin_receivers,rx_height_m,radius_m,block_m,method";
+        let positions = PositionCells::of(self.placements.iter().filter_map(PlacementFacts::position));
+        let header = format!(
+            "row,first,second,zone,{},height_amsl_m,height_agl_m,receivers,los,p_los,difference,ci_low,ci_high,exceeds,\
+             blocks,both,only_first,only_second,neither,receivers_of_first_only,receivers_of_second_only,margin_q05_m,\
+             margin_median_m,margin_q95_m,margin_grazing_share,margin_receivers,rx_height_m,radius_m,block_m,method",
+            positions.names()
+        );
         let header: Vec<String> = header.split(',').map(str::to_string).collect();
         let run = [
             self.rx_height_m.to_string(),
@@ -330,6 +354,8 @@ impl CompareReport {
             for (k, name) in group_names().into_iter().enumerate().take(self.n_told()) {
                 let group = &placement.groups[k];
                 let mut row = vec!["placement".to_string(), placement.id.clone(), String::new(), name.to_string()];
+                row.extend(positions.cells(placement.position()));
+                row.extend(placement.heights().map(optional));
                 row.extend([group.receivers.to_string(), group.los.to_string(), optional(group.p_los.value)]);
                 row.push(String::new());
                 row.extend(interval_cells(&group.p_los));
@@ -344,6 +370,8 @@ impl CompareReport {
             for (k, name) in group_names().into_iter().enumerate().take(self.n_told()) {
                 let group = &pair.groups[k];
                 let mut row = vec!["pair".to_string(), first.clone(), second.clone(), name.to_string()];
+                row.extend(positions.cells(None));
+                row.extend([None; 2].map(optional));
                 row.extend([group.counts.compared().to_string(), String::new(), String::new()]);
                 row.push(optional(group.difference.value));
                 row.extend(interval_cells(&group.difference));
@@ -358,6 +386,80 @@ impl CompareReport {
             }
         }
         rows
+    }
+
+    /// What an interval says, and what the maps are worth.
+    pub fn meaning(&self) -> String {
+        let is_saved = self.placements.iter().any(|p| matches!(p.origin, Origin::File { .. }));
+        match self.facts.method {
+            Some(method) if !method.is_exact() => format!("{MEANING}, nor how far {} is off", method.name()),
+            _ if is_saved => format!("{MEANING}, nor how far the saved maps are off"),
+            _ => format!("{MEANING}: over the ground shown the maps are exact"),
+        }
+    }
+
+    /// Why there is no interval at all; `None` if there is any.
+    pub fn reason_without_intervals(&self) -> Option<String> {
+        let shares = self.placements.iter().flat_map(|p| p.groups.iter().map(|g| &g.p_los));
+        let differences = self.pairs.iter().flat_map(|p| p.groups.iter().map(|g| &g.difference));
+        let has_any = shares.chain(differences).any(|estimate| estimate.interval.is_some());
+        let first = self.placements.first().filter(|_| !has_any)?;
+        Some(reason_without_interval(&first.groups[0].p_los))
+    }
+
+    /// One sentence: which placement is best, by how much, and whether that is clear.
+    pub fn verdict(&self) -> String {
+        let share =
+            |k: usize| (u128::from(self.placements[k].tally.los), u128::from(self.placements[k].tally.receivers));
+        let mut order: Vec<usize> = (0..self.placements.len()).filter(|k| share(*k).1 > 0).collect();
+        let compare = |a: &usize, b: &usize| (share(*a).0 * share(*b).1).cmp(&(share(*b).0 * share(*a).1));
+        order.sort_by(|a, b| compare(b, a));
+        let id = |k: usize| self.placements[k].id.as_str();
+        let p_los = |k: usize| self.placements[k].tally.p_los().map_or(String::new(), |p| format!("{p:.4}"));
+        let (best, next) = match order[..] {
+            [] => return "No placement has a receiver, so that none is best.".into(),
+            [only] => return format!("{} alone has receivers: P_LoS {}.", id(only), p_los(only)),
+            [best, next, ..] => (best, next),
+        };
+        if compare(&best, &next).is_eq() {
+            let equal: Vec<&str> = order.iter().filter(|k| compare(k, &best).is_eq()).map(|k| id(*k)).collect();
+            return format!("{} are equally good: P_LoS {} each.", equal.join(", "), p_los(best));
+        }
+        let (first, second) = (best.min(next), best.max(next));
+        let Some(pair) = self.pairs.iter().find(|pair| (pair.first, pair.second) == (first, second)) else {
+            return format!("{} is best: P_LoS {}.", id(best), p_los(best));
+        };
+        let (counts, mut estimate) = (&pair.groups[0].counts, pair.groups[0].difference);
+        if best == first {
+            estimate.value = estimate.value.map(|v| -v);
+            estimate.interval = estimate.interval.map(|(low, high)| (-high, -low));
+        }
+        let by = match estimate.value {
+            None => {
+                return format!(
+                    "{} is best: P_LoS {}, the next {} with {}; no cell is a receiver of both.",
+                    id(best),
+                    p_los(best),
+                    id(next),
+                    p_los(next)
+                );
+            }
+            Some(v) if counts.receivers_of_first + counts.receivers_of_second > 0 => {
+                format!("{} for {}, over the receivers of both {}", p_los(next), id(next), signed(v))
+            }
+            Some(v) if v < 0.000_05 => format!("less than 0.0001 more than {}", id(next)),
+            Some(v) => format!("{v:.4} more than {}", id(next)),
+        };
+        let clear = match (estimate.interval, estimate.exceeds()) {
+            (Some((low, high)), Some(exceeds)) => {
+                let percent = 100.0 * self.intervals.confidence;
+                let (is_clear, holds) = if exceeds { ("clear", "does not hold") } else { ("not clear", "holds") };
+                let ends = format!("{} to {}", signed(low), signed(high));
+                format!("the difference is {is_clear}: its {percent:.0} % interval, {ends}, {holds} 0")
+            }
+            _ => format!("whether the difference is clear is not known: {}", reason_without_interval(&estimate)),
+        };
+        format!("{} is best: P_LoS {}, {by}; {clear}.", id(best), p_los(best))
     }
 
     /// A sentence on a pair: which sees more, by how much, and whether that exceeds its interval.

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::ToleranceFacts;
 use super::features::feature_collection;
+use super::position::{Position, PositionCells};
 use super::stability::StabilityFacts;
 use crate::coverage::{IdleFootprints, Placement, SiteCoverage, Tally};
 use crate::digest::Sha256;
@@ -68,6 +69,8 @@ pub struct SiteFacts {
     pub x: f64,
     /// North \[CRS units\].
     pub y: f64,
+    /// Longitude and latitude \[deg\], if it was given by these.
+    pub lonlat: Option<[f64; 2]>,
     /// Height above the datum \[m\].
     pub height_amsl_m: f64,
     /// Height above the ground \[m\], if one is known there.
@@ -84,6 +87,11 @@ pub struct SiteFacts {
 }
 
 impl SiteFacts {
+    /// Where it is.
+    pub fn position(&self) -> Position {
+        Position { x: self.x, y: self.y, lonlat: self.lonlat }
+    }
+
     /// The facts of a coverage, by zone if zones are known.
     pub fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
         let place = &site.uav.station.place;
@@ -93,6 +101,7 @@ impl SiteFacts {
             id: site.uav.id.clone(),
             x: site.uav.station.place.x,
             y: site.uav.station.place.y,
+            lonlat: None,
             height_amsl_m: site.uav.height_amsl_m(),
             height_agl_m: site.uav.height_agl_m,
             placement: zone.unwrap_or(site.uav.placement.name()),
@@ -302,8 +311,12 @@ impl MapReport {
 
     /// The table: one row per site and zone, and one for the union of several sites.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let header = "site,x,y,height_amsl_m,height_agl_m,placement,zone,receivers,los,p_los,not_receivers,\
-                      out_of_range,nodata,rx_height_m,radius_m,method,crs,cell_width,cell_height";
+        let positions = PositionCells::of(self.sites.iter().map(SiteFacts::position));
+        let header = format!(
+            "site,{},height_amsl_m,height_agl_m,placement,zone,receivers,los,p_los,not_receivers,out_of_range,nodata,\
+             rx_height_m,radius_m,method,crs,cell_width,cell_height",
+            positions.names()
+        );
         let mut rows = vec![header.split(',').map(str::to_string).collect::<Vec<_>>()];
         let optional = |v: Option<f64>| v.map_or(String::new(), |v| v.to_string());
         let run = [
@@ -314,7 +327,7 @@ impl MapReport {
             self.facts.grid.cell_width().to_string(),
             self.facts.grid.cell_height().to_string(),
         ];
-        let mut push = |site: [String; 6], zone: &str, tally: &Tally| {
+        let mut push = |site: Vec<String>, zone: &str, tally: &Tally| {
             let counts = [
                 zone.to_string(),
                 tally.receivers.to_string(),
@@ -327,22 +340,18 @@ impl MapReport {
             rows.push(site.into_iter().chain(counts).chain(run.clone()).collect());
         };
         for s in &self.sites {
-            let site = [
-                s.id.clone(),
-                s.x.to_string(),
-                s.y.to_string(),
-                s.height_amsl_m.to_string(),
-                optional(s.height_agl_m),
-                s.placement.to_string(),
-            ];
+            let mut site = vec![s.id.clone()];
+            site.extend(positions.cells(Some(s.position())));
+            site.extend([s.height_amsl_m.to_string(), optional(s.height_agl_m), s.placement.to_string()]);
             push(site.clone(), "all", &s.tally);
             for (zone, tally) in Zone::ALL.into_iter().zip(s.zones.iter().flatten()) {
                 push(site.clone(), zone.name(), tally);
             }
         }
         if self.sites.len() > 1 {
-            let mut site: [String; 6] = std::array::from_fn(|_| String::new());
-            site[0] = "union".into();
+            let mut site = vec!["union".to_string()];
+            site.extend(positions.cells(None));
+            site.resize(site.len() + 3, String::new());
             push(site.clone(), "all", &self.union);
             for (zone, tally) in Zone::ALL.into_iter().zip(self.union_zones.iter().flatten()) {
                 push(site.clone(), zone.name(), tally);
@@ -371,8 +380,7 @@ impl MapReport {
 fn site_json(site: &SiteFacts) -> Value {
     let mut object = Map::new();
     object.insert("id".into(), site.id.clone().into());
-    object.insert("x".into(), site.x.into());
-    object.insert("y".into(), site.y.into());
+    site.position().tell(&mut object);
     object.insert("height_amsl_m".into(), site.height_amsl_m.into());
     object.insert("height_agl_m".into(), site.height_agl_m.into());
     object.insert("placement".into(), site.placement.into());

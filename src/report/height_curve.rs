@@ -65,8 +65,7 @@ impl CurveFacts {
     fn json(&self) -> Value {
         let mut object = Map::new();
         object.insert("id".into(), self.site.id.clone().into());
-        object.insert("x".into(), self.site.x.into());
-        object.insert("y".into(), self.site.y.into());
+        self.site.position().tell(&mut object);
         object.insert("height_amsl_m".into(), self.site.height_amsl_m.into());
         object.insert("height_agl_m".into(), self.site.height_agl_m.into());
         object.insert("placement".into(), self.site.placement.into());

@@ -11,6 +11,7 @@ mod kml;
 mod place;
 mod plos;
 mod polygons;
+mod position;
 mod repairs;
 mod sampled;
 mod stability;
@@ -23,7 +24,7 @@ pub use chart::{CHART_SCHEMA, ChartReport, ChartRow, Cost};
 pub use chart_plos::{PlosChartReport, PlosChartRow};
 pub use city::city_geojson;
 pub use compare::{
-    CompareReport, GroupDifference, GroupShare, IntervalFacts, MEANING, MarginFacts, N_GROUPS, Origin, PairFacts,
+    CompareReport, GroupDifference, GroupShare, IntervalFacts, MarginFacts, N_GROUPS, Origin, PairFacts,
     PlacementFacts, group_names, signed,
 };
 pub(crate) use documents::digest_words;
@@ -34,6 +35,7 @@ pub use height_curve::{CurveFacts, CurvePoint, HeightCurveReport, QUANTILES, cur
 pub use kml::{KmlOverlay, kml};
 pub use place::{NO_RECEIVER, PlaceFacts, PlaceReport, PlaceValue, SeveralFacts, place_digest};
 pub use plos::{MethodFacts, PlosReport, PlosRow, PlosToleranceFacts, PlosTried, PlosValue, RealCityFacts};
+pub use position::Position;
 pub use repairs::{repairs_geojson, repairs_table};
 pub use sampled::{SampledReport, SampledRow};
 pub use stability::StabilityFacts;

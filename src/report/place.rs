@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::documents::{RunFacts, Timing, digest_words};
 use super::features::feature_collection;
+use super::position::{Position, PositionCells};
 use crate::digest::Sha256;
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
 
@@ -23,10 +24,14 @@ pub enum PlaceValue {
 pub struct PlaceFacts {
     /// Its rank from 1, or its number in the order of choice.
     pub rank: usize,
+    /// Its name, if it has one.
+    pub id: Option<String>,
     /// East \[CRS units\].
     pub x: f64,
     /// North \[CRS units\].
     pub y: f64,
+    /// Longitude and latitude \[deg\], if it was given by these.
+    pub lonlat: Option<[f64; 2]>,
     /// Height above the datum \[m\].
     pub height_amsl_m: f64,
     /// Height above the ground \[m\], if one is known there.
@@ -38,13 +43,15 @@ pub struct PlaceFacts {
 }
 
 impl PlaceFacts {
-    /// The facts of a candidate.
+    /// The facts of a candidate, which has no name.
     pub fn of(rank: usize, candidate: &Candidate, value: PlaceValue) -> Self {
         let uav = &candidate.uav;
         PlaceFacts {
             rank,
+            id: None,
             x: uav.station.place.x,
             y: uav.station.place.y,
+            lonlat: None,
             height_amsl_m: uav.height_amsl_m(),
             height_agl_m: uav.height_agl_m,
             placement: candidate.zone.map_or(uav.placement.name(), crate::zones::Zone::name),
@@ -60,18 +67,22 @@ impl PlaceFacts {
         }
     }
 
+    fn position(&self) -> Position {
+        Position { x: self.x, y: self.y, lonlat: self.lonlat }
+    }
+
     fn json(&self) -> Map<String, Value> {
         let mut object = Map::new();
         object.insert("rank".into(), self.rank.into());
-        object.insert("x".into(), self.x.into());
-        object.insert("y".into(), self.y.into());
+        object.extend(self.id.clone().map(|id| ("id".to_string(), id.into())));
+        self.position().tell(&mut object);
         object.insert("height_amsl_m".into(), self.height_amsl_m.into());
         object.insert("height_agl_m".into(), self.height_agl_m.into());
         object.insert("placement".into(), self.placement.into());
         match self.value {
             PlaceValue::Counts(score) => {
-                object.insert("receivers".into(), score.wanted.into());
-                object.insert("los".into(), score.seen.into());
+                object.insert("receivers".into(), count(score.wanted).into());
+                object.insert("los".into(), count(score.seen).into());
                 object.insert("p_los".into(), score.share().into());
             }
             PlaceValue::Weighted(score) => {
@@ -131,7 +142,7 @@ pub struct SeveralFacts {
 
 impl SeveralFacts {
     /// What a value is of all wanted receivers.
-    pub fn share(&self, value: u64) -> Option<f64> {
+    pub fn share(&self, value: u128) -> Option<f64> {
         Score { wanted: self.cover.wanted, seen: value }.share()
     }
 }
@@ -173,16 +184,23 @@ pub struct PlaceReport {
     pub digest: String,
 }
 
+/// A number of receivers.
+fn count(n: u128) -> u64 {
+    u64::try_from(n).unwrap_or(u64::MAX)
+}
+
 /// SHA-256 of the values of the ranked places: per place its x and y (f64), its height above the datum (f64) and its value,
-/// seen and wanted (u64) or margin (f32); little endian.
+/// seen and wanted (u64, weights u128) or margin (f32); little endian.
 pub fn place_digest(ranked: &[PlaceFacts]) -> String {
     let mut hasher = Sha256::new();
     for place in ranked {
         [place.x, place.y, place.height_amsl_m].iter().for_each(|v| hasher.update(v.to_le_bytes()));
         match place.value {
-            PlaceValue::Counts(score) | PlaceValue::Weighted(score) => {
-                hasher.update(score.seen.to_le_bytes());
-                hasher.update(score.wanted.to_le_bytes());
+            PlaceValue::Counts(score) => {
+                [score.seen, score.wanted].iter().for_each(|n| hasher.update(count(*n).to_le_bytes()));
+            }
+            PlaceValue::Weighted(score) => {
+                [score.seen, score.wanted].iter().for_each(|n| hasher.update(n.to_le_bytes()));
             }
             PlaceValue::Margin(margin) => hasher.update(margin.map_or(f32::NAN, |m| m.margin_m).to_le_bytes()),
         }
@@ -248,49 +266,64 @@ impl PlaceReport {
         Value::Object(document)
     }
 
-    /// The table: the candidates best first, then the refined place, then the choice of several.
+    /// The table: the choice of several in its order, then the candidates best first, then the refined place. Candidates
+    /// that have names have a column for these.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let header = "kind,rank,x,y,height_amsl_m,height_agl_m,placement,receivers,los,p_los,margin_m,margin_upper_bound_m,gain,covered";
+        let positions = PositionCells::of(self.ranked.iter().map(PlaceFacts::position));
+        let has_names = self.ranked.iter().any(|place| place.id.is_some());
+        let header = format!(
+            "kind,rank,{}{},height_amsl_m,height_agl_m,placement,receivers,los,p_los,margin_m,margin_upper_bound_m,gain,\
+             covered",
+            if has_names { "id," } else { "" },
+            positions.names()
+        );
         let mut rows = vec![header.split(',').map(str::to_string).collect::<Vec<_>>()];
         let mut push = |kind: &str, rank: String, place: &PlaceFacts, cover: [String; 2]| {
-            let agl = place.height_agl_m.map_or(String::new(), |v| v.to_string());
-            let place_cells = [place.x.to_string(), place.y.to_string(), place.height_amsl_m.to_string(), agl];
             let mut row = vec![kind.to_string(), rank];
-            row.extend(place_cells);
+            row.extend(has_names.then(|| place.id.clone().unwrap_or_default()));
+            row.extend(positions.cells(Some(place.position())));
+            row.push(place.height_amsl_m.to_string());
+            row.push(place.height_agl_m.map_or(String::new(), |v| v.to_string()));
             row.push(place.placement.to_string());
             row.extend(place.cells());
             row.extend(cover);
             rows.push(row);
         };
+        if let Some(several) = &self.several {
+            for (place, chosen) in several.places.iter().zip(&several.cover.chosen) {
+                let share = |v: u128| several.share(v).map_or(String::new(), |p| p.to_string());
+                push("chosen", place.rank.to_string(), place, [share(chosen.gain), share(chosen.covered)]);
+            }
+        }
         let none = || [String::new(), String::new()];
         self.ranked.iter().for_each(|place| push("candidate", place.rank.to_string(), place, none()));
         if let Some((place, _)) = &self.refined {
             push("refined", String::new(), place, none());
         }
-        if let Some(several) = &self.several {
-            for (place, chosen) in several.places.iter().zip(&several.cover.chosen) {
-                let share = |v: u64| several.share(v).map_or(String::new(), |p| p.to_string());
-                push("chosen", place.rank.to_string(), place, [share(chosen.gain), share(chosen.covered)]);
-            }
-        }
         rows
     }
 
-    /// The best places, the refined one and the choice of several as GeoJSON points, in the scene's CRS.
+    /// The choice of several, the best places and the refined one as GeoJSON points, in the scene's CRS. Their ids are their
+    /// names; one that occurs again, chosen and ranked or at several heights, is told with its kind and rank.
     pub fn geojson(&self) -> Value {
-        let feature = |kind: &str, id: String, place: &PlaceFacts| {
-            let mut properties = Map::new();
+        let mut names = std::collections::HashSet::new();
+        let mut features: Vec<Value> = Vec::new();
+        let mut push = |kind: &str, number: String, place: &PlaceFacts| {
+            let id = match &place.id {
+                Some(name) if names.insert(name.clone()) => name.clone(),
+                Some(name) => format!("{name}, {kind} {}", place.rank),
+                None => number,
+            };
+            let mut properties = place.json();
             properties.insert("id".into(), id.into());
             properties.insert("kind".into(), kind.into());
-            properties.extend(place.json());
-            json!({"type": "Feature", "properties": properties,
-                   "geometry": {"type": "Point", "coordinates": [place.x, place.y]}})
+            features.push(json!({"type": "Feature", "properties": properties,
+                                 "geometry": {"type": "Point", "coordinates": [place.x, place.y]}}));
         };
-        let mut features: Vec<Value> =
-            self.ranked.iter().take(self.top).map(|p| feature("candidate", p.rank.to_string(), p)).collect();
-        features.extend(self.refined.iter().map(|(place, _)| feature("refined", "refined".into(), place)));
         let chosen = self.several.iter().flat_map(|s| &s.places);
-        features.extend(chosen.map(|place| feature("chosen", format!("chosen {}", place.rank), place)));
+        chosen.for_each(|place| push("chosen", format!("chosen {}", place.rank), place));
+        self.ranked.iter().take(self.top).for_each(|place| push("candidate", place.rank.to_string(), place));
+        self.refined.iter().for_each(|(place, _)| push("refined", "refined".into(), place));
         feature_collection(&self.facts.grid, self.provenance(), features)
     }
 }

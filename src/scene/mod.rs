@@ -38,7 +38,7 @@ pub use mesh::{MeshOptions, read_mesh};
 pub use outline::{Region, covered_area, even_odd, region_of};
 pub use projection::Projection;
 pub use repairs::Repair;
-pub use sites::{Site, read_sites};
+pub use sites::{GivenSite, Site, read_given_sites, read_sites};
 pub use source::Source;
 pub use streamed::{StreamedSurface, WindowedBase, WindowedSolids, row_bands};
 pub use surface::{SurfaceOptions, read_surface, surface_grid};

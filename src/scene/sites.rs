@@ -24,6 +24,30 @@ pub struct Site {
     pub height: Height,
 }
 
+/// A site as it was given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenSite {
+    /// The site.
+    pub site: Site,
+    /// Its longitude and latitude \[deg\], if it was given by these.
+    pub lonlat: Option<[f64; 2]>,
+}
+
+impl std::ops::Deref for GivenSite {
+    type Target = Site;
+
+    fn deref(&self) -> &Site {
+        &self.site
+    }
+}
+
+impl From<Site> for GivenSite {
+    /// A site that was given in the scene's CRS.
+    fn from(site: Site) -> Self {
+        GivenSite { site, lonlat: None }
+    }
+}
+
 /// Reads sites from a CSV table or GeoJSON points.
 ///
 /// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
@@ -34,6 +58,14 @@ pub struct Site {
 /// # Errors
 /// File errors naming the line or feature; site errors if a position cannot be brought into the scene's CRS.
 pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
+    Ok(read_given_sites(path, grid, first_number)?.into_iter().map(|given| given.site).collect())
+}
+
+/// The sites of [`read_sites`], with longitude and latitude where they were given so.
+///
+/// # Errors
+/// As [`read_sites`].
+pub fn read_given_sites(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<GivenSite>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let sites = match extension.as_str() {
         "geojson" | "json" => read_geojson(path, grid, first_number)?,
@@ -45,7 +77,7 @@ pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec
     Ok(sites)
 }
 
-fn read_csv(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
+fn read_csv(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<GivenSite>> {
     let refuse = |place: &str, found: String| {
         Error::file(302, format!("cannot read {}: {place}{found}", path.display()))
             .with_hint("a table of sites is separated by commas and has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`")
@@ -81,17 +113,14 @@ fn read_csv(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>
         let xy = (number(x_column)?, number(y_column)?);
         let (x, y) = in_scene(path, &place, xy, wgs84.as_ref(), grid.crs())?;
         refuse_swapped(path, &place, (xy, (x, y)), (wgs84.as_ref(), grid))?;
-        sites.push(Site {
-            id: id.map_or_else(|| (first_number + sites.len()).to_string(), str::to_string),
-            x,
-            y,
-            height,
-        });
+        let id = id.map_or_else(|| (first_number + sites.len()).to_string(), str::to_string);
+        let lonlat = wgs84.as_ref().map(|_| [xy.0, xy.1]);
+        sites.push(GivenSite { site: Site { id, x, y, height }, lonlat });
     }
     Ok(sites)
 }
 
-fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<Site>> {
+fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<GivenSite>> {
     let document = read_document(path)?;
     let crs = match named_crs(path, &document)? {
         Some(crs) => crs,
@@ -127,7 +156,10 @@ fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize) -> Result<Vec<S
         let from = (named_projected || plausible).then_some(&crs);
         let (given, (x, y)) = ((x, y), in_scene(path, &place, (x, y), from, grid.crs())?);
         refuse_swapped(path, &place, (given, (x, y)), (from, grid))?;
-        sites.push(Site { id: id.unwrap_or_else(|| (first_number + number).to_string()), x, y, height });
+        let id = id.unwrap_or_else(|| (first_number + number).to_string());
+        let is_degrees = from.is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
+        let lonlat = is_degrees.then_some([given.0, given.1]);
+        sites.push(GivenSite { site: Site { id, x, y, height }, lonlat });
     }
     Ok(sites)
 }

@@ -42,11 +42,11 @@ fn digest(masks: &[&[u8]]) -> String {
     format!("sha256:{}", hex.concat())
 }
 
-fn tif(folder: &Folder, name: &str) -> GeoTiffFile {
+pub(crate) fn tif(folder: &Folder, name: &str) -> GeoTiffFile {
     GeoTiffFile::from_bytes(folder.read(name)).unwrap()
 }
 
-fn mask_of(folder: &Folder, name: &str) -> Vec<u8> {
+pub(crate) fn mask_of(folder: &Folder, name: &str) -> Vec<u8> {
     tif(folder, name).read_raster::<u8>().unwrap().into_iter().collect()
 }
 
@@ -55,7 +55,7 @@ fn count(mask: &[u8], class: u8) -> u64 {
 }
 
 /// The array of an `.npz` file: its header and its bytes.
-fn npy(folder: &Folder, file: &str, name: &str) -> (String, Vec<u8>) {
+pub(crate) fn npy(folder: &Folder, file: &str, name: &str) -> (String, Vec<u8>) {
     let mut archive = zip::ZipArchive::new(Cursor::new(folder.read(file))).unwrap();
     let mut bytes = Vec::new();
     archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
@@ -64,7 +64,7 @@ fn npy(folder: &Folder, file: &str, name: &str) -> (String, Vec<u8>) {
 }
 
 /// The channels of an `.exr` file by name.
-fn channels(folder: &Folder, file: &str) -> Vec<(String, FlatSamples)> {
+pub(crate) fn channels(folder: &Folder, file: &str) -> Vec<(String, FlatSamples)> {
     let read = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
     let image = read.all_attributes().from_buffered(Cursor::new(folder.read(file))).unwrap();
     let list = image.layer_data.channel_data.list;

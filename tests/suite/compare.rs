@@ -65,12 +65,23 @@ fn masks_made_by_hand_have_the_counts_of_a_hand() {
     assert_eq!((first["receivers"].as_u64(), first["los"].as_u64()), (Some(11), Some(6)));
     assert_eq!((second["receivers"].as_u64(), second["los"].as_u64()), (Some(13), Some(7)));
     assert_eq!((&first["margins"], first["margins_reason"].is_string()), (&Value::Null, true));
+    // Nobody knows how these maps were made, and there is no interval to speak of.
+    assert!(!document["intervals"]["meaning"].as_str().unwrap().contains("exact"));
+    folder.type_in(&format!("compare {BY_HAND} -o hand.svg -q")).done();
+    let svg = folder.text("hand.svg");
+    assert!(svg.contains("no intervals: 1 block with") && !svg.contains("maps are exact"), "{svg}");
     let pair = &document["pairs"][0];
     assert_eq!(counts(pair), [4, 1, 2, 3, 1, 3]);
     assert_eq!((pair["compared"].as_u64(), pair["difference"].as_f64()), (Some(10), Some(0.1)));
     // One block of 50 m tells nothing about its spread.
     assert_eq!((&pair["ci_low"], &pair["exceeds"]), (&Value::Null, &Value::Null));
     assert_eq!(pair["reason"], "1 block with receivers, wanted at least 10");
+    // 6 of 11 are more than 7 of 13, but of the ten that both have the second sees one more.
+    assert_eq!(
+        document["verdict"],
+        "first is best: P_LoS 0.5455, 0.5385 for second, over the receivers of both −0.1000; whether the difference is clear \
+         is not known: 1 block with receivers, wanted at least 10."
+    );
     assert_eq!(document["seen_by"], serde_json::json!([5, 5, 4]));
     let sets: Vec<u64> =
         document["sets"].as_array().unwrap().iter().map(|s| s["receivers"].as_u64().unwrap()).collect();
@@ -191,6 +202,10 @@ fn margins_are_those_of_the_layer() {
 fn equal_placements_do_not_differ_and_unlike_ones_do() {
     let folder = folder();
     let document = document(&folder, "itu:urban --size 700 --uav 300,300,80 --uav 300,300,80 --uav 300,300,250");
+    let verdict = document["verdict"].as_str().unwrap();
+    assert!(
+        verdict.starts_with("3 is best: P_LoS 0.") && verdict.contains(" more than 1; the difference is clear: its")
+    );
     let [same, other] = [&document["pairs"][0], &document["pairs"][1]];
     for of_zone in [same, &same["zones"]["street"], &same["zones"]["crossroad"]] {
         assert_eq!((of_zone["difference"].as_f64(), &of_zone["exceeds"]), (Some(0.0), &false.into()));
@@ -201,6 +216,9 @@ fn equal_placements_do_not_differ_and_unlike_ones_do() {
     assert!(
         0.0 < number("ci_low") && number("ci_low") < number("difference") && number("difference") < number("ci_high")
     );
+    let twins = "itu:urban --size 300 --uav 100,100,60 --uav 100,100,60";
+    let said = folder.type_in(&format!("compare {twins} --json")).done().err;
+    assert!(said.starts_with("1, 2 are equally good: P_LoS 0."), "the first thing that is said: {said}");
     // What a placement sees from higher up it never loses.
     assert_eq!(other["only_first"], 0);
     // A difference over all receivers is that of the two shares, and its interval is narrower than theirs together.

@@ -220,3 +220,78 @@ fn a_browser_shows_the_state_of_the_fragment() {
     };
     assert_eq!([0, 1, 2, 3].map(cells), ["0", "300", "0", "900"]);
 }
+
+/// A script that notes on the body what is cut off at the side, and which words have less than the contrast of 4.5 that WCAG
+/// 2.2 asks for.
+const LOOK: &str = r#"<script>
+addEventListener("load", () => {
+  const parts = (color) => color.match(/[\d.]+/g).map(Number);
+  const linear = (v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
+  const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+  const behind = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const color = parts(getComputedStyle(at).backgroundColor);
+      if (color.length === 3 || color[3] === 1) return color;
+    }
+    return [255, 255, 255];
+  };
+  const faint = [];
+  let words = 0;
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const element = walker.currentNode.parentElement;
+    if (!walker.currentNode.textContent.trim() || ["SCRIPT", "OPTION", "NOSCRIPT"].includes(element.tagName)) continue;
+    if (!element.checkVisibility()) continue;
+    words += 1;
+    const style = getComputedStyle(element);
+    const ink = parts(element.tagName === "text" ? style.fill : style.color);
+    const [low, high] = [light(ink), light(behind(element))].sort((a, b) => a - b);
+    if ((high + 0.05) / (low + 0.05) < 4.5) faint.push(walker.currentNode.textContent);
+  }
+  const wide = [...document.querySelectorAll("body, .table, .controls, .mark span")];
+  document.body.dataset.cut = wide.filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.className || e.tagName);
+  const frame = document.getElementById("stage").getBoundingClientRect();
+  const marks = [...document.querySelectorAll(".mark.shown span")].map((e) => e.getBoundingClientRect());
+  const isOutside = (m) => m.left < frame.left || m.right > frame.right || m.top < frame.top || m.bottom > frame.bottom;
+  document.body.dataset.outside = marks.filter(isOutside).map((m) => [m.left - frame.left, frame.right - m.right]);
+  const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  document.body.dataset.covered = marks.filter((a, k) => marks.some((b, j) => j < k && overlap(a, b))).length;
+  document.body.dataset.marks = marks.length;
+  document.body.dataset.faint = faint;
+  document.body.dataset.words = words;
+});
+</script>"#;
+
+#[test]
+fn nothing_is_cut_off_or_faint_in_light_and_dark() {
+    let Some(browser) = browser() else {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
+        return;
+    };
+    let folder = Folder::new();
+    // Names as long as tables of sites have them, two UAVs at one place, and some near each border.
+    let places = [(150, 150, 60), (150, 150, 90), (5, 40, 60), (250, 292, 60), (290, 60, 60), (60, 240, 60)];
+    let row =
+        |(k, (x, y, h)): (usize, &(i32, i32, i32))| format!("Rooftop of the old market hall number {k},{x},{y},{h}\n");
+    let sites: String = places.iter().enumerate().map(row).collect();
+    folder.write("sites.csv", &format!("id,x,y,h\n{sites}"));
+    folder.type_in("compare itu:urban --size 300 --uavs sites.csv -o c.html -q").done();
+    let page = folder.text("c.html");
+    let matrix = page.split("<section aria-label=\"Differences of any two\">").nth(1).unwrap();
+    assert_eq!(matrix.split("</table>").next().unwrap().matches("<td>").count(), 36, "a matrix of six by six");
+    folder.write("c.html", &page.replace("</body>", &format!("{LOOK}</body>")));
+    for (scheme, is_dark) in [("0", true), ("1", false)] {
+        let settings = format!("--blink-settings=preferredColorScheme={scheme}");
+        let shot = format!("--screenshot={}", folder.word("shot.png"));
+        let task = [settings.as_str(), "--window-size=1400,1000", "--dump-dom"];
+        let dom = browse(&browser, &folder, "layers=count", &task);
+        let noted = |name: &str| dom.split(&format!("data-{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
+        assert_eq!((noted("cut"), noted("faint")), ("", ""), "dark: {is_dark}");
+        assert_eq!((noted("marks"), noted("outside"), noted("covered")), ("6", "", "0"), "dark: {is_dark}");
+        assert!(noted("words").parse::<u32>().unwrap() > 150);
+        browse(&browser, &folder, "", &[&settings, "--window-size=1400,1000", &shot]);
+        let image = image::load_from_memory(&folder.read("shot.png")).unwrap().to_rgba8();
+        assert_eq!(image.get_pixel(2, 2).0[0] < 64, is_dark, "the paper");
+    }
+}

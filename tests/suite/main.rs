@@ -60,6 +60,7 @@ mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads
 mod cli_chart; // its command: the picture from its table, interrupts, peers, flags
 mod placement; // where to hover: against brute force, optima and linear searches; its command
+mod told; // names and degrees of sites, counts, infinite heights, weights: alike and true in every file
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
 mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth

@@ -144,8 +144,8 @@ fn the_worst_margin_is_the_least_of_the_layer() {
 }
 
 /// The largest value of any union of `k` of the sets.
-fn optimum(sets: &[u64], weights: &[u64], k: usize, covered: u64) -> u64 {
-    let value = |set: u64| (0..weights.len()).filter(|i| set >> i & 1 == 1).map(|i| weights[i]).sum();
+fn optimum(sets: &[u64], weights: &[u64], k: usize, covered: u64) -> u128 {
+    let value = |set: u64| (0..weights.len()).filter(|i| set >> i & 1 == 1).map(|i| u128::from(weights[i])).sum();
     match (k, sets) {
         (0, _) | (_, []) => value(covered),
         (_, [first, rest @ ..]) => {
@@ -212,7 +212,7 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         assert_eq!(of_each, scores(&scorer, &uavs, &Control::default()).unwrap());
         assert_eq!(cover(&all, 2, &Control::default()).unwrap().chosen, found.chosen);
         let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));
-        let best = pairs.max().unwrap();
+        let best = u128::from(pairs.max().unwrap());
         assert!(found.covered() <= best && best <= found.bound && found.bound <= found.wanted);
         assert!(found.covered() as f64 >= 0.75 * best as f64, "1 − (1 − 1/2)² of {best}: {found:?}");
     }
@@ -309,12 +309,15 @@ fn every_output_of_a_search_holds_the_same_winner_and_threads_change_nothing() {
     let line = "--height 10,15 -k 3";
     let said = folder.type_in(&format!("{PLACE} {line} {files}")).done().err;
     assert!(said.contains("best of 48 candidates") && said.contains("3 UAVs see together"), "{said}");
+    assert!(said.contains("of all ground receivers; no 3 of these"), "{said}");
     let found = document(&folder, line);
     let text = folder.text("p.csv");
-    let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     let winner = &found["winner"];
-    assert_eq!(first[..2], ["candidate", "1"]);
-    assert_eq!(first[9], winner["p_los"].as_f64().unwrap().to_string());
+    // The choice of three comes first, then the ranks.
+    let kinds: Vec<[&str; 2]> = rows[1..5].iter().map(|row| [row[0], row[1]]).collect();
+    assert_eq!(kinds, [["chosen", "1"], ["chosen", "2"], ["chosen", "3"], ["candidate", "1"]]);
+    assert_eq!(rows[4][9], winner["p_los"].as_f64().unwrap().to_string());
     assert_eq!(text.lines().count(), 1 + 48 + 1 + found["several"]["chosen"].as_array().unwrap().len());
     assert_eq!(folder.json("p.json")["winner"], *winner);
     assert_eq!(folder.json("p.geojson")["features"][0]["properties"]["p_los"], winner["p_los"]);

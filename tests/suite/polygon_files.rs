@@ -1,8 +1,9 @@
 //! Coverage polygons: every cell center is inside exactly the polygons of its class, areas are those of cells, holes stay.
 
+use std::collections::BTreeMap;
 use std::process::Command;
 
-use flatgeobuf::{FallibleStreamingIterator, FeatureProperties, FgbReader};
+use flatgeobuf::{ColumnType, FallibleStreamingIterator, FeatureProperties, FgbReader};
 use geotiff_reader::GeoTiffFile;
 use serde_json::Value;
 
@@ -111,11 +112,23 @@ fn flatgeobuf_holds_the_same_polygons() {
     assert_eq!(reader.header().crs().map(|crs| crs.code()), Some(25832));
     let metadata: Value = serde_json::from_str(reader.header().metadata().unwrap()).unwrap();
     assert_eq!(metadata["digest"], document["skyshed"]["digest"]);
+    // The same columns, of the same types: numbers with decimals, whole ones, words.
+    let columns = reader.header().columns().unwrap();
+    let kinds = columns.iter().map(|column| (column.name().to_string(), column.type_()));
+    let of_json = document["features"][0]["properties"].as_object().unwrap().iter().map(|(name, value)| {
+        let kind = match value {
+            Value::String(_) => ColumnType::String,
+            Value::Number(n) if n.is_u64() => ColumnType::Long,
+            _ => ColumnType::Double,
+        };
+        (name.clone(), kind)
+    });
+    assert_eq!(kinds.collect::<BTreeMap<_, _>>(), of_json.collect::<BTreeMap<_, _>>());
     let mut features = reader.select_all_seq().unwrap();
     let mut found = Vec::new();
     while let Some(feature) = features.next().unwrap() {
         let class = feature.property::<String>("class").unwrap();
-        let cells = feature.property::<u64>("cells").unwrap();
+        let cells = feature.property::<i64>("cells").unwrap();
         assert!((feature.property::<f64>("area_m2").unwrap() - cells as f64).abs() < 1e-9);
         found.push((class, cells.to_string()));
     }

@@ -147,28 +147,29 @@ fn uavs_of(field: &HeightField, places: &PlaceGrid, height: Height) -> Vec<(usiz
 }
 
 /// Asserts that UAVs counted together see what each sees by rays.
-fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, options: &MapOptions) -> u64 {
+fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, options: &MapOptions) -> u128 {
     let uavs = uavs_of(field, places, height);
     let mapper = Mapper::new(field, options).unwrap();
     let by_rays = MapOptions { method: MethodChoice::Ray, ..options.clone() };
     let by_rays = Mapper::new(field, &by_rays).unwrap();
     let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
     let n_cols = field.grid().n_cols();
-    let weight = |cell: usize| u32::try_from(cell / n_cols * 3 + cell % 2).unwrap();
+    let weight = |cell: usize| (cell / n_cols * 3 + cell % 2) as u128;
     let alone = mapper.count_grid(&grid, &|_| 1, &Control::default()).unwrap().unwrap();
     let weighed = mapper.count_grid(&grid, &weight, &Control::default()).unwrap().unwrap();
-    let sum = |cells: &BitGrid| -> u64 {
+    let sum = |cells: &BitGrid| -> u128 {
         let is_in = |cell: &usize| cells.contains(cell / n_cols, cell % n_cols);
-        (0..field.grid().n_cells()).filter(is_in).map(|cell| u64::from(weight(cell))).sum()
+        (0..field.grid().n_cells()).filter(is_in).map(weight).sum()
     };
     // All are compared with the count of each, some of them with rays.
     let every = uavs.len().div_ceil(150);
     let mut all = vec![(0, 0); places.grid.n_cells()];
     for (k, (place, uav)) in uavs.iter().enumerate() {
-        all[*place] = mapper.count(uav);
+        let (wanted, seen) = mapper.count(uav);
+        all[*place] = (u128::from(wanted), u128::from(seen));
         if k % every == 0 {
             let seen = by_rays.seen(uav);
-            let wanted = (seen.receivers.count(), seen.los.count(), sum(&seen.receivers), sum(&seen.los));
+            let wanted = (seen.receivers.count().into(), seen.los.count().into(), sum(&seen.receivers), sum(&seen.los));
             let found = (alone.wanted[*place], alone.seen[*place], weighed.wanted[*place], weighed.seen[*place]);
             assert_eq!(found, wanted, "place {place}, {height:?}, {options:?}");
         }

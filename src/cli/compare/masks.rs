@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::coverage::class;
 use crate::error::{Error, Result, Warning};
 use crate::raster::{GeoRef, LargeVec, RasterFile};
+use crate::report::Position;
 use crate::scene::refuse_two_crs;
 
 /// A mask of an earlier run.
@@ -18,8 +19,8 @@ pub(super) struct SavedMask {
     pub(super) path: String,
     /// Classes of [`crate::coverage::class`].
     pub(super) mask: LargeVec<u8>,
-    /// Where its UAV was, if the file says so \[CRS units\].
-    pub(super) place: Option<(f64, f64)>,
+    /// Where its UAV was, if the file says so.
+    pub(super) place: Option<Position>,
 }
 
 /// For whom this run makes maps.
@@ -87,7 +88,11 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
     let document: Value = tiff.provenance().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
     warn_of_other_receivers(path, &document, setting, warnings);
     let places = document["sites"].as_array().cloned().unwrap_or_default();
-    let place = |nth: usize| Some((places.get(nth)?["x"].as_f64()?, places.get(nth)?["y"].as_f64()?));
+    let place = |nth: usize| {
+        let number = |name: &str| places.get(nth)?[name].as_f64();
+        let lonlat = number("lon").zip(number("lat")).map(|(lon, lat)| [lon, lat]);
+        Some(Position { x: number("x")?, y: number("y")?, lonlat })
+    };
     let mut nth = 0;
     let mut read = |(band, id): (usize, String)| {
         let mut classes = Classes::default();

@@ -28,7 +28,7 @@ use crate::export::{Batch, Format, OutputRules, encode_table};
 use crate::los::Method;
 use crate::raster::{CellBlocks, LargeVec};
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
-use crate::scene::{Site, Source};
+use crate::scene::{GivenSite, Site, Source};
 use crate::zones::{NONE, ZoneMap};
 
 /// Formats of `skyshed compare`.
@@ -89,7 +89,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
 
     let before_los = Instant::now();
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
-    let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, &uavs, args.out.quiet)?;
+    let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, (&sites, &uavs), args.out.quiet)?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
     for path in &args.mask {
         placed.extend(saved(path, args, &mut scene)?);
@@ -184,7 +184,7 @@ fn mapped(
     scene: &Ready,
     zones: Option<&ZoneMap>,
     asked: &Asked<'_>,
-    uavs: &[Uav],
+    (sites, uavs): (&[GivenSite], &[Uav]),
     quiet: bool,
 ) -> Result<(Vec<Placed>, Option<Method>)> {
     if uavs.is_empty() {
@@ -198,14 +198,14 @@ fn mapped(
     let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {
         mapper.map_many(uavs, KeepMasks::Always, &control, |_| {}, |_| {})
     })?;
-    let placed = |site: SiteCoverage| Placed {
+    let placed = |(site, given): (SiteCoverage, &GivenSite)| Placed {
         id: site.uav.id.clone(),
-        origin: Origin::Uav(Box::new(SiteFacts::of(&site, zones))),
+        origin: Origin::Uav(Box::new(SiteFacts { lonlat: given.lonlat, ..SiteFacts::of(&site, zones) })),
         margins: Some(mapper.margin_sample(&site, MARGIN_SAMPLE)),
         tally: site.tally,
         mask: site.mask,
     };
-    Ok((maps.sites.into_iter().map(placed).collect(), Some(mapper.method().0)))
+    Ok((maps.sites.into_iter().zip(sites).map(placed).collect(), Some(mapper.method().0)))
 }
 
 /// Placements from a file of masks, which becomes a source of the run.
@@ -244,6 +244,7 @@ fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
 fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(PathBuf, Format)]) -> Result<()> {
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
+        messages::note(&report.verdict());
         for p in &report.placements {
             let share = p.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
             messages::note(&format!("{}: P_LoS {share}, {} of {} receivers", p.id, p.tally.los, p.tally.receivers));

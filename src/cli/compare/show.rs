@@ -14,7 +14,7 @@ use crate::raster::{CellWindow, GeoRef};
 use crate::render::{
     self, CompareMap, ComparePage, ComparePair, CompareSheet, Mark, PagePlacement, PageTable, grouped,
 };
-use crate::report::{CompareReport, MEANING, Origin, PairFacts, PlacementFacts, group_names, signed};
+use crate::report::{CompareReport, Origin, PairFacts, PlacementFacts, group_names, signed};
 
 /// Up to so many placements a sheet shows all pairs of them, beyond that those with the first.
 const MOST_WITH_ALL_PAIRS: usize = 6;
@@ -25,6 +25,9 @@ pub(super) struct Show<'a> {
     title: String,
     /// By placement: `square · 60 m above ground`.
     labels: Vec<String>,
+    /// By placement: `60 m` where another one is at the same place, so that marks there differ.
+    heights: Vec<String>,
+    verdict: String,
     caption: Vec<String>,
 }
 
@@ -38,7 +41,19 @@ impl<'a> Show<'a> {
             Origin::File { .. } => format!("{} · saved map", p.id),
         };
         let labels = report.placements.iter().map(label).collect();
-        Show { writer, title: unbreakable(&title), labels, caption: caption(writer) }
+        let places: Vec<_> = report.placements.iter().map(|p| p.position().map(|at| (at.x, at.y))).collect();
+        let height = |p: &PlacementFacts| {
+            let here = p.position().map(|at| (at.x, at.y));
+            match &p.origin {
+                Origin::Uav(site) if places.iter().filter(|place| **place == here).count() > 1 => {
+                    format!("{} m", tidy(site.height_agl_m.unwrap_or(site.height_amsl_m)))
+                }
+                _ => String::new(),
+            }
+        };
+        let heights = report.placements.iter().map(height).collect();
+        let verdict = unbreakable(&report.verdict());
+        Show { writer, title: unbreakable(&title), labels, heights, verdict, caption: caption(writer) }
     }
 
     /// Makes the sheet, cropped to the receivers, and hands it to `draw`.
@@ -62,7 +77,7 @@ impl<'a> Show<'a> {
                 title: &self.labels[k],
                 detail: &details[k],
                 mask: &masks[k],
-                mark: mark(&report.placements[k], &shown),
+                mark: mark(&report.placements[k], &self.heights[k], &shown),
             })
             .collect();
         let is_shown = |pair: &&PairFacts| maps.len() <= MOST_WITH_ALL_PAIRS || pair.first == 0;
@@ -92,6 +107,7 @@ impl<'a> Show<'a> {
         let unit = meters_per_unit(grid);
         draw(&CompareSheet {
             title: &self.title,
+            verdict: &self.verdict,
             caption: &caption,
             n_cols: window.n_cols,
             n_rows: window.n_rows,
@@ -110,13 +126,15 @@ impl<'a> Show<'a> {
         let placements: Vec<PagePlacement<'_>> = report
             .placements
             .iter()
-            .zip(&self.labels)
+            .zip(self.labels.iter().zip(&self.heights))
             .zip(*masks)
-            .map(|((p, label), mask)| PagePlacement { id: &p.id, label, mask, mark: mark(p, grid) })
+            .map(|((p, (label, height)), mask)| PagePlacement { id: &p.id, label, mask, mark: mark(p, height, grid) })
             .collect();
         let sentences: Vec<String> = report.pairs.iter().map(|pair| report.sentence(pair)).collect();
         render::compare_page(&ComparePage {
             title: &self.title,
+            verdict: &self.verdict,
+            matrix: &matrix(report),
             caption: &self.caption,
             n_cols: grid.n_cols(),
             n_rows: grid.n_rows(),
@@ -126,7 +144,7 @@ impl<'a> Show<'a> {
             placements: &placements,
             above_ground_m: &scene.field.above_ground_m(),
             sentences: &sentences,
-            tables: &[shares_table(report), differences_table(report), margins_table(report)],
+            tables: &[placements_table(report), shares_table(report), differences_table(report), margins_table(report)],
             document,
         })
     }
@@ -137,18 +155,21 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
     let Writer { args, scene, report, .. } = writer;
     let intervals = &report.intervals;
     let (receivers, _) = cell_names(args.receivers, &scene.field);
+    let range = if report.radius_m.is_some() { " in range" } else { "" };
+    let share = format!("P_LoS is the share of {receivers}{range} in line of sight");
     let mut lines = if report.has_intervals() {
-        let brackets = format!(
-            "P_LoS is the share of {receivers} in line of sight; brackets hold its {:.0} % interval from {} resamplings of \
-             blocks of {} m, seed {}.",
-            100.0 * intervals.confidence,
-            grouped(RESAMPLINGS),
-            tidy(intervals.block_m),
-            intervals.seed
-        );
-        vec![brackets, format!("In each resampling {MEANING}.")]
+        vec![
+            format!(
+                "{share}; brackets hold its {:.0} % interval from {} resamplings of blocks of {} m, seed {}.",
+                100.0 * intervals.confidence,
+                grouped(RESAMPLINGS),
+                tidy(intervals.block_m),
+                intervals.seed
+            ),
+            format!("In each resampling {}.", report.meaning()),
+        ]
     } else {
-        vec![format!("P_LoS is the share of {receivers} in line of sight.")]
+        vec![format!("{share}.")]
     };
     let heights = (report.rx_height_m, report.radius_m);
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
@@ -157,12 +178,9 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
 }
 
 /// The mark of a UAV on a grid.
-fn mark<'a>(placement: &'a PlacementFacts, grid: &GeoRef) -> Option<Mark<'a>> {
-    let (x, y) = match &placement.origin {
-        Origin::Uav(site) => (site.x, site.y),
-        Origin::File { place, .. } => (*place)?,
-    };
-    Some(map::mark(grid, (x, y), &placement.id, ""))
+fn mark<'a>(placement: &'a PlacementFacts, height: &'a str, grid: &GeoRef) -> Option<Mark<'a>> {
+    let at = placement.position()?;
+    Some(map::mark(grid, (at.x, at.y), &placement.id, height))
 }
 
 /// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.
@@ -200,22 +218,85 @@ fn interval_words(estimate: &RatioEstimate, number: fn(f64) -> String) -> String
     estimate.interval.map_or(String::new(), |(low, high)| format!(" [{}, {}]", number(low), number(high)))
 }
 
+/// What a caption says of intervals, if there are any.
+fn with_intervals(report: &CompareReport) -> &'static str {
+    match report.reason_without_intervals() {
+        Some(_) => ", without intervals",
+        None => ", with intervals",
+    }
+}
+
 /// The head of a table with a column per group.
 fn head(report: &CompareReport, first: &str) -> Vec<String> {
     let names = group_names().into_iter().take(report.n_told());
     std::iter::once(first).chain(names).map(str::to_string).collect()
 }
 
+/// P_LoS of each placement less that of each other one.
+fn matrix(report: &CompareReport) -> PageTable {
+    let cell = |row: usize, col: usize| {
+        let pair = report.pairs.iter().find(|p| (p.first, p.second) == (row.min(col), row.max(col)));
+        let Some(difference) = pair.map(|pair| pair.groups[0].difference) else { return "–".to_string() };
+        let star = if difference.exceeds() == Some(true) { "*" } else { "" };
+        match difference.value {
+            // A pair holds the second less the first.
+            Some(value) => format!("{}{star}", signed(if row > col { value } else { -value } + 0.0)),
+            None => "no receiver of both".to_string(),
+        }
+    };
+    let n = report.placements.len();
+    let row = |k: usize| -> Vec<String> {
+        std::iter::once(report.placements[k].id.clone()).chain((0..n).map(|col| cell(k, col))).collect()
+    };
+    let percent = 100.0 * report.intervals.confidence;
+    PageTable {
+        caption: format!(
+            "Difference of P_LoS: row less column, over the receivers of both; * clear, its {percent:.0} % interval does not \
+             hold 0"
+        ),
+        head: std::iter::once("placement".to_string()).chain(report.placements.iter().map(|p| p.id.clone())).collect(),
+        rows: (0..n).map(row).collect(),
+    }
+}
+
+/// Where the placements are.
+fn placements_table(report: &CompareReport) -> PageTable {
+    let has_degrees = report.placements.iter().any(|p| p.position().is_some_and(|at| at.lonlat.is_some()));
+    let row = |p: &PlacementFacts| {
+        let number = |v: Option<f64>| v.map_or("–".to_string(), |v| tidy(v).to_string());
+        let at = p.position();
+        let mut cells = vec![p.id.clone(), number(at.map(|at| at.x)), number(at.map(|at| at.y))];
+        if has_degrees {
+            let degrees =
+                |k: usize| at.and_then(|at| at.lonlat).map_or("–".to_string(), |lonlat| lonlat[k].to_string());
+            cells.extend([degrees(0), degrees(1)]);
+        }
+        cells.extend(match &p.origin {
+            Origin::Uav(site) => [height_words(site), site.placement.to_string()],
+            Origin::File { path, .. } => [format!("saved map {path}"), "–".to_string()],
+        });
+        cells.extend([grouped(p.tally.receivers), grouped(p.tally.los)]);
+        cells
+    };
+    let degrees: &[&str] = if has_degrees { &["longitude", "latitude"] } else { &[] };
+    let head = [&["placement", "x", "y"], degrees, &["height", "over", "receivers", "in line of sight"]].concat();
+    PageTable {
+        caption: "Placements".into(),
+        head: head.into_iter().map(str::to_string).collect(),
+        rows: report.placements.iter().map(row).collect(),
+    }
+}
+
 fn shares_table(report: &CompareReport) -> PageTable {
     let row = |p: &PlacementFacts| {
         let cell = |k: usize| match p.groups[k].p_los.value {
-            Some(value) => format!("{value:.4}{}", interval_words(&p.groups[k].p_los, plain)),
+            Some(value) => format!("{value:.4}\n{}", interval_words(&p.groups[k].p_los, plain).trim_start()),
             None => "no receiver".to_string(),
         };
         std::iter::once(p.id.clone()).chain((0..report.n_told()).map(cell)).collect()
     };
     PageTable {
-        caption: "P_LoS by zone, with intervals".into(),
+        caption: format!("P_LoS by zone{}", with_intervals(report)),
         head: head(report, "placement"),
         rows: report.placements.iter().map(row).collect(),
     }
@@ -232,14 +313,16 @@ fn differences_table(report: &CompareReport) -> PageTable {
                 None => "",
             };
             match difference.value {
-                Some(value) => format!("{}{}{exceeds}", signed(value), interval_words(difference, signed)),
+                Some(value) => {
+                    format!("{}{exceeds}\n{}", signed(value), interval_words(difference, signed).trim_start())
+                }
                 None => "no receiver".to_string(),
             }
         };
         std::iter::once(format!("{first} → {second}")).chain((0..report.n_told()).map(cell)).collect()
     };
     PageTable {
-        caption: "Difference of P_LoS by zone, with intervals; it exceeds one that does not hold 0".into(),
+        caption: format!("Difference of P_LoS by zone{}; it exceeds one that does not hold 0", with_intervals(report)),
         head: head(report, "from → to"),
         rows: report.pairs.iter().map(row).collect(),
     }

@@ -25,15 +25,16 @@ pub(in crate::cli) struct PlaceArgs {
     /// No candidates inside of these polygons (.geojson)
     #[arg(long, value_name = "FILE")]
     pub(super) keep_out: Option<PathBuf>,
-    /// Candidates from a table (.csv with x,y,h or lon,lat,h) or points (.geojson) instead of a grid; their own heights
-    /// count if `--height` is not given
+    /// Candidates from a table (.csv with x,y,h or lon,lat,h, and optionally id) or points (.geojson) instead of a grid,
+    /// told by their names; their own heights count if `--height` is not given
     #[arg(long, value_name = "FILE", conflicts_with = "step")]
     pub(super) candidates: Option<PathBuf>,
     /// At least so high above the roof or ground directly below [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "0", allow_hyphen_values = true)]
     pub(super) clearance: f64,
-    /// What to make large: p_los or margin (of the worst receiver), of all receivers or of (street), (crossroad),
-    /// (courtyard), (rooftop), (area); p_los(weights); with `--minimize height` a share to reach, such as p_los>=0.8
+    /// What to make large: p_los or margin (of the worst receiver), over the receivers of `--receivers` in range, or of those
+    /// only in (street), (crossroad), (courtyard), (rooftop), (area); p_los(weights); with `--minimize height` a share to
+    /// reach, such as p_los>=0.8
     #[arg(long, value_name = "GOAL", default_value = "p_los")]
     pub(super) goal: String,
     /// Polygons (.geojson) whose receivers count for the goals p_los(area) and margin(area)
@@ -57,7 +58,7 @@ pub(in crate::cli) struct PlaceArgs {
     /// Which cells hold receivers; a goal of a zone has its own
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
-    /// File to write, by extension: .csv (all candidates, ranked), .json, .geojson (the best ones), .png .svg .pdf (where to
+    /// File to write, by extension: .csv (those chosen, then all candidates, ranked), .json, .geojson (the best ones), .png .svg .pdf (where to
     /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,

@@ -8,7 +8,7 @@ use crate::height_field::HeightField;
 use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
 use crate::quantity::{Height, tidy};
 use crate::raster::{GeoRef, RasterFile};
-use crate::scene::{Area, Source, read_area, read_sites, refuse_two_crs};
+use crate::scene::{Area, GivenSite, Source, read_area, read_given_sites, refuse_two_crs};
 use crate::zones::{Zone, ZoneMap};
 
 /// More candidates than this are refused.
@@ -19,6 +19,8 @@ const MOST_CANDIDATES: usize = 10_000_000;
 pub(super) struct Inputs {
     /// The grid of candidates, unless they are from a file.
     pub(super) places: Option<PlaceGrid>,
+    /// The places from a file, by their numbers; empty where they are on a grid.
+    pub(super) sites: Vec<GivenSite>,
     /// The heights tried, empty where candidates have their own.
     pub(super) heights: Vec<Height>,
     pub(super) area: Option<Area>,
@@ -44,9 +46,10 @@ impl Inputs {
             let text = format!("cannot search {n} candidates, wanted at most {MOST_CANDIDATES}");
             Error::limit(502, text).with_hint("choose a longer `--step`, or fewer heights")
         };
+        let mut sites: Vec<GivenSite> = Vec::new();
         let (places, spots) = match &args.candidates {
             Some(path) => {
-                let sites = read_sites(path, grid, 1)?;
+                sites = read_given_sites(path, grid, 1)?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,
@@ -78,6 +81,7 @@ impl Inputs {
         let files = [&args.candidates, &args.within, &args.keep_out, &args.area, &args.weights];
         Ok(Inputs {
             places,
+            sites,
             heights,
             area: area(&args.area)?,
             weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,

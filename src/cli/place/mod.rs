@@ -26,6 +26,7 @@ use super::words::pretty;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules, check_outputs};
+use crate::placement::Weights;
 use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
 use crate::zones::{Zone, ZoneMap};
@@ -88,8 +89,11 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     let n_uavs = candidates.kept.len();
     let n_cells = scene.field.grid().n_cells();
     let sets = if args.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
-    let held = if inputs.weights.is_some() { 4 } else { 0 };
-    let of_candidate = CANDIDATE_BYTES + UavGrid::BYTES_PER_PLACE_AND_THREAD * rayon::current_num_threads();
+    let (held, of_place) = match &inputs.weights {
+        Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
+        None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
+    };
+    let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
     let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
     let needs = (FIELD_BYTES_PER_CELL, per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
@@ -112,6 +116,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         mapper: &mapper,
         weights: inputs.weights.as_ref(),
         places: inputs.places.as_ref(),
+        sites: &inputs.sites,
     };
     let found = search.run()?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
@@ -149,7 +154,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         timing,
     };
     job.write(&outputs, map.as_ref())?;
-    say(args, &report, start, &scene.timing, &outputs)
+    say((args, goal), &report, start, &scene.timing, &outputs)
 }
 
 /// Refuses what makes no sense together, before any work.
@@ -215,11 +220,17 @@ fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>,
 }
 
 /// Says what was found.
-fn say(args: &PlaceArgs, report: &PlaceReport, start: Instant, spent: &Timing, outputs: &[Output]) -> Result<()> {
+fn say(
+    (args, goal): (&PlaceArgs, Goal),
+    report: &PlaceReport,
+    start: Instant,
+    spent: &Timing,
+    outputs: &[Output],
+) -> Result<()> {
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..*spent };
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
-        outputs::in_words(report).iter().for_each(|line| messages::note(line));
+        outputs::in_words(report, goal).iter().for_each(|line| messages::note(line));
         messages::note(&format!(
             "method {}: search {:.3} s of {:.2} s",
             report.facts.method_in_words(),

@@ -6,7 +6,7 @@ use super::super::interrupt;
 use super::super::plan::Ready;
 use super::super::words::pretty;
 use super::args::PlaceArgs;
-use super::goal::{Goal, Measure};
+use super::goal::{Goal, Measure, Whom};
 use super::{picture, winner_map};
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result};
@@ -110,10 +110,11 @@ pub(super) fn height_words(place: &PlaceFacts) -> String {
     }
 }
 
-fn value_words(place: &PlaceFacts) -> String {
+/// What a place is worth in words, over some receivers.
+fn value_words(place: &PlaceFacts, receivers: &str) -> String {
     match place.value {
         PlaceValue::Counts(score) => match score.share() {
-            Some(p) => format!("P_LoS {p:.4}, {} of {} receivers", score.seen, score.wanted),
+            Some(p) => format!("P_LoS {p:.4}, {} of {} {receivers}", score.seen, score.wanted),
             None => "P_LoS undefined".into(),
         },
         PlaceValue::Weighted(score) => {
@@ -126,29 +127,53 @@ fn value_words(place: &PlaceFacts) -> String {
     }
 }
 
+/// Where a place is in words, with its name if it has one.
+fn at_words(place: &PlaceFacts) -> String {
+    let name = place.id.as_ref().map_or(String::new(), |id| format!("{id} "));
+    format!("{name}({}, {})", tidy(place.x), tidy(place.y))
+}
+
 /// A place in words.
-pub(super) fn place_words(place: &PlaceFacts) -> String {
-    let at = format!("({}, {})", tidy(place.x), tidy(place.y));
-    format!("{} at {at} over {}: {}", height_words(place), place.placement, value_words(place))
+fn place_words(place: &PlaceFacts, receivers: &str) -> String {
+    let value = value_words(place, receivers);
+    format!("{} at {} over {}: {value}", height_words(place), at_words(place), place.placement)
+}
+
+/// The receivers that count for a goal.
+fn wanted(report: &PlaceReport, goal: Goal) -> String {
+    let receivers = if report.receivers == "all" { "ground and roof" } else { report.receivers };
+    let area = if goal.whom == Whom::Area { " in the area" } else { "" };
+    format!("{receivers} receivers{area}")
+}
+
+/// All of them, at any distance.
+fn all_wanted(report: &PlaceReport, goal: Goal) -> String {
+    let weight = if goal.whom == Whom::Weights { "the weight of " } else { "" };
+    let range = if report.radius_m.is_some() { ", in range or not" } else { "" };
+    format!("{weight}all {}{range}", wanted(report, goal))
 }
 
 /// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.
-pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
+pub(super) fn in_words(report: &PlaceReport, goal: Goal) -> Vec<String> {
+    let range = if report.radius_m.is_some() { " in range" } else { "" };
+    let receivers = wanted(report, goal) + range;
     let mut lines = vec![match &report.winner {
-        Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner)),
+        Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner, &receivers)),
         Err(reason) => format!("no winner among {} candidates: {reason}", report.n_candidates),
     }];
-    lines.extend(
-        report.refined.iter().map(|(place, tried)| format!("refined ({tried} more places): {}", place_words(place))),
-    );
+    let refined = |(place, tried): &(PlaceFacts, u64)| {
+        format!("refined ({tried} more places): {}", place_words(place, &receivers))
+    };
+    lines.extend(report.refined.iter().map(refined));
     if let Some(several) = &report.several {
-        let share = |v: u64| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
-        let chosen: Vec<String> = several.places.iter().map(|p| format!("({}, {})", tidy(p.x), tidy(p.y))).collect();
+        let share = |v: u128| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
+        let chosen: Vec<String> = several.places.iter().map(at_words).collect();
         let gap = several.cover.gap().map_or("undefined".to_string(), |gap| format!("{:.2} %", 100.0 * gap));
         lines.push(format!(
-            "{} UAVs see together {} of all receivers; no {} of these candidates see more than {} (gap {gap}): {}",
+            "{} UAVs see together {} of {}; no {} of these candidates see more than {} (gap {gap}): {}",
             several.places.len(),
             share(several.cover.covered()),
+            all_wanted(report, goal),
             several.count,
             share(several.cover.bound),
             chosen.join(", ")

@@ -98,7 +98,7 @@ fn outlines(job: &Writer<'_>) -> Vec<bool> {
 fn caption(job: &Writer<'_>) -> Vec<String> {
     let report = job.report;
     let grid = job.scene.field.grid();
-    let mut lines: Vec<String> = in_words(report)
+    let mut lines: Vec<String> = in_words(report, job.goal)
         .iter()
         .map(|line| {
             let mut letters = line.chars();

@@ -11,6 +11,7 @@ use crate::placement::{
     least_heights, ranked, ranked_margins, refined, scores, scores_over_grid, worst_margins,
 };
 use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
+use crate::scene::GivenSite;
 
 /// Everything that a search needs.
 #[derive(Debug)]
@@ -24,6 +25,8 @@ pub(super) struct Search<'a> {
     pub(super) weights: Option<&'a Weights>,
     /// The grid of the candidate places, if they are on one.
     pub(super) places: Option<&'a PlaceGrid>,
+    /// The places from a file, by their numbers; empty where they are on a grid.
+    pub(super) sites: &'a [GivenSite],
 }
 
 /// What was found.
@@ -64,6 +67,24 @@ impl Search<'_> {
         &self.candidates.kept
     }
 
+    /// What is told of a candidate, with the name and the position that were given.
+    fn fact(&self, rank: usize, candidate: usize, value: PlaceValue) -> PlaceFacts {
+        let candidate = &self.kept()[candidate];
+        let given = self.sites.get(candidate.spot.place);
+        PlaceFacts {
+            id: given.map(|site| site.id.clone()),
+            lonlat: given.and_then(|site| site.lonlat),
+            ..PlaceFacts::of(rank, candidate, value)
+        }
+    }
+
+    /// The UAV of a candidate, under the name that was given.
+    fn uav(&self, candidate: usize) -> Uav {
+        let candidate = &self.kept()[candidate];
+        let id = self.sites.get(candidate.spot.place).map_or(String::new(), |site| site.id.clone());
+        Uav { id, ..candidate.uav.clone() }
+    }
+
     fn by_share(&self, control: &Control) -> Result<Found> {
         let mut sets = None;
         let scores = match self.places {
@@ -76,15 +97,15 @@ impl Search<'_> {
             None => scores(&self.scorer(), &self.kept().iter().map(|c| &c.uav).collect::<Vec<_>>(), control)?,
         };
         let order = ranked(&scores);
-        let fact = |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], self.value(scores[*k]));
+        let fact = |(rank, k): (usize, &usize)| self.fact(rank + 1, *k, self.value(scores[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
-        let best = order.first().map(|k| (&self.kept()[*k], scores[*k])).filter(|(_, score)| score.wanted > 0);
+        let best = order.first().copied().filter(|k| scores[*k].wanted > 0);
         let refined = match best {
-            Some((candidate, score)) => self.refined(candidate, score)?,
+            Some(k) => self.refined(&self.kept()[k], scores[k])?,
             None => None,
         };
         let heat = self.heat(scores.iter().map(|s| s.share().map(narrow)).collect());
-        let mut winners: Vec<Uav> = best.iter().map(|(candidate, _)| candidate.uav.clone()).collect();
+        let mut winners: Vec<Uav> = best.iter().map(|k| self.uav(*k)).collect();
         let mut several = None;
         if let Some(sets) = sets {
             let (facts, uavs) = self.several(&sets, &scores, control)?;
@@ -136,10 +157,10 @@ impl Search<'_> {
         let count = usize::from(self.args.count);
         let cover = cover(sets, count, control)?;
         let place = |(k, chosen): (usize, &crate::placement::Chosen)| {
-            PlaceFacts::of(k + 1, &self.kept()[chosen.set], self.value(scores[chosen.set]))
+            self.fact(k + 1, chosen.set, self.value(scores[chosen.set]))
         };
         let places = cover.chosen.iter().enumerate().map(place).collect();
-        let uavs = cover.chosen.iter().map(|chosen| self.kept()[chosen.set].uav.clone()).collect();
+        let uavs = cover.chosen.iter().map(|chosen| self.uav(chosen.set)).collect();
         Ok((SeveralFacts { count, cover, places }, uavs))
     }
 
@@ -160,9 +181,8 @@ impl Search<'_> {
             let by_share = b.score.compare(&a.score);
             b.reaches.cmp(&a.reaches).then(by_height).then(by_share).then(a.candidate.cmp(&b.candidate))
         });
-        let fact = |(rank, f): (usize, &crate::placement::LeastHeight)| {
-            PlaceFacts::of(rank + 1, &self.kept()[f.candidate], self.value(f.score))
-        };
+        let fact =
+            |(rank, f): (usize, &crate::placement::LeastHeight)| self.fact(rank + 1, f.candidate, self.value(f.score));
         let facts: Vec<PlaceFacts> = found.iter().enumerate().map(fact).collect();
         let winner = match (found.first(), facts.first()) {
             (Some(first), Some(facts)) if first.reaches => Ok(facts.clone()),
@@ -173,19 +193,18 @@ impl Search<'_> {
             (None, _) => Err(NO_RECEIVER.to_string()),
         };
         let reaching = found.first().filter(|first| first.reaches);
-        let winners = reaching.map(|first| self.kept()[first.candidate].uav.clone()).into_iter().collect();
+        let winners = reaching.map(|first| self.uav(first.candidate)).into_iter().collect();
         Ok(Found { ranked: facts, winner, refined: None, several: None, heat, winners })
     }
 
     fn by_margin(&self, control: &Control) -> Result<Found> {
         let margins = worst_margins(self.mapper, self.kept(), usize::from(self.args.top), control)?;
         let order = ranked_margins(&margins);
-        let fact =
-            |(rank, k): (usize, &usize)| PlaceFacts::of(rank + 1, &self.kept()[*k], PlaceValue::Margin(margins[*k]));
+        let fact = |(rank, k): (usize, &usize)| self.fact(rank + 1, *k, PlaceValue::Margin(margins[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();
-        let best = order.first().filter(|k| margins[**k].is_some()).map(|k| &self.kept()[*k]);
+        let best = order.first().copied().filter(|k| margins[*k].is_some());
         let refined = match best {
-            Some(candidate) => self.refined_margin(candidate)?,
+            Some(k) => self.refined_margin(&self.kept()[k])?,
             None => None,
         };
         Ok(Found {
@@ -194,7 +213,7 @@ impl Search<'_> {
             refined,
             several: None,
             heat: self.heat(margins.iter().map(|m| m.map(|m| m.margin_m).filter(|m| m.is_finite())).collect()),
-            winners: best.map(|candidate| candidate.uav.clone()).into_iter().collect(),
+            winners: best.map(|k| self.uav(k)).into_iter().collect(),
         })
     }
 

@@ -9,7 +9,7 @@ use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::Writer;
 use crate::cli::args::ReceiversArg;
-use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally};
+use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::quantity::tidy;
@@ -24,12 +24,12 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         let text = format!("cannot write {}: there is no winner to map", path.display());
         return Err(Error::site(209, text).with_hint("without `--map` the other results are written"));
     }
-    let named: Vec<_> = job
-        .winners
-        .iter()
-        .enumerate()
-        .map(|(k, uav)| crate::coverage::Uav { id: (k + 1).to_string(), ..uav.clone() })
-        .collect();
+    // Names are those that were given, if they tell the UAVs apart.
+    let ids: std::collections::HashSet<&str> = job.winners.iter().map(|uav| uav.id.as_str()).collect();
+    let are_named = ids.len() == job.winners.len() && !ids.contains("");
+    let id = |k: usize, uav: &Uav| if are_named { uav.id.clone() } else { (k + 1).to_string() };
+    let named: Vec<Uav> =
+        job.winners.iter().enumerate().map(|(k, uav)| Uav { id: id(k, uav), ..uav.clone() }).collect();
     let maps = job.mapper.map_many(&named, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?;
     if format != Format::GeoTiff {
         return batch.add(path, &picture(job, &maps, format)?);
@@ -71,9 +71,11 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
             n_sites,
         },
     };
+    let in_range = if job.report.radius_m.is_some() { " in range" } else { "" };
     let share = |tally: &Tally| match tally.p_los() {
         Some(p) => {
-            format!("P_LoS = {p:.4} ({} of {} {receivers_name})", grouped(tally.los), grouped(tally.receivers))
+            let (los, receivers) = (grouped(tally.los), grouped(tally.receivers));
+            format!("P_LoS = {p:.4} ({los} of {receivers} {receivers_name}{in_range})")
         }
         None => format!("P_LoS undefined: {}", tally.reason()),
     };

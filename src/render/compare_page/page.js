@@ -118,6 +118,7 @@
       input.checked = input.value === "buildings" ? state.buildings : input.value === state.theme;
     }
     for (const input of document.querySelectorAll('input[name="zoom"]')) input.checked = Number(input.value) === state.zoom;
+    for (const name of document.querySelectorAll("[data-name]")) name.textContent = view.ids[state[name.dataset.name]];
     document.documentElement.dataset.theme = state.theme;
     byId("backdrop").style.visibility = state.buildings ? "visible" : "hidden";
     document.querySelectorAll(".mark").forEach((mark) => {
