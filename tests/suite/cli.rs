@@ -238,7 +238,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
             "error[E107]: cannot write out.asc: an ASCII grid",
         ),
         // Input files.
-        ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `nowhere.tif`: no such file"),
+        ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.tif: no such file"),
         ("map nowhere.geojson --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.geojson: "),
         ("map city.shp --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read city.shp: "),
         ("SMALL --uavs nowhere.csv", 3, "error[E301]: cannot read nowhere.csv: "),
