@@ -148,7 +148,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav nan,10,50", 2, "error[E102]: cannot read `--uav nan,10,50`: x: found `NaN`, which is not finite"),
         ("SMALL --uav 10,-inf,50", 2, "error[E102]: cannot read `--uav 10,-inf,50`: y: found `-inf`, which is not"),
         ("SMALL --uav 10,10,1e400", 2, "error[E102]: cannot read `--uav 10,10,1e400`: height `1e400`: found `inf`"),
-        ("SMALL --uav 10,10,50ft", 2, "error[E102]: cannot read `--uav 10,10,50ft`: height `50ft`: found `50ft`"),
+        ("SMALL --uav 10,10,50yd", 2, "error[E102]: cannot read `--uav 10,10,50yd`: height `50yd`: found `50yd`"),
         ("SMALL --uav 10,10,50 --rx-height -1", 2, "error[E113]: `--rx-height` is `-1`, wanted 0 m to 32768 m"),
         ("SMALL --uav 10,10,50 --rx-height nan", 2, "error[E101]: invalid value 'nan' for '--rx-height <M>'"),
         ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: `--radius` is `0`, wanted above 0 m"),

@@ -489,8 +489,8 @@ fn bad_site_files_are_refused_with_their_line() {
         (
             "x,y,h\n691605,5334755,nan\n",
             3,
-            "error[E302]: cannot read s.csv: line 2: height `nan`: found `NaN`, which is not finite, wanted a number of \
-             meters, bare or with `agl`, `roof` or `amsl`",
+            "error[E302]: cannot read s.csv: line 2: height `nan`: found `NaN`, which is not finite, wanted meters, or \
+             feet (`400ft`), bare or with `agl`, `roof` or `amsl`",
             hint,
         ),
         (
