@@ -238,8 +238,9 @@ const FLAGS: [(&str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 17] = [
+const OTHER: [&str; 18] = [
     "--project",
+    "--skip-bad",
     "--repairs",
     "--height-unit",
     "--levels-field",

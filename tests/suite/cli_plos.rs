@@ -276,8 +276,9 @@ const FLAGS: [(&str, &str); 36] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 18] = [
+const OTHER: [&str; 19] = [
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

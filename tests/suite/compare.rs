@@ -378,8 +378,9 @@ const FLAGS: [(&str, &str); 21] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 15] = [
+const OTHER: [&str; 16] = [
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

@@ -409,8 +409,9 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 30] = [
+const OTHER: [&str; 31] = [
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

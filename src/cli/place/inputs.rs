@@ -1,6 +1,7 @@
 //! The areas, weights and candidates of a search, read and checked.
 
 use super::super::plan::Ready;
+use super::super::tables::bad_rows;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Whom};
 use crate::error::{Error, Result, Warning};
@@ -46,7 +47,7 @@ impl Inputs {
         };
         let (places, spots) = match &args.candidates {
             Some(path) => {
-                let sites = read_sites(path, grid, 1)?;
+                let sites = read_sites(path, grid, 1, bad_rows(args.skip_bad, warnings))?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,
