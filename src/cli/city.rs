@@ -122,7 +122,7 @@ impl City<'_> {
             true => format!("surface {} to {} m above the datum\n", tidy(f64::from(low)), tidy(f64::from(high))),
             false => String::new(),
         };
-        format!("{}\n{}\n{}\n{surface}", self.name(), self.size_line(), self.place_line())
+        format!("{}\n{}\n{}\n{surface}", self.facts.scene_name, self.size_line(), self.place_line())
     }
 
     /// How large the city is.

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::geojson_file::{features, named_crs, read_document};
 use super::source::{input_name, is_geojson, read_text};
-use super::table::{BadRows, Position, RowFault, Table, height, readable};
+use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
 use crate::error::{Error, Result};
 use crate::quantity::Height;
 use crate::raster::{Crs, CrsKind, GeoRef, transform};
@@ -64,7 +64,7 @@ fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
         let height = table.height(row, h_column, above_column)?;
-        let xy = (table.number(row, x_column)?, table.number(row, y_column)?);
+        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
         let (x, y) = in_scene(xy, wgs84.as_ref(), grid.crs())?;
         refuse_swapped((xy, (x, y)), (wgs84.as_ref(), grid))?;
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());

@@ -18,6 +18,9 @@ pub enum BadRows<'a> {
     LeaveOut(&'a mut Vec<Warning>),
 }
 
+/// What a coordinate is to be.
+pub(super) const NUMBER: &str = "a number";
+
 /// A table of named columns.
 pub(crate) struct Table {
     headers: csv::StringRecord,
@@ -114,9 +117,11 @@ impl Table {
         }
     }
 
-    /// A finite number.
-    pub(crate) fn number(&self, row: &Row, column: usize) -> std::result::Result<f64, RowFault> {
-        let number = self.decimals(row, column).and_then(|text| parse_number(&text));
+    /// A finite number; `wanted` says which, for messages.
+    pub(crate) fn number(&self, row: &Row, column: usize, wanted: &str) -> std::result::Result<f64, RowFault> {
+        let number = self
+            .decimals(row, column)
+            .and_then(|text| parse_number(&text).map_err(|found| format!("{found}, wanted {wanted}")));
         number.map_err(|found| RowFault::Text(format!("`{}`: {found}", &self.headers[column])))
     }
 
@@ -270,7 +275,7 @@ pub(crate) fn readable<T>(
     let error = refuse(first, text);
     Err(match error.hint() {
         Some(hint) if !good.is_empty() => {
-            let hint = format!("{hint}; `--skip-bad` goes on without bad rows");
+            let hint = format!("{hint}; a run with `--skip-bad` goes on without bad rows");
             error.with_hint(hint)
         }
         _ => error,
@@ -286,7 +291,11 @@ mod tests {
         let table = Table::parse(text)?;
         let last = table.headers.len() - 1;
         let words = |fault: RowFault| fault.to_string();
-        Ok(table.rows(|_, row| table.number(row, last)).into_iter().map(|(_, row)| row.map_err(words)).collect())
+        Ok(table
+            .rows(|_, row| table.number(row, last, NUMBER))
+            .into_iter()
+            .map(|(_, row)| row.map_err(words))
+            .collect())
     }
 
     #[test]
@@ -326,7 +335,7 @@ mod tests {
         let text = error.to_string();
         assert!(text.starts_with("25 of 30 rows are bad: line 2: found `0`; line 3: found `1`; "), "{text}");
         assert!(text.ends_with("line 21: found `19`; and 5 more"), "{text}");
-        assert_eq!(error.hint(), Some("h; `--skip-bad` goes on without bad rows"));
+        assert_eq!(error.hint(), Some("h; a run with `--skip-bad` goes on without bad rows"));
         let mut warnings = Vec::new();
         let good = readable("t", rows(1..30), BadRows::LeaveOut(&mut warnings), refuse);
         assert_eq!(good, Ok((1..30).collect()));

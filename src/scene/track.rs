@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::geojson_file::{features, named_crs, read_document};
 use super::sites::{check_placeable, degrees_or_named, in_scene, misplaced};
 use super::source::{input_name, is_geojson, read_text};
-use super::table::{BadRows, Position, RowFault, Table, readable};
+use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
 use crate::error::{Error, Result};
 use crate::raster::Crs;
 
@@ -46,7 +46,7 @@ fn read_csv(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Ve
     let wgs84 = if is_degrees { Some(Crs::from_epsg(4326)?) } else { None };
     check_placeable(&name, wgs84.as_ref(), scene_crs)?;
     let rows = table.rows(|_, row| {
-        let xy = (table.number(row, x_column)?, table.number(row, y_column)?);
+        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
         in_scene(xy, wgs84.as_ref(), scene_crs).map(|(x, y)| [x, y])
     });
     readable(&name, rows, bad, |fault, text| match fault {

@@ -29,8 +29,9 @@ fn bad_rows_are_told_together_and_left_out_on_request() {
     let lines = answer.refused(3);
     assert_eq!(
         lines[0],
-        "error[E302]: cannot read s.csv: 3 of 4 rows are bad: line 2: `y`: found `bad0`, which is not a number; line 3: \
-         `y`: found `bad1`, which is not a number; line 5: height `high`: found `high`, which is not a number, wanted \
+        "error[E302]: cannot read s.csv: 3 of 4 rows are bad: line 2: `y`: found `bad0`, which is not a number, wanted a \
+         number; line 3: `y`: found `bad1`, which is not a number, wanted a number; line 5: height `high`: found `high`, \
+         which is not a number, wanted \
          meters, or feet (`400ft`), bare or with `agl`, `roof` or `amsl`"
     );
     assert!(lines[1].contains("--skip-bad"), "{lines:?}");
@@ -46,7 +47,8 @@ fn bad_rows_are_told_together_and_left_out_on_request() {
     let answer = folder.type_in(map);
     let first = answer.refused(3)[0].to_string();
     assert!(
-        first.contains("30 of 31 rows are bad: ") && first.ends_with("`bad19`, which is not a number; and 10 more")
+        first.contains("30 of 31 rows are bad: ")
+            && first.ends_with("`bad19`, which is not a number, wanted a number; and 10 more")
     );
     folder.write("s.csv", &format!("id,x,y,h\n{}", rows(2)));
     let answer = folder.type_in(&format!("{map} --skip-bad"));

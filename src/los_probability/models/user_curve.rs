@@ -61,11 +61,10 @@ impl UserCurve {
 
         let rows = table.rows(|_, row| {
             let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| match table
-                .number(row, column)
+                .number(row, column, wanted)?
             {
-                Ok(v) if range.contains(&v) => Ok(v),
-                Ok(v) => Err(RowFault::Text(format!("`{name}` is `{v}`, wanted {wanted}"))),
-                Err(fault) => Err(RowFault::Text(format!("{fault}, wanted {wanted}"))),
+                v if range.contains(&v) => Ok(v),
+                v => Err(RowFault::Text(format!("`{name}` is `{v}`, wanted {wanted}"))),
             };
             let at = number(axis_column, axis.column(), axis_range.clone(), axis_wanted)?;
             Ok((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, row.line()))
