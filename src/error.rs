@@ -17,11 +17,11 @@
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
 //! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
 //! | E313 | a curve of P_LoS given as a table |
-//! | E401–E403 | an output cannot be written, encoded, drawn |
+//! | E401–E403 | an output cannot be written (a bad file), encoded, drawn (faults of the program) |
 //! | E501–E502 | memory, extent |
 //! | E601–E602 | a stress scene: its truth is not what is known of it, an exact method is wrong |
 //! | E603 | a chart: two exact engines differ |
-//! | W201–W203 | flat earth, no receiver, heights at which a UAV cannot be |
+//! | W201–W204 | flat earth, no receiver, heights at which a UAV cannot be, UAVs outside the grid |
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
 //! | W320–W334 | rasters, listed at [`crate::raster::GeoTiff`]'s module |
 //! | W335, W339 | footprints and rasters brought into another CRS |
@@ -31,18 +31,20 @@
 //! | W367 | meshes: cells without a face |
 //! | W370–W372 | vertical systems: one of two files names none, datums that differ, units that contradict each other |
 //! | W373 | results of this program given as a scene |
+//! | W380 | rows of a table that were left out |
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// The cause of an [`Error`], one per exit code of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorClass {
-    /// A fault of the program or of the machine (disk full): exit code 1.
+    /// A fault of the program: exit code 1.
     Internal,
     /// The request itself does not make sense: exit code 2.
     Usage,
-    /// An input file is bad: exit code 3.
+    /// An input file is bad, or an output file cannot be written: exit code 3.
     File,
     /// A site, zone or position is bad: exit code 4.
     Site,
@@ -84,10 +86,10 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// An error of the given class with a stable code and one line of text.
     ///
-    /// Line breaks in `text` (which may quote a file) are replaced by spaces, so that an error is always one line.
+    /// Control characters in `text` (which may quote a file) are escaped, so that an error is always one line, and
+    /// passages in backticks are cut to 400 characters.
     pub fn new(class: ErrorClass, code: u16, text: impl Into<String>) -> Self {
-        let text: String = text.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        Error { class, code, text, hint: None }
+        Error { class, code, text: one_line(&text.into()), hint: None }
     }
 
     /// A usage error (E1xx).
@@ -100,7 +102,7 @@ impl Error {
         Error::new(ErrorClass::Site, code, text)
     }
 
-    /// A bad input file (E3xx).
+    /// A bad input file (E3xx), or an output file that cannot be written (E401).
     pub fn file(code: u16, text: impl Into<String>) -> Self {
         Error::new(ErrorClass::File, code, text)
     }
@@ -110,7 +112,7 @@ impl Error {
         Error::new(ErrorClass::Limit, code, text)
     }
 
-    /// A fault of the program or the machine (E4xx for outputs, E9xx otherwise).
+    /// A fault of the program (E402 and E403 for outputs, E9xx otherwise).
     pub fn internal(code: u16, text: impl Into<String>) -> Self {
         Error::new(ErrorClass::Internal, code, text)
     }
@@ -118,14 +120,14 @@ impl Error {
     /// The same error with a remedy.
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
+        self.hint = Some(one_line(&hint.into()));
         self
     }
 
     /// The same error with more at the end of its text, in parentheses: the larger thing that it happened in.
     #[must_use]
     pub fn within(mut self, more: impl fmt::Display) -> Self {
-        self.text = format!("{} ({more})", self.text);
+        self.text = one_line(&format!("{} ({more})", self.text));
         self
     }
 
@@ -163,14 +165,13 @@ pub struct Warning {
 impl Warning {
     /// A warning with a stable code and one line of text.
     pub fn new(code: u16, text: impl Into<String>) -> Self {
-        let text: String = text.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        Warning { code, text }
+        Warning { code, text: one_line(&text.into()) }
     }
 
     /// The same warning with more at the end of its text, in parentheses.
     #[must_use]
     pub fn within(mut self, more: impl fmt::Display) -> Self {
-        self.text = format!("{} ({more})", self.text);
+        self.text = one_line(&format!("{} ({more})", self.text));
         self
     }
 
@@ -185,14 +186,87 @@ impl Warning {
     }
 }
 
+/// Most characters of what was found that a message quotes.
+pub(crate) const MOST_FOUND: usize = 400;
+
+/// Most characters of a message.
+const MOST_CHARACTERS: usize = 4000;
+
+/// Text without control characters, in which passages in backticks are no longer than [`MOST_FOUND`].
+fn one_line(text: &str) -> String {
+    let cut = |(k, part)| if k % 2 == 1 { shortened(part, MOST_FOUND) } else { escaped(part) };
+    let parts: Vec<Cow<'_, str>> = text.split('`').enumerate().map(cut).collect();
+    shortened(&parts.join("`"), MOST_CHARACTERS).into_owned()
+}
+
+/// Text with its control characters escaped.
+pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return Cow::Borrowed(text);
+    }
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(escape).collect())
+}
+
+/// Text of at most so many characters: of a longer one the beginning, how long it is, and the end.
+pub(crate) fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    let whole = escaped(text);
+    let n = whole.chars().count();
+    if n <= most {
+        return whole;
+    }
+    let gap = format!(" … ({} characters) … ", text.chars().count());
+    let kept = most.saturating_sub(gap.chars().count());
+    let head: String = whole.chars().take(kept - kept / 4).collect();
+    let tail: String = whole.chars().skip(n - kept / 4).collect();
+    Cow::Owned(head + &gap + &tail)
+}
+
+/// What an operating system says, in the words of all messages: lower case, without its number.
+pub(crate) fn io_words(cause: &std::io::Error) -> String {
+    use std::io::ErrorKind;
+    match cause.kind() {
+        ErrorKind::NotFound => return "no such file".into(),
+        ErrorKind::IsADirectory => return "it is a folder, wanted a file".into(),
+        ErrorKind::StorageFull => return "no space is left on the disk".into(),
+        _ => {}
+    }
+    let text = cause.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
+    fn what_was_found_is_quoted_up_to_a_length() {
+        let (short, long) = ("é".repeat(400), "é".repeat(400) + "x");
+        assert_eq!(Error::file(302, format!("found `{short}`")).to_string(), format!("found `{short}`"));
+        let text = Error::file(302, format!("found `{long}`, wanted `3`")).to_string();
+        assert!(text.contains(" … (401 characters) … ") && text.ends_with("éx`, wanted `3`"), "{text}");
+        assert_eq!(text.chars().count(), "found ``, wanted `3`".len() + 400);
+        // What is escaped becomes longer; the number is that of what was found.
+        let bells = Warning::new(320, format!("found `{}`", "\u{7}".repeat(300)));
+        assert!(bells.text().contains("(300 characters)") && bells.text().chars().count() == 408, "{bells:?}");
+        // Backticks in what was found do not let it through.
+        assert!(Error::file(302, "`a".repeat(100_000)).to_string().chars().count() <= 4000);
+    }
+
+    #[test]
+    fn operating_systems_are_quoted_in_one_form() {
+        use std::io::{Error as Io, ErrorKind};
+        assert_eq!(io_words(&Io::from(ErrorKind::NotFound)), "no such file");
+        assert_eq!(io_words(&Io::from(ErrorKind::PermissionDenied)), "permission denied");
+        assert_eq!(io_words(&Io::other("Bad things (os error 5)")), "bad things");
+    }
+
+    #[test]
     fn an_error_is_one_line_whatever_it_quotes() {
         let error = Error::file(301, "cannot read `a\nb`").with_hint("rename it");
-        assert_eq!(error.to_string(), "cannot read `a b`");
+        assert_eq!(error.to_string(), "cannot read `a\\nb`");
         assert_eq!(error.code(), "E301");
         assert_eq!(error.class().exit_code(), 3);
         assert_eq!(error.hint(), Some("rename it"));

@@ -82,7 +82,8 @@ impl Frame {
 
 /// A height together with what it is measured from.
 ///
-/// Written `120agl`, `30roof`, `150amsl`; a bare number is above ground.
+/// Written `120agl`, `30roof`, `150amsl`; a bare number is above ground. Feet are written `400ft`, `400ft amsl`; what is
+/// shown is in meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Height {
     /// Above the ground under the point \[m\].
@@ -127,8 +128,8 @@ impl FromStr for Height {
         } else {
             (text, Height::AboveGround)
         };
-        parse_number(number).map(make).map_err(|found| {
-            format!("height `{text}`: {found}, wanted a number of meters, bare or with `agl`, `roof` or `amsl`")
+        parse_meters(number).map(make).map_err(|found| {
+            format!("height `{text}`: {found}, wanted meters, or feet (`400ft`), bare or with `agl`, `roof` or `amsl`")
         })
     }
 }
@@ -150,6 +151,18 @@ pub fn tidy(v: f64) -> String {
 pub(crate) fn whole(quotient: f64) -> f64 {
     let nearest = quotient.round();
     if (quotient - nearest).abs() <= 1e-6 { nearest } else { quotient }
+}
+
+/// A length in meters, typed as such (`120`, `120m`) or in international feet (`400ft`); or what was found instead.
+pub fn parse_meters(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    // 0.3048 m to the foot; divided last, so that 10ft are 3.048.
+    let length = match (text.strip_suffix("ft"), text.strip_suffix('m')) {
+        (Some(feet), _) => parse_number(feet).map(|feet| feet * 3048.0 / 10_000.0),
+        (None, Some(meters)) => parse_number(meters),
+        (None, None) => return parse_number(text),
+    };
+    length.ok().filter(|length| length.is_finite()).map_or_else(|| parse_number(text), Ok)
 }
 
 /// A finite number, or what was found instead.
@@ -182,7 +195,25 @@ mod tests {
         assert_eq!("30roof".parse(), Ok(Height::AboveRoof(30.0)));
         assert_eq!(" 150 amsl".parse(), Ok(Height::AboveDatum(150.0)));
         assert!("nan".parse::<Height>().is_err());
-        assert!("120ft".parse::<Height>().is_err());
         assert!("infagl".parse::<Height>().is_err());
+    }
+
+    #[test]
+    fn feet_are_turned_into_meters() {
+        for (text, height) in [
+            ("200ft", Height::AboveGround(60.96)),
+            ("200ftagl", Height::AboveGround(60.96)),
+            ("-10 ft", Height::AboveGround(-3.048)),
+            ("200 ft amsl", Height::AboveDatum(60.96)),
+            ("100ftroof", Height::AboveRoof(30.48)),
+            ("120m", Height::AboveGround(120.0)),
+            ("120 m amsl", Height::AboveDatum(120.0)),
+        ] {
+            assert_eq!(text.parse(), Ok(height), "{text}");
+            assert_eq!(height.to_string().parse(), Ok(height), "{text}");
+        }
+        for wrong in ["ft", "m", "nanft", "1e999ft", "10ftm", "10mft", "10 feet", "10amsl ft", "10km"] {
+            assert!(wrong.parse::<Height>().is_err(), "{wrong}");
+        }
     }
 }

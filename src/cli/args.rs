@@ -1,6 +1,6 @@
 //! What was typed: the command line, as it is documented by `--help`.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -10,6 +10,7 @@ use super::place::PlaceArgs;
 use super::plos::PlosArgs;
 use super::repairs::FoundRepairs;
 use super::stress::StressArgs;
+use super::typed::{SceneWord, length, scene_word};
 use crate::error::Error;
 use crate::export::Format;
 use crate::los::MethodChoice;
@@ -25,7 +26,9 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand,
 #[command(after_help = "\
 SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .vrt, or a folder of
 tiles), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
-Heights are above ground unless written 150amsl or 30roof; all lengths are in meters.
+Heights are above ground unless written 150amsl or 30roof; all lengths are in meters, heights of UAVs
+and receivers also in feet: 400ft, 400ft amsl. Tables (.csv) have fields between commas, semicolons or
+tabs; `-` reads one from standard input. Without `-o` the answer goes to standard output.
 
 Examples:
   skyshed map itu:urban --uav 500,500,100 -o coverage.png
@@ -38,8 +41,8 @@ Examples:
   skyshed stress --scenes 4 -o failures.png
   skyshed chart itu:urban --size 300 --uav 150,150,100 --time 0.05 -o chart.png
 
-Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input file, 4 bad site or zone, 5 over a limit,
-6 a check failed, 130 interrupted.")]
+Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input or output file, 4 bad site or zone, 5 over
+a limit, 6 a check failed, 130 interrupted.")]
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -50,6 +53,12 @@ impl Cli {
     pub(super) fn from_words(words: &[OsString]) -> Result<Cli, clap::Error> {
         let mut command = Cli::command();
         let matches = command.try_get_matches_from_mut(words)?;
+        if let Some((_, matches)) = matches.subcommand()
+            && standard_inputs(matches) > 1
+        {
+            let text = "`-` is given for two tables, wanted one: standard input can be read once";
+            return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
+        }
         let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?;
         let scene = cli.command.scene_mut();
         if let Some((_, matches)) = matches.subcommand() {
@@ -64,6 +73,15 @@ impl Cli {
 fn typed(matches: &ArgMatches) -> Vec<String> {
     let ids = matches.ids().map(|id| id.as_str());
     ids.filter(|id| matches.value_source(id) == Some(ValueSource::CommandLine)).map(str::to_string).collect()
+}
+
+/// How many tables are to be read from standard input.
+fn standard_inputs(matches: &ArgMatches) -> usize {
+    let tables = ["uavs", "candidates", "track"].into_iter();
+    let tables = tables.filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten()).map(|path| path.as_os_str());
+    let curves = matches.try_get_many::<OsString>("curve").ok().flatten().into_iter().flatten();
+    let is_standard_input = |word: &OsStr| word == "-" || word.as_encoded_bytes().ends_with(b"=-");
+    tables.chain(curves.map(OsString::as_os_str)).filter(|word| is_standard_input(word)).count()
 }
 
 /// The files that were named, other than the scene and `--repairs`.
@@ -131,8 +149,8 @@ impl Command {
 pub(super) struct SceneArgs {
     /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
     /// .city.json) or mesh (.obj, .ply)
-    #[arg(value_name = "SCENE", help_heading = None::<&'static str>)]
-    pub(super) scene: String,
+    #[arg(value_name = "SCENE", value_parser = scene_word(), help_heading = None::<&'static str>)]
+    pub(super) scene: SceneWord,
     /// Terrain model below the surface model or the footprints [raster file, or folder of tiles]; with `--project` in any
     /// reference system
     #[arg(long, value_name = "FILE")]
@@ -444,14 +462,17 @@ pub(super) enum PolygonsArg {
 
 #[derive(Debug, Clone, Args)]
 pub(super) struct MapArgs {
-    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: Vec<String>,
-    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson)
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson); `-` is standard input
     #[arg(long, value_name = "FILE")]
     pub(super) uavs: Option<PathBuf>,
+    /// Leave out rows of the table that cannot be read, with a warning that names them
+    #[arg(long, requires = "uavs")]
+    pub(super) skip_bad: bool,
     /// Height of the receivers above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]
@@ -465,7 +486,7 @@ pub(super) struct MapArgs {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
     pub(super) layers: Vec<LayerArg>,
     /// File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
-    /// standard output; repeat for more. With `{site}` in every name each UAV gets files of its own, which appear as soon as
+    /// standard output; repeat for more. Without any the table goes to standard output. With `{site}` in every name each UAV gets files of its own, which appear as soon as
     /// they are complete; with `--radius`, only the part of a raster that is in range is read
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
@@ -520,15 +541,18 @@ pub(super) struct LinkArgs {
     /// The receiver: x, y and height (1.5, 1.5roof, 30amsl); `--rx-height` above ground without one
     #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true, required_unless_present = "track")]
     pub(super) rx: Option<String>,
-    /// A user's track instead: its places in order, from a table (.csv with x,y or lon,lat) or a line (.geojson); says where
-    /// it has line of sight and how long the stretches without are
+    /// A user's track instead: its places in order, from a table (.csv with x,y or lon,lat; `-` is standard input) or a line
+    /// (.geojson); says where it has line of sight and how long the stretches without are
     #[arg(long, value_name = "FILE", conflicts_with = "rx")]
     pub(super) track: Option<PathBuf>,
+    /// Leave out rows of the track that cannot be read, with a warning that names them
+    #[arg(long, requires = "track")]
+    pub(super) skip_bad: bool,
     /// Longest step along a track between two decided places [m]; what begins and ends within a step is missed
     #[arg(long, value_name = "M", value_parser = number, default_value = "1", allow_hyphen_values = true, requires = "track")]
     pub(super) every: f64,
     /// Height of the receiver above ground [m], if `--rx` gives none
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
     /// Side view of the link (.png, .svg, .pdf) or its document (.json); of a track a strip of line of sight below the height that
     /// would be enough, its document, and a table (.csv)
@@ -547,8 +571,9 @@ pub(super) struct LinkArgs {
 #[derive(Debug, Args)]
 pub(super) struct CityArgs {
     /// File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints), .xml
-    /// (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more
-    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    /// (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more. Without any
+    /// what the city is goes to standard output
+    #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) words: PictureWords,
@@ -567,7 +592,7 @@ pub(super) struct InfoArgs {
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: Vec<String>,
     /// Height of the receivers of that map above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
     /// Which cells hold receivers of that map
     #[arg(long, value_enum, default_value = "ground")]

@@ -82,22 +82,18 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
             }
         }
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     if !args.out.quiet {
         messages::warnings(&facts.warnings);
-        let files: Vec<String> =
-            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
-        let buildings = if footprints.is_some() {
-            format!(", {} buildings", grouped(field.n_buildings() as u64))
-        } else {
-            String::new()
-        };
-        messages::note(&format!("{}{buildings}; wrote {}", facts.scene_name, files.join(", ")));
+        if !outputs.is_empty() {
+            messages::note(&city.name());
+        }
     }
+    messages::wrote(&files, args.out.quiet);
     if to_stdout {
-        messages::answer(&pretty(&facts.provenance("skyshed/city/1", None)))?;
+        return messages::answer(&pretty(&facts.provenance("skyshed/city/1", None)));
     }
-    Ok(())
+    if outputs.is_empty() { messages::answer(&city.in_words()) } else { Ok(()) }
 }
 
 struct City<'a> {
@@ -110,6 +106,44 @@ struct City<'a> {
 }
 
 impl City<'_> {
+    /// What the city is called, and how many buildings it has.
+    fn name(&self) -> String {
+        match self.footprints {
+            Some(_) => format!("{}, {} buildings", self.facts.scene_name, grouped(self.field.n_buildings() as u64)),
+            None => self.facts.scene_name.clone(),
+        }
+    }
+
+    /// The city in a few lines.
+    fn in_words(&self) -> String {
+        let surface = self.field.surface_m();
+        let heights = surface.iter().copied().filter(|z| z.is_finite());
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+        let surface = match low <= high {
+            true => format!("surface {} to {} m above the datum\n", tidy(f64::from(low)), tidy(f64::from(high))),
+            false => String::new(),
+        };
+        format!("{}\n{}\n{}\n{surface}", self.facts.scene_name, self.size_line(), self.place_line())
+    }
+
+    /// How large the city is.
+    fn size_line(&self) -> String {
+        let grid = self.field.grid();
+        let unit = meters_per_unit(grid);
+        let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
+        match self.footprints {
+            Some(_) => format!("{} buildings on {} × {} m", self.field.n_buildings(), tidy(width), tidy(height)),
+            None => format!("{} × {} cells, {} × {} m", grid.n_cols(), grid.n_rows(), tidy(width), tidy(height)),
+        }
+    }
+
+    /// Where the city lies.
+    fn place_line(&self) -> String {
+        let grid = self.field.grid();
+        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        format!("South-west corner at ({}, {}), {crs}", tidy(grid.x_min()), tidy(grid.y_min()))
+    }
+
     fn encode(&self, path: &Path, format: Format) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>> {
         let provenance = self.facts.provenance("skyshed/city/1", None);
         let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
@@ -216,17 +250,8 @@ impl City<'_> {
                 })
             }
         };
-        let mut caption = vec![match self.footprints {
-            Some(_) => format!("{} buildings on {} × {} m", self.field.n_buildings(), tidy(width), tidy(height)),
-            None => format!("{} × {} cells, {} × {} m", grid.n_cols(), grid.n_rows(), tidy(width), tidy(height)),
-        }];
-        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
-        caption.push(format!(
-            "South-west corner at ({}, {}), {crs}; skyshed {}",
-            tidy(grid.x_min()),
-            tidy(grid.y_min()),
-            env!("CARGO_PKG_VERSION")
-        ));
+        let place = format!("{}; skyshed {}", self.place_line(), env!("CARGO_PKG_VERSION"));
+        let mut caption = vec![self.size_line(), place];
         caption.extend(self.args.words.credit(self.attribution.as_ref()));
         let title = self.args.words.title_or(|| title_of(&self.facts.scene_name));
         let picture =

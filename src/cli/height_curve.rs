@@ -158,14 +158,17 @@ impl Curves<'_> {
         }
     }
 
+    /// What is odd about the curves.
+    pub(super) fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
     /// Says on standard error what was found.
-    pub(super) fn say(&self, outputs: &[(PathBuf, Format)]) {
-        messages::warnings(&self.warnings);
+    pub(super) fn say(&self) {
         for curve in self.curves.iter().filter(|c| c.receivers() > 0) {
             messages::note(&format!("UAV {}: {}", curve.uav().id, reaches(curve)));
         }
-        let files: Vec<String> = outputs.iter().map(|(p, _)| p.display().to_string()).collect();
-        messages::note(&format!("height curve, method ray (exact): {:.2} s; wrote {}", self.seconds, files.join(", ")));
+        messages::note(&format!("height curve, method ray (exact): {:.2} s", self.seconds));
     }
 
     fn plot(&self, scene: &Ready, form: &PictureForm) -> Result<Vec<u8>> {

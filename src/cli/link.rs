@@ -1,6 +1,7 @@
 //! `skyshed link`: one link, decided and explained.
 
 use super::args::LinkArgs;
+use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
     Ready, checked_radius, input_paths, meters_per_unit, parse_receiver, parse_uav, ready, receiver_height,
 };
@@ -39,10 +40,11 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
         },
     )?;
     args.size.refuse_without_picture(&outputs)?;
-    let scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
-    let uav = Uav::place(&site, &scene.field, Some(reach))?;
+    let uav = place_uav(&site, &scene.field, scene.field.grid(), Some(reach))?;
     let receiver = receiver(&scene, x, y, height)?;
     let report = explain(&scene, &uav, &receiver, command);
     if let Some(radius) = radius_m.filter(|r| report.distance_m > *r) {
@@ -65,10 +67,11 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
         interrupt::check()?;
         batch.add(path, &bytes)?;
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     if !args.out.quiet {
         messages::warnings(&scene.warnings);
     }
+    messages::wrote(&files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&report.document()))
     } else {

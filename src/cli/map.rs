@@ -1,20 +1,22 @@
 //! `skyshed map`: coverage of one or many UAVs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs};
 use super::expected::Expected;
-use super::height_curve::CurvePlan;
+use super::height_curve::{CurvePlan, Curves};
 use super::map_drawing::draws_each;
 use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
+use super::messages::WarningsOfRuns;
+use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
-    warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, ready, receiver_height, warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
+use super::tables::{UavsAsked, UavsFound};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
 use super::words::{idle_in_words, pretty};
 use super::{interrupt, messages};
@@ -22,13 +24,13 @@ use crate::coverage::{
     Control, HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
+use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs, encode_table};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::Mark;
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tallies};
-use crate::scene::{GivenSite, Site, StreamedSurface, read_given_sites};
+use crate::scene::{GivenSite, StreamedSurface};
 
 /// Formats of `skyshed map`.
 const FORMATS: [Format; 14] = [
@@ -52,11 +54,15 @@ const FORMATS: [Format; 14] = [
 #[derive(Default)]
 pub(super) struct Given<'a> {
     /// The UAVs, instead of those that were typed.
-    pub(super) sites: Option<Vec<GivenSite>>,
+    pub(super) uavs: Option<UavsFound>,
     /// The scene, instead of the one that was typed.
     pub(super) scene: GivenScene<'a>,
+    /// The grid of which the scene may be a part.
+    pub(super) grid: Option<&'a GeoRef>,
     /// What the run is one of, for `--resume`.
     pub(super) unit: Option<String>,
+    /// Where warnings go that other runs may give too.
+    pub(super) batch: Option<&'a mut WarningsOfRuns>,
 }
 
 /// A scene that was read before, or is still to be read.
@@ -89,9 +95,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: args.bare },
     )?;
     let curve_plan = CurvePlan::of(args, &inputs, &FORMATS)?;
-    if outputs.is_empty() && !args.out.json && !curve_plan.is_wanted() {
-        return Err(Error::usage(108, "nothing to write: wanted `-o FILE` or `--json`").with_hint("-o coverage.png"));
-    }
+    let prints_table = outputs.is_empty() && !args.out.json && !curve_plan.is_wanted();
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
         return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
     }
@@ -104,26 +108,27 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let files: Vec<_> = outputs.iter().filter(is_drawn).chain(curve_plan.outputs()).cloned().collect();
     args.words.refuse_without_picture(&files)?;
     let tolerance = checked_tolerance(args.tolerance, args.engine.method)?;
-    let Given { sites: given_sites, scene: given_scene, unit } = given;
-    let typed = match &given_sites {
-        Some(_) => Vec::new(),
-        None => typed_sites(args)?,
-    };
+    let Given { uavs: given_uavs, scene: given_scene, grid: whole_grid, unit, batch: other_runs } = given;
+    let asked_uavs = uavs_asked(args)?;
+    let read_uavs = |grid: &GeoRef| given_uavs.map_or_else(|| asked_uavs.read(grid), Ok);
     let layers = layers(&args.layers);
     let mut scene = match given_scene {
         GivenScene::InMemory(scene) => *scene,
         GivenScene::Typed if too_large(args).is_none() => ready(&args.scene, args.engine.max_memory)?,
         not_in_memory => {
-            let run =
-                StreamedRun { args, command, outputs: &outputs, layers: &layers, rx_height, radius_m, start, unit };
-            let typed = |grid: &GeoRef| given_sites.map_or_else(|| sites(typed, args.uavs.as_deref(), grid), Ok);
+            let (outputs, layers) = (&outputs[..], &layers[..]);
+            let run = StreamedRun { args, command, outputs, layers, rx_height, radius_m, start, unit, other_runs };
             return match not_in_memory {
-                GivenScene::OnDisk(scene, warnings) => run.over(scene, warnings, typed),
-                _ => run.read(typed),
+                GivenScene::OnDisk(scene, warnings) => run.over(scene, warnings, read_uavs),
+                _ => run.read(read_uavs),
             };
         }
     };
-    let sites = given_sites.map_or_else(|| sites(typed, args.uavs.as_deref(), scene.field.grid()), Ok)?;
+    let UavsFound { sites, sources, warnings } = read_uavs(scene.field.grid())?;
+    scene.sources.extend(sources);
+    scene.warnings.extend(warnings);
+    let grid = whole_grid.unwrap_or(scene.field.grid());
+    warn_of_uavs_outside(&sites, grid, &mut scene.warnings);
     if args.bare {
         check_bare_names(&sites, &outputs, args.out.overwrite)?;
     }
@@ -142,7 +147,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     }
     let before_build = Instant::now();
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let mut uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    let place = |site: &GivenSite| place_uav(site, &scene.field, whole_grid.unwrap_or(scene.field.grid()), radius);
+    let mut uavs: Vec<Uav> = sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let tolerance = match tolerance {
@@ -151,6 +157,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     };
     // Zones cost as much as a map: they are found where a table or a document tells them.
     let tells_zones = args.out.json
+        || prints_table
         || args.receivers.zone().is_some()
         || outputs.iter().any(|(_, f)| matches!(f, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout))
         || curve_plan.outputs().iter().any(|(_, f)| *f == Format::Json);
@@ -276,29 +283,36 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
             batch.add(&file, &bytes)?;
         }
     }
-    batch.commit()?;
+    let written = batch.commit()?;
     scene.timing.write = before_write.elapsed().as_secs_f64();
     scene.timing.total = start.elapsed().as_secs_f64();
 
     if !args.out.quiet {
-        messages::warnings(&report.facts.warnings);
+        let of_curves = curves.as_ref().map_or(&[][..], Curves::warnings);
+        messages::warnings_of_run(other_runs, &sites[0].id, &[&report.facts.warnings, of_curves].concat());
         report.idle.iter().filter(|idle| idle.dropped() > 0).for_each(|idle| messages::note(&idle_in_words(idle)));
         report.tolerance.iter().for_each(|facts| messages::note(&tolerance_in_words(facts)));
-        say_results(&report, why, scene.timing, &outputs);
-        curves.iter().for_each(|c| c.say(curve_plan.outputs()));
+        say_results(&report, why, scene.timing);
+        curves.iter().for_each(Curves::say);
     }
+    messages::wrote(&written, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-        messages::answer(&pretty(&report.document(Some(scene.timing))))?;
+        return messages::answer(&pretty(&report.document(Some(scene.timing))));
+    }
+    if prints_table {
+        return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
     }
     Ok(())
 }
 
-/// The UAVs of the command line.
-pub(super) fn typed_sites(args: &MapArgs) -> Result<Vec<Site>> {
+/// Where the UAVs are told; those of the command line are well-formed.
+pub(super) fn uavs_asked(args: &MapArgs) -> Result<UavsAsked<'_>> {
     if args.uav.is_empty() && args.uavs.is_none() {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
     }
-    args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect()
+    let asked =
+        UavsAsked { typed: &args.uav, table: args.uavs.as_deref(), skip_bad: args.skip_bad, hash: args.scene.hash };
+    asked.typed_sites().map(|_| asked)
 }
 
 /// Whether a file tells of each UAV cell by cell.
@@ -328,20 +342,6 @@ fn layers(typed: &[LayerArg]) -> Vec<Layer> {
         }
     }
     layers
-}
-
-/// Typed sites, then those of the file; ids must differ.
-pub(super) fn sites(typed: Vec<Site>, file: Option<&Path>, grid: &GeoRef) -> Result<Vec<GivenSite>> {
-    let mut sites: Vec<GivenSite> = typed.into_iter().map(GivenSite::from).collect();
-    if let Some(path) = file {
-        let first = sites.len() + 1;
-        sites.extend(read_given_sites(path, grid, first)?);
-    }
-    let mut seen = std::collections::HashSet::new();
-    match sites.iter().find(|s| !seen.insert(s.id.clone())) {
-        Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
-        None => Ok(sites),
-    }
 }
 
 /// Refuses bare pictures of several sites that would share a name or replace a file, before any work.
@@ -394,8 +394,8 @@ pub(super) fn height_words(site: &SiteFacts) -> String {
     }
 }
 
-/// Tells what was found, how, and where it was written.
-pub(super) fn say_results(report: &MapReport, why: &str, timing: Timing, outputs: &[(PathBuf, Format)]) {
+/// Tells what was found, and how.
+pub(super) fn say_results(report: &MapReport, why: &str, timing: Timing) {
     for site in &report.sites {
         let share = site.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
         messages::note(&format!(
@@ -403,11 +403,8 @@ pub(super) fn say_results(report: &MapReport, why: &str, timing: Timing, outputs
             site.id, site.tally.los, site.tally.receivers
         ));
     }
-    let files: Vec<String> =
-        outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
-    let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
     messages::note(&format!(
-        "method {} ({}; {why}): line of sight {:.3} s of {:.2} s{wrote}",
+        "method {} ({}; {why}): line of sight {:.3} s of {:.2} s",
         report.facts.method_name(),
         report.facts.method.map_or("", Method::exactness),
         timing.los,

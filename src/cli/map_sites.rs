@@ -4,25 +4,29 @@
 //! UAV), they appear when all of them are complete, and `--resume` leaves those alone that are there. So an interrupted
 //! run goes on where it stopped, and another program may hand out UAVs one by one, and hand them out again.
 
+use std::ffi::OsStr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::MapArgs;
-use super::map::{Given, GivenScene, run_one, sites, typed_sites};
+use super::map::{Given, GivenScene, run_one, uavs_asked};
 use super::map_streamed::{check_streamed, on_disk, too_large};
+use super::messages::WarningsOfRuns;
+use super::os_words::split;
 use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, built, check_memory, checked_radius, is_raster_scene, meters_per_unit, raster_options,
     ready, warn_of_raster,
 };
+use super::tables::UavsFound;
 use super::{interrupt, messages};
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
-use crate::export::{Format, sidecars, site_in_names, with_suffix};
+use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
 use crate::quantity::counted;
-use crate::raster::{GeoRef, RasterFile, origin_of};
+use crate::raster::{GeoRef, RasterFile, cannot_read, origin_of};
 use crate::report::digest_words;
-use crate::scene::{GivenSite, Site, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
+use crate::scene::{GivenSite, Site, Source, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
 
 /// What stands for the name of a UAV in the name of a file.
 const SITE: &str = "{site}";
@@ -67,6 +71,13 @@ impl<'a> SiteRuns<'a> {
         if n_named == 0 && !args.resume {
             return Ok(None);
         }
+        if files.is_empty() {
+            return Err(Error::usage(116, "`--resume` has no meaning without files to leave alone")
+                .with_hint("`-o FILE` names one"));
+        }
+        // Those in folders named after UAVs are checked with each of them.
+        let folders_are_shared = |path: &&&PathBuf| !path.parent().is_some_and(names);
+        files.iter().filter(folders_are_shared).try_for_each(|path| check_folder(path))?;
         if let Some(other) = files.iter().find(|path| n_named > 0 && !names(path)) {
             let text = format!("cannot write {}: other files of this run are named after each UAV", other.display());
             return Err(Error::usage(105, text).with_hint(format!("write `{SITE}` into every name, or into none")));
@@ -87,19 +98,38 @@ impl<'a> SiteRuns<'a> {
     /// # Errors
     /// Of the first UAV that failed, once all others are done; at once if the user interrupts.
     pub(super) fn run(&self, command: Vec<String>) -> Result<()> {
-        let typed = typed_sites(self.args)?;
+        let asked = uavs_asked(self.args)?;
         if !self.is_by_site() {
             return self.run_together(command);
         }
-        let (mut scenes, grid) = self.scenes_or_grid()?;
-        let sites = sites(typed, self.args.uavs.as_deref(), &grid)?;
-        let plans = self.plans(&sites)?;
+        let (scenes, grid) = self.scenes_or_grid()?;
+        let uavs = asked.read(&grid)?;
+        let mut said = WarningsOfRuns::default();
+        let done = self.run_each(command, (scenes, &grid), &uavs, &mut said);
+        if !self.args.out.quiet {
+            messages::warnings(&uavs.warnings);
+            said.say();
+        }
+        done
+    }
+
+    /// Runs each UAV that is not done.
+    fn run_each(
+        &self,
+        command: Vec<String>,
+        (mut scenes, grid): (Option<SiteScenes>, &GeoRef),
+        uavs: &UavsFound,
+        said: &mut WarningsOfRuns,
+    ) -> Result<()> {
+        let sites = &uavs.sites;
+        let plans = self.plans(sites)?;
         let inputs = self.inputs(false)?;
         let (mut n_done, mut n_skipped) = (0, 0);
         let mut failed: Option<Error> = None;
         for (site, args) in sites.iter().zip(plans) {
             let unit = self.unit(Some(site), &inputs);
-            match self.run_site((args, &command), (&mut scenes, &grid), (site, &unit)) {
+            let own = UavsFound { sites: vec![site.clone()], sources: uavs.sources.clone(), warnings: Vec::new() };
+            match self.run_site((args, &command), (&mut scenes, grid), (own, &unit), said) {
                 Ok(true) => {
                     n_done += 1;
                     interrupt::end_writing()?;
@@ -198,7 +228,7 @@ impl<'a> SiteRuns<'a> {
                 return Err(Error::site(207, text));
             }
             let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
-                paths.iter().map(|path| PathBuf::from(path.to_string_lossy().replace(SITE, &name))).collect()
+                paths.iter().map(|path| split(path.as_os_str(), SITE).join(OsStr::new(&name)).into()).collect()
             };
             plans.push(MapArgs {
                 output: own(&self.args.output),
@@ -214,8 +244,10 @@ impl<'a> SiteRuns<'a> {
         &self,
         (mut args, command): (MapArgs, &[String]),
         (scenes, grid): (&mut Option<SiteScenes>, &GeoRef),
-        (site, unit): (&GivenSite, &str),
+        (own, unit): (UavsFound, &str),
+        said: &mut WarningsOfRuns,
     ) -> Result<bool> {
+        let site = &own.sites[0];
         if args.resume {
             match found(&args, unit)? {
                 Found::All => return Ok(false),
@@ -237,7 +269,8 @@ impl<'a> SiteRuns<'a> {
                 GivenScene::InMemory(Box::new(self.part((site, grid), Some((scene, warnings)))?))
             }
         };
-        let given = Given { sites: Some(vec![site.clone()]), scene, unit: Some(unit.to_string()) };
+        let unit_words = Some(unit.to_string());
+        let given = Given { uavs: Some(own), scene, grid: Some(grid), unit: unit_words, batch: Some(said) };
         match run_one(&args, command.to_vec(), given) {
             // Another process was faster.
             Err(error) if args.resume && error.code() == "E106" && found(&args, unit)? == Found::All => Ok(false),
@@ -280,7 +313,7 @@ impl<'a> SiteRuns<'a> {
         (args.scene.typed, args.scene.paths) = (Vec::new(), Vec::new());
         (args.scene.repairs, args.scene.found_repairs) = (None, std::sync::Arc::default());
         if site.is_some() {
-            (args.uav, args.uavs) = (Vec::new(), None);
+            (args.uav, args.uavs, args.skip_bad) = (Vec::new(), None, false);
         }
         let mut hasher = Sha256::new();
         hasher.update(format!("{} {args:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
@@ -293,11 +326,15 @@ impl<'a> SiteRuns<'a> {
         let args = self.args;
         let mut files: Vec<PathBuf> =
             std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
-        files.extend(args.uavs.clone().filter(|_| with_sites));
-        let mut text = String::new();
+        let table = args.uavs.clone().filter(|_| with_sites);
+        // What comes from standard input is told by its digest.
+        let mut text = match &table {
+            Some(table) if !table.exists() => format!("{:?};", Source::of(table, false)?),
+            _ => String::new(),
+        };
+        files.extend(table);
         for file in files.iter().filter(|file| file.exists()).flat_map(|file| parts_of(file)) {
-            let metadata = std::fs::metadata(&file)
-                .map_err(|e| Error::file(301, format!("cannot read {}: {e}", file.display())))?;
+            let metadata = std::fs::metadata(&file).map_err(|e| cannot_read(&file, &e))?;
             text += &format!("{} {} {:?};", file.display(), metadata.len(), metadata.modified().ok());
         }
         Ok(text)

@@ -5,11 +5,14 @@ use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
 use super::map_drawing::MapDrawing;
+use super::messages::WarningsOfRuns;
+use super::outside::warn_of_uavs_outside;
 use super::plan::{
     FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
     warn_of_flat_earth, warn_of_raster,
 };
 use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
+use super::tables::UavsFound;
 use super::words::{picture_provenance, pretty};
 use super::{interrupt, messages};
 use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
@@ -206,15 +209,17 @@ pub(super) struct StreamedRun<'a> {
     pub(super) start: Instant,
     /// What the run is one of.
     pub(super) unit: Option<String>,
+    /// Where warnings go that other runs may give too.
+    pub(super) other_runs: Option<&'a mut WarningsOfRuns>,
 }
 
 impl StreamedRun<'_> {
     /// Copies the heights to the disk, then maps.
-    pub(super) fn read(self, sites: impl FnOnce(&GeoRef) -> Result<Vec<GivenSite>>) -> Result<()> {
+    pub(super) fn read(self, uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>) -> Result<()> {
         check_streamed(self.args)?;
         let mut warnings: Vec<Warning> = Vec::new();
         let scene = on_disk(self.args, &mut warnings)?;
-        self.over(&scene, warnings, sites)
+        self.over(&scene, warnings, uavs)
     }
 
     /// Makes the map and writes its files.
@@ -222,15 +227,17 @@ impl StreamedRun<'_> {
         self,
         scene: &StreamedSurface,
         mut warnings: Vec<Warning>,
-        sites: impl FnOnce(&GeoRef) -> Result<Vec<GivenSite>>,
+        uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>,
     ) -> Result<()> {
         check_streamed(self.args)?;
         let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
-        let sites = sites(grid)?;
-        let uav = self.uav(scene, &sites, radius)?;
+        let found = uavs(grid)?;
+        warnings.extend(found.warnings);
+        warn_of_uavs_outside(&found.sites, grid, &mut warnings);
+        let uav = self.uav(scene, &found.sites, radius)?;
         if scene.base() == WindowedBase::Surface {
             check_surface_receivers(args.receivers)?;
         }
@@ -266,7 +273,7 @@ impl StreamedRun<'_> {
                 scene_name: scene.name.clone(),
                 grid: grid.clone(),
                 meters_per_unit: meters_per_unit(grid),
-                sources: scene.sources.clone(),
+                sources: [scene.sources.clone(), found.sources].concat(),
                 seed: None,
                 warnings,
                 unit: self.unit.clone(),
@@ -275,7 +282,7 @@ impl StreamedRun<'_> {
             receivers: args.receivers.name(),
             radius_m: self.radius_m,
             union_zones: None,
-            sites: vec![SiteFacts { lonlat: sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
+            sites: vec![SiteFacts { lonlat: found.sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
             tolerance: None,
             idle: None,
@@ -308,15 +315,19 @@ impl StreamedRun<'_> {
                 _ => {}
             }
         }
-        batch.commit()?;
+        let written = batch.commit()?;
         timing.write = before_write.elapsed().as_secs_f64();
         timing.total = self.start.elapsed().as_secs_f64();
         if !quiet {
-            messages::warnings(&report.facts.warnings);
-            super::map::say_results(&report, "strip by strip, as it does not fit in memory", timing, self.outputs);
+            messages::warnings_of_run(self.other_runs, &uav.id, &report.facts.warnings);
+            super::map::say_results(&report, "strip by strip, as it does not fit in memory", timing);
         }
+        messages::wrote(&written, quiet);
         if args.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-            messages::answer(&pretty(&report.document(Some(timing))))?;
+            return messages::answer(&pretty(&report.document(Some(timing))));
+        }
+        if self.outputs.is_empty() {
+            return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
         }
         Ok(())
     }

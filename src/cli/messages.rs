@@ -1,17 +1,18 @@
 //! What is said on standard error: errors, warnings, hints, progress.
 
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::coverage::Control;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, Result, Warning, escaped, io_words};
 
 /// A line on standard error; a closed pipe there is nobody's concern.
 fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", escaped(text));
 }
 
 /// Prints an error and its hint.
@@ -29,6 +30,67 @@ pub(super) fn warnings(warnings: &[Warning]) {
     }
 }
 
+/// Warnings of the runs of a batch, each to be said once.
+#[derive(Debug, Default)]
+pub(super) struct WarningsOfRuns {
+    /// With the UAVs whose runs gave it.
+    groups: Vec<(Warning, Vec<String>)>,
+}
+
+impl WarningsOfRuns {
+    /// Adds those of the run of a UAV. What differs in numbers alone is the same warning.
+    pub(super) fn add(&mut self, uav: &str, warnings: &[Warning]) {
+        let words = |warning: &Warning| {
+            let words: String = warning.text().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+            (warning.code(), words)
+        };
+        for warning in warnings {
+            let known = self.groups.iter_mut().find(|(other, _)| words(other) == words(warning));
+            match known {
+                Some((_, uavs)) if uavs.last().is_some_and(|last| last == uav) => {}
+                Some((_, uavs)) => uavs.push(uav.to_string()),
+                None => self.groups.push((warning.clone(), vec![uav.to_string()])),
+            }
+        }
+    }
+
+    /// Each warning as it was given first, with the UAVs that it concerns.
+    fn told(&self) -> Vec<Warning> {
+        /// UAVs that are named.
+        const MOST_NAMED: usize = 5;
+        let told = |(warning, uavs): &(Warning, Vec<String>)| {
+            if uavs.len() == 1 {
+                return warning.clone();
+            }
+            let more = if uavs.len() > MOST_NAMED { " …" } else { "" };
+            let named = uavs.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", ");
+            warning.clone().within(format!("for {} UAVs: {named}{more}", uavs.len()))
+        };
+        self.groups.iter().map(told).collect()
+    }
+
+    /// Prints them.
+    pub(super) fn say(&self) {
+        warnings(&self.told());
+    }
+}
+
+/// Prints the warnings of a run, or adds them to those of a batch.
+pub(super) fn warnings_of_run(batch: Option<&mut WarningsOfRuns>, uav: &str, found: &[Warning]) {
+    match batch {
+        Some(batch) => batch.add(uav, found),
+        None => warnings(found),
+    }
+}
+
+/// Names the files that were written.
+pub(super) fn wrote(files: &[PathBuf], quiet: bool) {
+    if !(quiet || files.is_empty()) {
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        note(&format!("wrote {}", names.join(", ")));
+    }
+}
+
 /// Prints what was done.
 pub(super) fn note(text: &str) {
     say(text);
@@ -37,12 +99,12 @@ pub(super) fn note(text: &str) {
 /// Prints a result on standard output. A closed pipe means that the reader has seen enough: that is success.
 ///
 /// # Errors
-/// Internal error (E401) if it cannot be written for another reason, such as a full disk.
+/// E401 if it cannot be written for another reason, such as a full disk.
 pub(super) fn answer(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::internal(401, format!("cannot write to standard output: {e}")))
+            Err(Error::file(401, format!("cannot write to standard output: {}", io_words(&e))))
         }
         _ => Ok(()),
     }
@@ -83,4 +145,29 @@ pub(super) fn with_progress<T>(
         finished.store(true, Ordering::Release);
         result
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_of_a_batch_are_said_once() {
+        let mut batch = WarningsOfRuns::default();
+        let flat =
+            |m: u32| Warning::new(201, format!("the earth is taken as flat; at {m} m it drops by {}.5 m", m / 1000));
+        for k in 1..=7 {
+            batch.add(&k.to_string(), &[flat(10_000 + k), Warning::new(340, "no terrain"), flat(1)]);
+        }
+        batch.add("8", &[Warning::new(202, "UAV `8` has no receiver")]);
+        let told: Vec<String> = batch.told().iter().map(|w| w.text().to_string()).collect();
+        assert_eq!(
+            told,
+            [
+                "the earth is taken as flat; at 10001 m it drops by 10.5 m (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "no terrain (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "UAV `8` has no receiver"
+            ]
+        );
+    }
 }

@@ -20,6 +20,8 @@ mod map_sites;
 mod map_streamed;
 mod messages;
 mod method_looks;
+mod os_words;
+mod outside;
 mod place;
 mod plan;
 mod plos;
@@ -28,15 +30,17 @@ mod repairs;
 mod sample;
 mod sample_plot;
 mod stress;
+mod tables;
 mod tolerance;
 mod track;
+mod typed;
 mod words;
 mod zones;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, MOST_FOUND, Result, shortened};
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -59,6 +63,7 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
+    plan::check_scene(&cli.command)?;
     repairs::check(cli.command.scene())?;
     let words = command.clone();
     match &cli.command {
@@ -87,8 +92,13 @@ fn in_pool(threads: Option<u16>, work: impl FnOnce() -> Result<()> + Send) -> Re
 
 /// Help and version go to standard output; a usage error is put in the words of all other errors.
 fn refuse(refusal: &clap::Error) -> ExitCode {
-    use clap::error::ErrorKind;
-    let text = refusal.to_string();
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    let mut text = refusal.to_string();
+    for kind in [ContextKind::InvalidValue, ContextKind::InvalidArg, ContextKind::InvalidSubcommand] {
+        if let Some(ContextValue::String(found)) = refusal.get(kind) {
+            text = text.replace(found.as_str(), &shortened(found, MOST_FOUND));
+        }
+    }
     match refusal.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => match messages::answer(&text) {
             Ok(()) => ExitCode::SUCCESS,

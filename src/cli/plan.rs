@@ -1,10 +1,11 @@
 //! What was typed, resolved: the scene read and built, sites placed, numbers checked.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::args::{Base, HeightUnitArg, Missing, Nodata, SceneArgs};
+use super::args::{Base, Command, HeightUnitArg, Missing, Nodata, SceneArgs};
 use super::info::results_in;
 use super::repairs::keep;
 use super::words::title_of;
@@ -40,9 +41,25 @@ pub(super) struct Ready {
     pub(super) timing: Timing,
 }
 
+/// Refuses a scene that is no file but the name of a built-up environment, which stands behind `itu:`.
+///
+/// # Errors
+/// E301.
+pub(super) fn check_scene(command: &Command) -> Result<()> {
+    let more = if let Command::Plos(args) = command { &args.more_cities[..] } else { &[] };
+    for scene in std::iter::once(&command.scene().scene).chain(more) {
+        let word = format!("itu:{scene}");
+        if matches!(BuiltUpCity::parse_built_up(&word), Some(Ok(_))) && !Path::new(scene).exists() {
+            let text = format!("cannot read {scene}: no such file");
+            return Err(Error::file(301, text).with_hint(format!("`{word}` is a generated city")));
+        }
+    }
+    Ok(())
+}
+
 /// Reads a scene without building it.
 pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    if let Some(built_up) = BuiltUpCity::parse_built_up(&args.scene) {
+    if let Some(built_up) = args.scene.built_up() {
         let city = BuiltUpCity {
             built_up: built_up?,
             size_m: args.size,
@@ -102,7 +119,7 @@ pub(super) fn is_raster(path: &Path) -> bool {
 
 /// Whether a scene as typed is a raster.
 pub(super) fn is_raster_scene(args: &SceneArgs) -> bool {
-    BuiltUpCity::parse_built_up(&args.scene).is_none() && is_raster(Path::new(&args.scene))
+    args.scene.built_up().is_none() && is_raster(Path::new(&args.scene))
 }
 
 /// Reads the scene of a file.
@@ -231,7 +248,12 @@ fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Resul
 
 /// Refuses work that does not fit in memory, before anything of its size is made: `more` bytes per cell beside the `held`
 /// ones, all together within `most`.
-pub(super) fn check_memory(name: &str, grid: &GeoRef, (held, more): (usize, usize), most: Option<u64>) -> Result<()> {
+pub(super) fn check_memory(
+    name: &impl fmt::Display,
+    grid: &GeoRef,
+    (held, more): (usize, usize),
+    most: Option<u64>,
+) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
     let more = grid.n_cells().saturating_mul(more);
     let bytes = grid.n_cells().saturating_mul(held).saturating_add(more);

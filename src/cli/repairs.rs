@@ -84,10 +84,10 @@ pub(super) fn write(args: &SceneArgs, command: Vec<String>) -> Result<()> {
     provenance["repairs"] = repairs.len().into();
     let mut batch = Batch::new(is_typed(args, "overwrite"));
     add(&mut batch, path, (repairs, &layer_of(args)), (&facts, &provenance))?;
-    batch.commit()?;
+    let files = batch.commit()?;
     if !is_typed(args, "quiet") {
-        let n = counted(repairs.len() as u64, "thing", "things");
-        messages::note(&format!("{n} mended or left out; wrote {}", path.display()));
+        messages::note(&format!("{} mended or left out", counted(repairs.len() as u64, "thing", "things")));
+        messages::wrote(&files, false);
     }
     Ok(())
 }

@@ -87,6 +87,9 @@ struct CityCounts {
 }
 
 impl SampleJob<'_> {
+    /// What a sample is written as.
+    pub(super) const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+
     /// Samples, and writes what was asked for.
     ///
     /// # Errors
@@ -159,12 +162,6 @@ impl SampleJob<'_> {
         }
         if let Some(block) = asked.block.filter(|block| *block <= 0.0) {
             return Err(Error::usage(113, format!("`--block` is `{block}`, wanted above 0 m")));
-        }
-        let is_known =
-            |format: &Format| format.is_picture() || matches!(format, Format::Csv | Format::Json | Format::Stdout);
-        if let Some((path, _)) = self.outputs.iter().find(|(_, format)| !is_known(format)) {
-            let text = format!("cannot write {}: a sample is a plot, a table or a document", path.display());
-            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .pdf, .csv or .json"));
         }
         let zones: Vec<Zone> = asked.sample.iter().map(|(zone, _)| *zone).collect();
         match zones.iter().enumerate().find(|(k, zone)| zones[..*k].contains(zone)) {
@@ -286,10 +283,11 @@ impl SampleJob<'_> {
                 _ => {}
             }
         }
-        batch.commit()?;
+        let files = batch.commit()?;
         if !self.out.quiet {
             messages::warnings(&report.facts.warnings);
         }
+        messages::wrote(&files, self.out.quiet);
         if self.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
             messages::answer(&pretty(&report.document()))
         } else if self.outputs.is_empty() {

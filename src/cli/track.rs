@@ -4,17 +4,19 @@ use std::path::Path;
 
 use super::args::LinkArgs;
 use super::link::check_extent;
+use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{input_paths, meters_per_unit, parse_uav, ready, receiver_height};
+use super::tables::bad_rows;
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
-use crate::coverage::{TrackState, Uav, along_track};
+use crate::coverage::{TrackState, along_track};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::render::{self, PictureForm, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
-use crate::scene::read_track;
+use crate::scene::{Source, read_track};
 
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
@@ -35,7 +37,10 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
     let outputs = check_outputs(&args.output, rules)?;
     args.size.refuse_without_picture(&outputs)?;
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let places = read_track(path, scene.field.grid().crs())?;
+    warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
+    let bad = bad_rows(args.skip_bad, &mut scene.warnings);
+    let places = read_track(path, scene.field.grid().crs(), bad)?;
+    scene.sources.push(Source::of(path, args.scene.hash)?);
     let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
     let unit = meters_per_unit(scene.field.grid());
     if length * unit / args.every > MOST_PLACES {
@@ -47,7 +52,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
         check_extent(&scene, &site, (place[0], place[1]))?;
         reach = reach.max((place[0] - site.x).abs()).max((place[1] - site.y).abs());
     }
-    let uav = Uav::place(&site, &scene.field, Some(reach))?;
+    let uav = place_uav(&site, &scene.field, scene.field.grid(), Some(reach))?;
     let track = along_track(&scene.field, &uav, &places, rx_height, args.every / unit);
     let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
     if n_outside > 0 {
@@ -83,10 +88,11 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
             _ => {}
         }
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     if !args.out.quiet {
         messages::warnings(&scene.warnings);
     }
+    messages::wrote(&files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&report.document()))
     } else {

@@ -8,7 +8,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::digest::Sha256;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, io_words};
 
 /// A file format, told by the extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,15 +73,13 @@ impl Format {
             "fgb" => Format::FlatGeobuf,
             "xml" => Format::Mitsuba,
             "html" => Format::Html,
+            "" => {
+                let text = format!("cannot write {}: it has no extension, which tells the format", path.display());
+                return Err(Error::usage(104, text));
+            }
             _ => {
-                return Err(Error::usage(
-                    104,
-                    format!("cannot write {}: unknown extension `.{extension}`", path.display()),
-                )
-                .with_hint(
-                    "known are .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb .xml .html, and `-` for \
-                     standard output",
-                ));
+                let text = format!("cannot write {}: unknown extension `.{extension}`", path.display());
+                return Err(Error::usage(104, text));
             }
         })
     }
@@ -90,6 +88,35 @@ impl Format {
     pub fn is_picture(self) -> bool {
         matches!(self, Format::Png | Format::Svg | Format::Pdf)
     }
+    /// The extension that stands for it.
+    fn extension(self) -> &'static str {
+        match self {
+            Format::Png => ".png",
+            Format::Svg => ".svg",
+            Format::Pdf => ".pdf",
+            Format::GeoTiff => ".tif",
+            Format::Exr => ".exr",
+            Format::AsciiGrid => ".asc",
+            Format::Bil => ".bil",
+            Format::Npz => ".npz",
+            Format::Kmz => ".kmz",
+            Format::Csv => ".csv",
+            Format::Json => ".json",
+            Format::GeoJson => ".geojson",
+            Format::FlatGeobuf => ".fgb",
+            Format::Mitsuba => ".xml",
+            Format::Html => ".html",
+            Format::Stdout => "`-` for standard output",
+        }
+    }
+}
+
+/// What may be written, for a hint.
+fn listed(allowed: &[Format]) -> String {
+    let (streams, files): (Vec<Format>, Vec<Format>) = allowed.iter().partition(|format| **format == Format::Stdout);
+    let files: Vec<&str> = files.into_iter().map(Format::extension).collect();
+    let streams = streams.first().map_or(String::new(), |format| format!(", and {}", format.extension()));
+    format!("wanted {}{streams}", files.join(" "))
 }
 
 /// What the outputs of a run must comply with.
@@ -105,19 +132,20 @@ pub struct OutputRules<'a> {
     pub bare: bool,
 }
 
-/// Checks the outputs of a run before any work: formats that the command writes, folders that exist, no file or sidecar
-/// replaced without leave, no file given twice, no input overwritten.
+/// Checks the outputs of a run before any work: formats that the command writes, folders that can be written, no file or
+/// sidecar replaced without leave, no file given twice, no input overwritten.
 ///
 /// # Errors
-/// Usage errors E104–E106.
+/// Usage errors E104–E106; E401 for a folder that is not there or refuses files.
 pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
     let mut checked: Vec<(PathBuf, Format)> = Vec::new();
     let mut places: Vec<PathBuf> = Vec::new();
+    let mut folders: Vec<PathBuf> = Vec::new();
     for path in outputs {
-        let format = Format::of(path)?;
+        let format = Format::of(path).map_err(|error| error.with_hint(listed(rules.allowed)))?;
         let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
         if !rules.allowed.contains(&format) {
-            return Err(refuse("this command does not write that format"));
+            return Err(refuse("this command does not write that format").with_hint(listed(rules.allowed)));
         }
         if format == Format::Stdout {
             if checked.iter().any(|(_, f)| *f == Format::Stdout) {
@@ -127,8 +155,9 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
             continue;
         }
         let folder = folder_of(path);
-        if !folder.is_dir() {
-            return Err(refuse(&format!("folder {} does not exist", folder.display())));
+        if !folders.contains(&folder) {
+            check_folder(path)?;
+            folders.push(folder.clone());
         }
         if path.is_dir() {
             return Err(refuse("it is a folder"));
@@ -167,6 +196,24 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
     Ok(checked)
 }
 
+/// Refuses a file whose folder is not there, is a file, or cannot be written.
+///
+/// # Errors
+/// E401.
+pub(crate) fn check_folder(path: &Path) -> Result<()> {
+    let folder = folder_of(path);
+    let refuse =
+        |why: &str| Error::file(401, format!("cannot write {}: folder {} {why}", path.display(), folder.display()));
+    match std::fs::metadata(&folder) {
+        Ok(found) if !found.is_dir() => return Err(refuse("is a file")),
+        Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Err(refuse("does not exist")),
+        _ => {}
+    }
+    // Who may write where is known to the system alone: it is asked for a file, which is gone at once.
+    let probe = tempfile::Builder::new().prefix(".").suffix(".part").tempfile_in(&folder);
+    probe.map(|_| ()).map_err(|cause| refuse(&format!("cannot be written: {}", io_words(&cause))))
+}
+
 /// The files that may be written beside an output.
 pub(crate) fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     let beside = |suffix: &str| super::with_suffix(path, suffix);
@@ -186,6 +233,7 @@ pub(super) const MESHES: [&str; 2] = ["ground", "buildings"];
 
 /// The file of a mesh beside its scene: `NAME_MESH.ply`.
 pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
+    // Named in XML, which holds Unicode alone.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}_{mesh}.ply"))
 }
@@ -205,7 +253,7 @@ pub(super) fn complete(path: &Path, file: BufWriter<File>) -> Result<()> {
 }
 
 pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
-    Error::internal(401, format!("cannot write {}: {cause}", path.display()))
+    Error::file(401, format!("cannot write {}: {}", path.display(), io_words(cause)))
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -239,7 +287,7 @@ impl Batch {
     ///
     /// # Errors
     /// Usage error if the file exists and may not be replaced (E106) or two outputs want it differently (E105);
-    /// internal error if writing fails (E401).
+    /// E401 if writing fails.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         // Only sidecars are ever common to two outputs, and they are small.
         let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| Sha256::digest(bytes));
@@ -290,14 +338,15 @@ impl Batch {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
-    /// Gives every file its final name.
+    /// Gives every file its final name, and returns these in the order in which the files were added.
     ///
     /// What tells of a file stands beside it before the file does, so that a file that is there is complete; but where both
     /// are replaced it comes after the file, so that no old file is told of as new.
     ///
     /// # Errors
-    /// Internal error (E401) if a rename fails.
-    pub fn commit(mut self) -> Result<()> {
+    /// E401 if a rename fails.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>> {
+        let written = self.files.iter().map(|(_, path)| path.clone()).collect();
         // The last of the list is renamed first. Renamed files leave it, so that what is left after a failure is removed when
         // the batch is dropped.
         let (replaced, new): (Vec<_>, Vec<_>) = self.files.drain(..).partition(|(_, path)| path.exists());
@@ -307,7 +356,7 @@ impl Batch {
             std::fs::rename(temporary, path).map_err(|e| cannot_write(path, &e))?;
             self.files.pop();
         }
-        Ok(())
+        Ok(written)
     }
 }
 

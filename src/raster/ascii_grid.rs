@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::file::{open_file, reserve_cells};
+use super::file::{cannot_read, open_file, reserve_cells};
 use super::voids::Voids;
 use super::{CellWindow, Crs, GeoRef, Raster};
 use crate::error::{Error, Result, Warning};
@@ -126,7 +126,7 @@ impl AsciiGrid {
     /// If a value is no number, or there are too few or too many values.
     pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let (mut file, _) = open_file(&self.path)?;
-        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| words_error(&self.path, &e))?;
+        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.path, &e))?;
         let mut words = Words::new(&self.path, file, self.cells_at, self.cells_line);
         for row in 0..window.row + window.n_rows {
             for col in 0..self.georef.n_cols() {
@@ -289,7 +289,7 @@ impl<'a> Words<'a> {
     fn next(&mut self) -> Result<bool> {
         self.word.clear();
         loop {
-            let buffer = self.reader.fill_buf().map_err(|e| words_error(self.path, &e))?;
+            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.path, &e))?;
             if buffer.is_empty() {
                 return Ok(!self.word.is_empty());
             }
@@ -339,10 +339,6 @@ impl<'a> Words<'a> {
             if text.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
         })
     }
-}
-
-fn words_error(path: &Path, error: &io::Error) -> Error {
-    Error::file(301, format!("cannot read `{}`: {error}", path.display()))
 }
 
 /// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.

@@ -19,7 +19,7 @@ use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{Blocks, Compression};
 
 use super::GeoRef;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, io_words};
 
 /// The values of a channel, row by row from the north-west cell.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +62,8 @@ pub fn write_exr(
     Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(|cause| cannot_encode(&cause.to_string()))?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes).ok_or_else(|| cannot_encode("its header is not as expected"))?;
-    out.write_all(&bytes).map_err(|cause| Error::internal(401, format!("cannot write an OpenEXR file: {cause}")))
+    out.write_all(&bytes)
+        .map_err(|cause| Error::file(401, format!("cannot write an OpenEXR file: {}", io_words(&cause))))
 }
 
 fn cannot_encode(why: &str) -> Error {

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Mosaic, Raster, VerticalCrs};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, Result, Warning, io_words};
 
 /// Most memory that the cells of one read may take \[bytes\].
 pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
@@ -38,10 +38,7 @@ impl RasterFile {
     pub(super) fn open_within(path: &Path, ancestors: &[PathBuf], warnings: &mut Vec<Warning>) -> Result<RasterFile> {
         let (mut file, len) = open_file(path)?;
         let mut head = Vec::new();
-        file.by_ref()
-            .take(4096)
-            .read_to_end(&mut head)
-            .map_err(|e| Error::file(301, format!("cannot read `{}`: {e}", path.display())))?;
+        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(path, &e))?;
         match kind_of(&head) {
             Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
             Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
@@ -234,16 +231,56 @@ fn leading_text(head: &[u8]) -> Option<&str> {
 
 /// Opens a file for reading and returns it with its length \[bytes\]; the error names the path.
 pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
-    let fail = |cause: String| Error::file(301, format!("cannot open `{}`: {cause}", path.display()));
-    let file = File::open(path).map_err(|e| match e.kind() {
-        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
-        _ => fail(e.to_string()),
-    })?;
-    let metadata = file.metadata().map_err(|e| fail(e.to_string()))?;
+    let fail = |cause: std::io::Error| cannot_read(path, &cause);
+    let file = File::open(path).map_err(fail)?;
+    let metadata = file.metadata().map_err(fail)?;
     if metadata.is_dir() {
-        return Err(fail("it is a folder, wanted a file".to_owned()));
+        return Err(fail(std::io::ErrorKind::IsADirectory.into()));
     }
     Ok((file, metadata.len()))
+}
+
+/// E301: what the system says of a file that cannot be read; where there is none, the name beside it that was meant.
+pub(crate) fn cannot_read(path: &Path, cause: &std::io::Error) -> Error {
+    let error = Error::file(301, format!("cannot read {}: {}", path.display(), io_words(cause)));
+    match near_name(path).filter(|_| cause.kind() == std::io::ErrorKind::NotFound) {
+        Some(near) => error.with_hint(format!("did you mean {}?", near.display())),
+        None => error,
+    }
+}
+
+/// The file whose name is most like that of a missing one in the same folder: few letters differ, or only the extension.
+fn near_name(path: &Path) -> Option<PathBuf> {
+    const MOST_FILES: usize = 10_000;
+    const MOST_EDITS: usize = 2;
+    let lower = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = lower(path);
+    let edits = |other: &Path| match other.file_stem() == path.file_stem() {
+        true => 1,
+        false => edits_between(&wanted, &lower(other)),
+    };
+    let files =
+        std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten().map(|entry| path.with_file_name(entry.file_name()));
+    let near =
+        files.map(|file| (edits(&file), file)).filter(|(n, _)| *n <= MOST_EDITS && 2 * n < wanted.chars().count());
+    near.min().map(|(_, file)| file)
+}
+
+/// How many letters must be put in, left out or changed to make one word of another (Levenshtein).
+fn edits_between(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (k, letter) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = k + 1;
+        for (j, other) in to.iter().enumerate() {
+            let changed = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[to.len()]
 }
 
 /// An empty vector with room for all cells of `georef`.
@@ -296,6 +333,15 @@ mod tests {
         assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
         assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
         assert_eq!(kind_of(b""), Kind::Other("empty"));
+    }
+
+    #[test]
+    fn edits_are_counted() {
+        for (from, to, n) in
+            [("", "", 0), ("dsm.tif", "dsm.tif", 0), ("dem.tif", "dsm.tif", 1), ("ab", "ba", 2), ("abc", "", 3)]
+        {
+            assert_eq!((edits_between(from, to), edits_between(to, from)), (n, n), "{from} {to}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::CellWindow;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, io_words};
 
 /// Rows and columns of a tile \[cells\].
 const TILE: usize = 256;
@@ -150,7 +150,7 @@ impl TileStore {
         for tile in window.col / TILE..end_col.div_ceil(TILE) {
             let start = ((row / TILE * across + tile) * TILE + row % TILE) * TILE * BYTES;
             read_at(&self.file, bytes, start as u64)
-                .map_err(|e| Error::internal(401, format!("cannot read the scratch file: {e}")))?;
+                .map_err(|e| Error::file(401, format!("cannot read the scratch file: {}", io_words(&e))))?;
             let cols = window.col.max(tile * TILE)..end_col.min((tile + 1) * TILE);
             let within = cols.start - tile * TILE;
             for (row, bytes) in band.chunks_exact_mut(n_cols).zip(bytes.chunks_exact(TILE * BYTES)) {
@@ -165,7 +165,7 @@ impl TileStore {
 }
 
 fn scratch_error(folder: &str, cause: &std::io::Error) -> Error {
-    Error::internal(401, format!("cannot write a scratch file in {folder}: {cause}"))
+    Error::file(401, format!("cannot write a scratch file in {folder}: {}", io_words(cause)))
         .with_hint("choose a folder with more room: `--scratch FOLDER`")
 }
 

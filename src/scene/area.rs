@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::building::{bounds, opened};
-use super::sites::in_scene;
+use super::sites::{check_placeable, in_scene, misplaced};
+use super::source::input_name;
 use super::vector::{Selection, read_features};
 use crate::error::{Error, Result};
 use crate::raster::{BitGrid, Crs, GeoRef};
@@ -105,11 +106,16 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
         None if is_degrees && grid.crs().is_some() => Some(Crs::from_epsg(4326)?),
         None => None,
     };
+    let name = input_name(path);
+    check_placeable(&name, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
         let id = feature.id.or_else(|| feature.properties.iter().find(|(n, _)| n == "id").and_then(|(_, v)| v.text()));
-        let place = format!("polygon `{}`: ", id.unwrap_or_else(|| (number + 1).to_string()));
-        let moved = |p: [f64; 2]| in_scene(path, &place, (p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
+        let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
+        let moved = |p: [f64; 2]| {
+            let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
+            moved.map_err(|fault| misplaced(&name, format!("{place}: {fault}"), false))
+        };
         for polygon in opened(feature.polygons).0 {
             let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
             polygons.push(polygon.into_iter().map(ring).collect::<Result<Vec<_>>>()?);

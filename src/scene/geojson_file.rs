@@ -8,8 +8,9 @@ use std::path::Path;
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
+use super::source::{input_name, read_input};
 use super::vector::{self, FeatureSet, Polygon, Property};
-use crate::error::{Error, Result};
+use crate::error::{Error, MOST_FOUND, Result, shortened};
 use crate::raster::Crs;
 
 /// Parses a GeoJSON document.
@@ -17,17 +18,18 @@ use crate::raster::Crs;
 /// # Errors
 /// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
 pub(super) fn read_document(path: &Path) -> Result<Value> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
+    let (bytes, name) = (read_input(path)?, input_name(path));
+    let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
         let place = e.utf8_error().valid_up_to();
-        Error::file(302, format!("cannot read {}: byte {place} is not UTF-8, wanted GeoJSON text", path.display()))
+        Error::file(302, format!("cannot read {name}: byte {place} is not UTF-8, wanted GeoJSON text"))
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     if text.trim().is_empty() {
-        return Err(Error::file(302, format!("cannot read {}: the file is empty, wanted GeoJSON", path.display())));
+        return Err(Error::file(302, format!("cannot read {name}: the file is empty, wanted GeoJSON")));
     }
     serde_json::from_str(text).map_err(|e| {
-        let error = Error::file(302, format!("cannot read {}: {e}, wanted one GeoJSON document", path.display()));
+        let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
+        let error = Error::file(302, format!("cannot read {name}: {found}, wanted one GeoJSON document"));
         if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
             error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
         } else {
@@ -47,7 +49,8 @@ fn is_one_feature_a_line(text: &str) -> bool {
 /// If the document is none of these.
 pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
     let wrong = |found: String| {
-        Error::file(302, format!("cannot read {}: found {found}, wanted a GeoJSON FeatureCollection", path.display()))
+        let name = input_name(path);
+        Error::file(302, format!("cannot read {name}: found {found}, wanted a GeoJSON FeatureCollection"))
     };
     let Value::Object(mut object) = document else {
         return Err(wrong(format!("{} at the top level", kind_of(&document))));
@@ -80,7 +83,7 @@ pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else { return Ok(None) };
     Crs::parse(name).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", path.display()))
+        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input_name(path)))
             .with_hint("override it with `--crs EPSG:n`")
     })
 }
@@ -96,7 +99,8 @@ pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
                 format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", path.display(), number + 1);
             Error::file(302, text)
         };
-        let feature: Feature = serde_json::from_value(value).map_err(|e| refuse(e.to_string()))?;
+        let feature: Feature =
+            serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;
         found.push(feature_of(feature).map_err(refuse)?);
     }
     Ok(FeatureSet { crs, attribution, name_limit: None, features: found })

@@ -140,7 +140,6 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("map", 2, "error[E101]: the following required arguments were not provided: <SCENE>"),
         ("map itu:urban --no-such-flag", 2, "error[E101]: unexpected argument '--no-such-flag' found"),
         ("map itu:urban -o out.png", 2, "error[E108]: no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"),
-        ("map itu:urban --uav 10,10,50", 2, "error[E108]: nothing to write: wanted `-o FILE` or `--json`"),
         // Numbers.
         ("SMALL --uav 10,10", 2, "error[E102]: cannot read `--uav 10,10`: found 2 values, wanted X,Y,H"),
         ("SMALL --uav 10,10,9,9", 2, "error[E102]: cannot read `--uav 10,10,9,9`: found 4 values, wanted X,Y,H"),
@@ -148,7 +147,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav nan,10,50", 2, "error[E102]: cannot read `--uav nan,10,50`: x: found `NaN`, which is not finite"),
         ("SMALL --uav 10,-inf,50", 2, "error[E102]: cannot read `--uav 10,-inf,50`: y: found `-inf`, which is not"),
         ("SMALL --uav 10,10,1e400", 2, "error[E102]: cannot read `--uav 10,10,1e400`: height `1e400`: found `inf`"),
-        ("SMALL --uav 10,10,50ft", 2, "error[E102]: cannot read `--uav 10,10,50ft`: height `50ft`: found `50ft`"),
+        ("SMALL --uav 10,10,50yd", 2, "error[E102]: cannot read `--uav 10,10,50yd`: height `50yd`: found `50yd`"),
         ("SMALL --uav 10,10,50 --rx-height -1", 2, "error[E113]: `--rx-height` is `-1`, wanted 0 m to 32768 m"),
         ("SMALL --uav 10,10,50 --rx-height nan", 2, "error[E101]: invalid value 'nan' for '--rx-height <M>'"),
         ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: `--radius` is `0`, wanted above 0 m"),
@@ -207,8 +206,8 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("map itu:urban --uav 10,10,50 -o out.xyz", 2, "error[E104]: cannot write out.xyz: unknown extension `.xyz`"),
         (
             "map itu:urban --uav 10,10,50 -o nowhere/out.png",
-            2,
-            "error[E105]: cannot write nowhere/out.png: folder nowhere",
+            3,
+            "error[E401]: cannot write nowhere/out.png: folder nowhere",
         ),
         (
             "map itu:urban --uav 10,10,50 -o out.png -o out.png",
@@ -238,7 +237,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
             "error[E107]: cannot write out.asc: an ASCII grid",
         ),
         // Input files.
-        ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot open `nowhere.tif`: no such file"),
+        ("map nowhere.tif --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.tif: no such file"),
         ("map nowhere.geojson --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read nowhere.geojson: "),
         ("map city.shp --uav 10,10,50 -o out.png", 3, "error[E301]: cannot read city.shp: "),
         ("SMALL --uavs nowhere.csv", 3, "error[E301]: cannot read nowhere.csv: "),
@@ -461,7 +460,7 @@ fn a_closed_pipe_is_success_and_a_full_disk_is_not() {
     if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
         let mut command = program(folder.path(), &["info", "city.geojson"]);
         let answer = wait(command.stdout(full).spawn().expect("the program starts"));
-        assert_eq!(answer.code(), 1);
+        assert_eq!(answer.code(), 3);
         assert!(
             answer.err.lines().last().is_some_and(|l| l.starts_with("error[E401]: cannot write to standard")),
             "{answer:?}"

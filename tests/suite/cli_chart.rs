@@ -240,10 +240,11 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 19] = [
+const OTHER: [&str; 20] = [
     "--width",
     "--dpi",
     "--project",
+    "--skip-bad",
     "--repairs",
     "--height-unit",
     "--levels-field",

@@ -29,9 +29,10 @@ const PLAN_FLAGS: [(&str, &str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 33] = [
+const OTHER_FLAGS: [(&str, &str); 34] = [
     ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--dpi", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
+    ("--skip-bad", "bad_rows_are_told_together_and_left_out_on_request"),
     ("--tile", "tiles_of_footprints_hold_what_a_hand_counts"),
     ("--repairs", "every_thing_mended_or_left_out_is_listed_once"),
     ("--project", "rows_6_to_9_of_reference_systems"),

@@ -281,10 +281,11 @@ const FLAGS: [(&str, &str); 39] = [
 ];
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 20] = [
+const OTHER: [&str; 21] = [
     "--width",
     "--dpi",
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

@@ -345,7 +345,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
             3,
             "error[E302]: cannot use odd.asc as a mask: row 1",
         ),
-        ("compare flat.asc --ground 0 --uav 1,1,50 --mask none.tif", 3, "error[E301]: cannot open `none.tif`"),
+        ("compare flat.asc --ground 0 --uav 1,1,50 --mask none.tif", 3, "error[E301]: cannot read none.tif"),
         ("compare city.geojson --uav 1,1,50 --mask margins.tif", 3, "error[E302]: cannot use margins.tif as a mask"),
         ("compare city.geojson --crs EPSG:25833 --uav 1,1,50 --mask utm.tif", 3, "error[E311]: cannot combine"),
         ("compare city.geojson --uav 1,1,50 --uav 30,30,5", 4, "error[E201]: cannot place UAV `2`"),
@@ -398,10 +398,11 @@ const FLAGS: [(&str, &str); 23] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 17] = [
+const OTHER: [&str; 18] = [
     "--width",
     "--dpi",
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

@@ -155,7 +155,7 @@ fn a_window_of_a_raster_is_the_same_as_the_part_of_the_whole() {
 #[test]
 fn a_file_that_is_not_there_is_named() {
     let error = read(Path::new("no/such/file.tif")).err().expect("there is no such file");
-    assert_eq!(error.to_string(), "cannot open `no/such/file.tif`: no such file");
+    assert_eq!(error.to_string(), "cannot read no/such/file.tif: no such file");
     assert_eq!(error.code(), "E301");
     let error = read(Path::new(env!("CARGO_MANIFEST_DIR"))).err().expect("it holds no raster");
     assert!(error.to_string().ends_with("a folder without .tif, .tiff or .asc files, wanted tiles"), "{error}");

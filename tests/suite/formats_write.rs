@@ -336,7 +336,8 @@ fn a_full_disk_is_an_error_of_the_output() {
     let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
     let image =
         GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
-    assert_eq!(write_geotiff(&mut Full, &image).unwrap_err().code(), "E401");
+    let error = write_geotiff(&mut Full, &image).unwrap_err();
+    assert_eq!((error.code().as_str(), error.class().exit_code()), ("E401", 3), "{error}");
     let channels = [("a".to_string(), ExrChannel::UInt(&bits))];
     assert_eq!(write_exr(&mut Full, &georef, &channels, &[]).unwrap_err().code(), "E401");
 }

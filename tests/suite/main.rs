@@ -44,6 +44,10 @@ mod vectors; // one city in every vector format is one scene; policies of height
 mod repairs; // what was mended or left out, thing by thing
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
+mod answers; // what every command says: its answer, its files, errors in one form
+mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input
+#[cfg(unix)]
+mod odd_paths; // names of files that are no Unicode
 mod cli_flags; // every flag of map, link, city and info changes something
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents

@@ -61,7 +61,7 @@ fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
             "E302",
             &["t0.tif` has 6 columns x 4 rows, found 5 x 4", "gdalbuildvrt"],
         ),
-        ("nine/t0.tif", "nine/none.tif", "E301", &["none.tif`: no such file (a source of `bad.vrt`)"]),
+        ("nine/t0.tif", "nine/none.tif", "E301", &["none.tif: no such file (a source of `bad.vrt`)"]),
         ("nine/t0.tif", "nine/utm33.tif", "E311", &["bad.vrt", "EPSG:25832", "utm33.tif` in EPSG:25833"]),
         ("nine/t0.tif", "bad.vrt", "E302", &["`bad.vrt`: it is a source of itself", "(a source of `bad.vrt`)"]),
         ("nine/t0.tif", "", "E302", &["has no `SourceFilename`"]),

@@ -424,10 +424,11 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 34] = [
+const OTHER: [&str; 35] = [
     "--width",
     "--dpi",
     "--project",
+    "--skip-bad",
     "--repairs",
     "--levels-field",
     "--layer",

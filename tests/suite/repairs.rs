@@ -165,7 +165,7 @@ fn every_command_that_reads_footprints_lists_repairs() {
         let file = format!("mended_{k}.csv");
         let said = folder.type_in(&format!("{line} --missing drop --repairs {file}")).done().err;
         assert_eq!(folder.text(&file), expected, "{line}");
-        assert!(said.contains(&format!("11 things mended or left out; wrote {file}")), "{line}: {said}");
+        assert!(said.contains(&format!("11 things mended or left out\nwrote {file}, {file}.json\n")), "{line}: {said}");
     }
 }
 

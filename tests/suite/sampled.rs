@@ -171,7 +171,7 @@ fn samples_that_make_no_sense_are_refused() {
         ("itu:urban --sample street:5 --height 50 --block 0", "wanted above 0 m"),
         ("itu:urban --sample street:5 --height 50 --goal p_los", "`--goal` has no meaning with `--sample`"),
         ("itu:urban --sample street:5 --height 50 --step 5", "`--step` has no meaning with `--sample`"),
-        ("itu:urban --sample street:5 --height 50 -o a.tif", "a sample is a plot, a table or a document"),
+        ("itu:urban --sample street:5 --height 50 -o a.tif", "hint: wanted .png .svg .csv .json, and `-`"),
         ("itu:urban --height 50 --cities 5", "--sample"),
         ("itu:urban --height 50 --centers", "--sample"),
         ("city.geojson --sample street:5 --height 50 --cities 5", "`--cities` has no meaning for a city in a file"),

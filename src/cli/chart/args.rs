@@ -5,17 +5,21 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use crate::cli::typed::length;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ChartArgs {
-    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more, whose counts are summed
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more, whose counts are summed
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(in crate::cli) uav: Vec<String>,
-    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson)
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson); `-` is standard input
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) uavs: Option<PathBuf>,
+    /// Leave out rows of the table that cannot be read, with a warning that names them
+    #[arg(long, requires = "uavs")]
+    pub(in crate::cli) skip_bad: bool,
     /// Height of the receivers above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(in crate::cli) rx_height: f64,
     /// Which cells hold receivers: ground, roof or all
     #[arg(long, value_enum, default_value = "ground")]
@@ -30,7 +34,7 @@ pub(in crate::cli) struct ChartArgs {
     #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true)]
     pub(in crate::cli) theta: Option<f64>,
     /// With `--plos`: height of the UAV above ground [m]; default 100
-    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, allow_hyphen_values = true)]
     pub(in crate::cli) height: Option<f64>,
     /// Time each contestant for at least so long, and at least three times; those above half a second once [s]
     #[arg(long, value_name = "S", value_parser = number, default_value = "0.2", allow_hyphen_values = true)]

@@ -21,7 +21,6 @@ use super::plan::{input_paths, outputs_with_table};
 use crate::coverage::Control;
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules};
-use crate::scene::BuiltUpCity;
 
 /// Formats of `skyshed chart`.
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
@@ -34,7 +33,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(113, format!("`--time` is `{}`, wanted 0 s to {LONGEST_S} s", args.time)));
     }
     let outputs = outputs(args)?;
-    match (args.plos, BuiltUpCity::parse_built_up(&args.scene.scene)) {
+    match (args.plos, args.scene.scene.built_up()) {
         (true, Some(built_up)) => plos::run(args, command, built_up?, &outputs),
         (true, None) => {
             let text = format!("`--plos` has no meaning for {}: it charts a generated city", args.scene.scene);

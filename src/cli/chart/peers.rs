@@ -9,6 +9,7 @@ use super::measure::{median, peak_mb_of, user_time_of_children};
 use crate::accuracy::chart::Truth;
 use crate::cli::interrupt;
 use crate::coverage::{Seen, Uav};
+use crate::error::io_words;
 use crate::height_field::HeightField;
 use crate::quantity::{BLOCKS_ALL, VOID, meters};
 use crate::raster::{Bands, BitGrid, GeoRef, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
@@ -92,7 +93,7 @@ fn write_surface(path: &Path, grid: &GeoRef, tops: &[i32]) -> Result<(), String>
         layout: TiffLayout::Plain,
     });
     let bytes = bytes.map_err(|e| e.to_string())?;
-    std::fs::write(path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
+    std::fs::write(path, bytes).map_err(|e| format!("cannot write {}: {}", path.display(), io_words(&e)))
 }
 
 /// The words for a UAV, without the files.
@@ -188,7 +189,8 @@ impl Scratch {
     fn new() -> Result<Scratch, String> {
         let path = std::env::temp_dir().join(format!("skyshed-chart-{}", std::process::id()));
         // A folder that is there belongs to someone else.
-        std::fs::create_dir(&path).map_err(|e| format!("cannot make the folder {}: {e}", path.display()))?;
+        std::fs::create_dir(&path)
+            .map_err(|e| format!("cannot make the folder {}: {}", path.display(), io_words(&e)))?;
         Ok(Scratch(path))
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn run(
         silent.map(|(way, reason)| Warning::new(210, format!("`{}` is left out: {reason}", way.method()))).collect();
     let report = PlosChartReport {
         command,
-        city: args.scene.scene.clone(),
+        city: args.scene.scene.to_string(),
         setting,
         seed,
         threads: usize::from(threads(args)),

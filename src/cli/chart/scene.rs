@@ -8,11 +8,12 @@ use super::write::{Chart, write};
 use super::{ChartArgs, in_turns, peers, refuse_typed, show, threads};
 use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
-use crate::cli::map::sites;
+use crate::cli::outside::{place_uav, warn_of_uavs_outside};
 use crate::cli::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, parse_uav, ready, receiver_height, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, ready, receiver_height, warn_of_flat_earth,
 };
 use crate::cli::receivers::{Asked, check_receivers};
+use crate::cli::tables::UavsAsked;
 use crate::cli::{interrupt, messages};
 use crate::coverage::{MapOptions, Uav};
 use crate::error::{Error, Result, Warning};
@@ -21,7 +22,7 @@ use crate::los::Method;
 use crate::quantity::counted;
 use crate::render::grouped;
 use crate::report::{ChartReport, ChartRow, Cost};
-use crate::scene::Site;
+use crate::scene::GivenSite;
 
 /// Bytes that a cell takes beside the scene: the scene once more on other cells, the heights and the mask of the floor, those
 /// of a peer.
@@ -36,16 +37,20 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     }
     let rx_height = receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.engine.radius)?;
-    let typed: Vec<Site> =
-        args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
-    if typed.is_empty() && args.uavs.is_none() {
+    let asked =
+        UavsAsked { typed: &args.uav, table: args.uavs.as_deref(), skip_bad: args.skip_bad, hash: args.scene.hash };
+    if asked.typed_sites()?.is_empty() && args.uavs.is_none() {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`")
             .with_hint("`--plos` charts the P_LoS methods of a generated city without one"));
     }
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
-    let sites = sites(typed, args.uavs.as_deref(), scene.field.grid())?;
+    let found = asked.read(scene.field.grid())?;
+    scene.sources.extend(found.sources);
+    scene.warnings.extend(found.warnings);
+    warn_of_uavs_outside(&found.sites, scene.field.grid(), &mut scene.warnings);
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    let place = |site: &GivenSite| place_uav(site, &scene.field, scene.field.grid(), radius);
+    let uavs: Vec<Uav> = found.sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
     let needs = (FIELD_BYTES_PER_CELL, BYTES_PER_CELL + uavs.len().div_ceil(2));
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;

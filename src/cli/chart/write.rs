@@ -31,16 +31,12 @@ pub(super) fn write(args: &ChartArgs, chart: &Chart<'_>, outputs: &[(PathBuf, Fo
     for (path, format) in outputs {
         add(args, chart, &mut batch, path, *format)?;
     }
-    batch.commit()?;
-    let files: Vec<String> =
-        outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
+    let files = batch.commit()?;
     if !args.out.quiet {
         messages::warnings(chart.warnings);
         chart.said.iter().for_each(|line| messages::note(line));
-        if !files.is_empty() {
-            messages::note(&format!("wrote {}", files.join(", ")));
-        }
     }
+    messages::wrote(&files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&chart.document))?;
     } else if outputs.is_empty() {

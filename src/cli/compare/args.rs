@@ -5,21 +5,25 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use crate::cli::typed::length;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct CompareArgs {
-    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl); repeat for more
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(in crate::cli) uav: Vec<String>,
-    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson)
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson); `-` is standard input
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) uavs: Option<PathBuf>,
+    /// Leave out rows of the table that cannot be read, with a warning that names them
+    #[arg(long, requires = "uavs")]
+    pub(in crate::cli) skip_bad: bool,
     /// A saved map on the scene's grid (.tif or .asc with the classes of `skyshed map`), named after its file; repeat for
     /// more
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) mask: Vec<PathBuf>,
     /// Height of the receivers above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(in crate::cli) rx_height: f64,
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]

@@ -14,12 +14,13 @@ use masks::{Setting, read_masks};
 use tables::{Tables, margin_facts, pairs_of, tables};
 use write::Writer;
 
-use super::map::sites;
+use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, outputs_with_table,
-    parse_uav, ready, receiver_height, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, outputs_with_table, ready,
+    receiver_height, warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
+use super::tables::UavsAsked;
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::coverage::{CellGroups, Control, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
@@ -28,7 +29,7 @@ use crate::export::{Batch, Format, OutputRules, encode_table};
 use crate::los::Method;
 use crate::raster::{CellBlocks, LargeVec};
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
-use crate::scene::{GivenSite, Site, Source};
+use crate::scene::{GivenSite, Source};
 use crate::zones::{NONE, ZoneMap};
 
 /// Formats of `skyshed compare`.
@@ -63,17 +64,22 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(113, format!("`--block` is `{}`, wanted above 0 m", args.block)));
     }
     let outputs = outputs(args)?;
-    let typed: Vec<Site> =
-        args.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string())).collect::<Result<_>>()?;
+    let asked =
+        UavsAsked { typed: &args.uav, table: args.uavs.as_deref(), skip_bad: args.skip_bad, hash: args.scene.hash };
+    let n_typed = asked.typed_sites()?.len();
     if args.uavs.is_none() && args.mask.is_empty() {
-        check_number(typed.len())?;
+        check_number(n_typed)?;
     }
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let grid = scene.field.grid().clone();
-    let sites = sites(typed, args.uavs.as_deref(), &grid)?;
+    let found = asked.read(&grid)?;
+    scene.sources.extend(found.sources);
+    scene.warnings.extend(found.warnings);
+    warn_of_uavs_outside(&found.sites, &grid, &mut scene.warnings);
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let uavs: Vec<Uav> = sites.iter().map(|site| Uav::place(site, &scene.field, radius)).collect::<Result<_>>()?;
+    let place = |site: &GivenSite| place_uav(site, &scene.field, &grid, radius);
+    let uavs: Vec<Uav> = found.sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
     let blocks = CellBlocks::new(&grid, meters_per_unit(&grid), args.block);
     if blocks.count() > MOST_BLOCKS {
@@ -89,7 +95,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
 
     let before_los = Instant::now();
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
-    let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, (&sites, &uavs), args.out.quiet)?;
+    let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, (&found.sites, &uavs), args.out.quiet)?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
     for path in &args.mask {
         placed.extend(saved(path, args, &mut scene)?);
@@ -142,10 +148,10 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
     for (path, format) in &outputs {
         writer.add(&mut batch, path, *format)?;
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     scene.timing.write = before_write.elapsed().as_secs_f64();
     scene.timing.total = start.elapsed().as_secs_f64();
-    say(args, &report, scene.timing, &outputs)
+    say(args, &report, scene.timing, (&outputs, &files))
 }
 
 /// The files to write, checked before any work.
@@ -241,7 +247,12 @@ fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
 }
 
 /// Says what came out, and answers on standard output.
-fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(PathBuf, Format)]) -> Result<()> {
+fn say(
+    args: &CompareArgs,
+    report: &CompareReport,
+    timing: Timing,
+    (outputs, files): (&[(PathBuf, Format)], &[PathBuf]),
+) -> Result<()> {
     if !args.out.quiet {
         messages::warnings(&report.facts.warnings);
         messages::note(&report.verdict());
@@ -250,16 +261,14 @@ fn say(args: &CompareArgs, report: &CompareReport, timing: Timing, outputs: &[(P
             messages::note(&format!("{}: P_LoS {share}, {} of {} receivers", p.id, p.tally.los, p.tally.receivers));
         }
         report.pairs.iter().for_each(|pair| messages::note(&report.sentence(pair)));
-        let files: Vec<String> =
-            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
-        let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
         messages::note(&format!(
-            "method {}: line of sight {:.3} s of {:.2} s{wrote}",
+            "method {}: line of sight {:.3} s of {:.2} s",
             report.facts.method_in_words(),
             timing.los,
             timing.total
         ));
     }
+    messages::wrote(files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         return messages::answer(&pretty(&report.document(Some(timing))));
     }

@@ -65,13 +65,14 @@ const OF_SCENES: [&str; 18] = [
 /// # Errors
 /// E116 for a flag that only a scene can use; E104–E106 for outputs.
 fn answer(args: &InfoArgs, document: &Value, text: &str) -> Result<()> {
+    let path = Path::new(&args.scene.scene);
     if let Some(flag) = OF_SCENES.iter().find(|flag| args.scene.typed.iter().any(|typed| typed == *flag)) {
-        let (flag, path) = (flag.replace('_', "-"), &args.scene.scene);
+        let (flag, path) = (flag.replace('_', "-"), path.display());
         return Err(Error::usage(116, format!("`--{flag}` has no meaning for {path}, which is no scene")));
     }
     let rules = OutputRules {
         allowed: &[Format::Json, Format::Stdout],
-        inputs: &[args.scene.scene.clone().into()],
+        inputs: &[path.to_path_buf()],
         overwrite: args.out.overwrite,
         bare: false,
     };
@@ -80,7 +81,7 @@ fn answer(args: &InfoArgs, document: &Value, text: &str) -> Result<()> {
     for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {
         batch.add(path, pretty(document).as_bytes())?;
     }
-    batch.commit()?;
+    messages::wrote(&batch.commit()?, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, format)| *format == Format::Stdout) {
         return messages::answer(&pretty(document));
     }

@@ -8,6 +8,7 @@ use crate::accuracy::{
 };
 use crate::cli::args::InfoArgs;
 use crate::cli::expected::Expected;
+use crate::cli::outside::place_uav;
 use crate::cli::plan::{checked_radius, meters_per_unit, parse_uav, receiver_height};
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::idle_in_words;
@@ -71,7 +72,9 @@ impl Needs {
             }
         }
         check_receivers(args.receivers, field)?;
-        let place = |(k, text): (usize, &String)| Uav::place(&parse_uav(text, (k + 1).to_string())?, field, radius);
+        let place = |(k, text): (usize, &String)| {
+            place_uav(&parse_uav(text, (k + 1).to_string())?, field, field.grid(), radius)
+        };
         let uavs: Vec<Uav> = args.uav.iter().enumerate().map(place).collect::<Result<_>>()?;
         let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
         let options = |field: &HeightField| {

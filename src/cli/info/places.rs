@@ -11,7 +11,7 @@ use crate::cli::args::SceneArgs;
 use crate::error::{Error, Result};
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef};
-use crate::scene::{Site, read_sites, read_track};
+use crate::scene::{BadRows, GivenSite, read_sites, read_track};
 
 /// Places that a file names.
 pub(super) struct Places {
@@ -21,7 +21,7 @@ pub(super) struct Places {
 }
 
 enum What {
-    Uavs(Vec<Site>),
+    Uavs(Vec<GivenSite>),
     Track(Vec<[f64; 2]>),
 }
 
@@ -181,12 +181,12 @@ impl Places {
 
 fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
-        return read_track(path, crs.as_ref()).map(What::Track);
+        return read_track(path, crs.as_ref(), BadRows::Refuse).map(What::Track);
     }
     // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs)
         .ok_or_else(|| Error::internal(901, "a grid of one cell is valid"))?;
-    read_sites(path, &grid, 1).map(What::Uavs)
+    read_sites(path, &grid, 1, BadRows::Refuse).map(What::Uavs)
 }
 
 /// What a file is by its name and beginning: a table with positions, or GeoJSON without a polygon.
@@ -203,8 +203,11 @@ fn looks_of(path: &Path) -> Looks {
 fn table_looks(path: &Path) -> Option<Looks> {
     let lines = BufReader::new(File::open(path).ok()?.take(1 << 16)).lines();
     let header = lines.map_while(std::io::Result::ok).find(|line| !line.starts_with('#'))?.to_lowercase();
-    let names: Vec<&str> =
-        header.trim_start_matches('\u{feff}').split(',').map(|name| name.trim().trim_matches('"')).collect();
+    let names: Vec<&str> = header
+        .trim_start_matches('\u{feff}')
+        .split([',', ';', '\t'])
+        .map(|name| name.trim().trim_matches('"'))
+        .collect();
     let has_height = ["h", "h_m", "height", "height_m"].iter().any(|name| names.contains(name));
     Some(if has_height { Looks::Uavs } else { Looks::Track })
 }

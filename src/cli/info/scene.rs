@@ -7,7 +7,9 @@ use serde_json::{Map, Value, json};
 use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::tiles::{self, Tiles};
 use crate::cli::args::InfoArgs;
+use crate::cli::outside::warn_of_uavs_outside;
 use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, is_raster, meters_per_unit, read_scene};
+use crate::cli::tables::UavsAsked;
 use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
 use crate::cli::{interrupt, messages};
@@ -40,10 +42,11 @@ pub(super) fn run(args: &InfoArgs, command: Vec<String>) -> Result<()> {
     let facts = found.facts(args, command);
     let document = found.document(args, &facts);
     interrupt::begin_writing();
-    found.write(args, &facts, (&document, &outputs))?;
+    let files = found.write(args, &facts, (&document, &outputs))?;
     if !args.out.quiet {
         messages::warnings(&facts.warnings);
     }
+    messages::wrote(&files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, format)| *format == Format::Stdout) {
         return messages::answer(&pretty(&document));
     }
@@ -120,6 +123,8 @@ impl Found {
         check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
         let field = HeightField::build(&grid, solids, &mut warnings);
         let counts = Counts::of(&field);
+        let asked = UavsAsked { typed: &args.uav, table: None, skip_bad: false, hash: false };
+        warn_of_uavs_outside(&asked.typed_sites()?, &grid, &mut warnings);
         let needs = match args.uav.is_empty() {
             true => None,
             false => Some(Needs::of(args, &field, built_up, rectangles)?),
@@ -207,13 +212,13 @@ impl Found {
         })
     }
 
-    /// Writes the files that were asked for.
+    /// Writes the files that were asked for and returns their names.
     fn write(
         &self,
         args: &InfoArgs,
         facts: &RunFacts,
         (document, outputs): (&Value, &[(PathBuf, Format)]),
-    ) -> Result<()> {
+    ) -> Result<Vec<PathBuf>> {
         let mut batch = Batch::new(args.out.overwrite);
         if let Some(tiles) = &self.tiles {
             let mut provenance = facts.provenance("skyshed/tiles/1", None);

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 use super::super::sample::SampleArgs;
+use super::super::typed::length;
 use crate::zones::Zone;
 
 #[derive(Debug, Args)]
@@ -13,7 +14,7 @@ pub(in crate::cli) struct PlaceArgs {
     /// Distance between candidate places: the centers of square cells over the scene [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "20", allow_hyphen_values = true)]
     pub(super) step: f64,
-    /// Heights to try (120, 120agl, 30roof, 150amsl), separated by commas, or A:B:S with both ends included [m]
+    /// Heights to try (120, 120agl, 30roof, 150amsl, 400ft), separated by commas, or A:B:S with both ends included [m]
     #[arg(long, value_name = "H,…", allow_hyphen_values = true, required_unless_present = "candidates")]
     pub(super) height: Option<String>,
     /// Only candidates over these zones, separated by commas
@@ -25,10 +26,13 @@ pub(in crate::cli) struct PlaceArgs {
     /// No candidates inside of these polygons (.geojson)
     #[arg(long, value_name = "FILE")]
     pub(super) keep_out: Option<PathBuf>,
-    /// Candidates from a table (.csv with x,y,h or lon,lat,h, and optionally id) or points (.geojson) instead of a grid,
-    /// told by their names; their own heights count if `--height` is not given
+    /// Candidates from a table (.csv with x,y,h or lon,lat,h, and optionally id) or points (.geojson; `-` is standard input)
+    /// instead of a grid, told by their names; their own heights count if `--height` is not given
     #[arg(long, value_name = "FILE", conflicts_with = "step")]
     pub(super) candidates: Option<PathBuf>,
+    /// Leave out rows of the candidates that cannot be read, with a warning that names them
+    #[arg(long, requires = "candidates")]
+    pub(super) skip_bad: bool,
     /// At least so high above the roof or ground directly below [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "0", allow_hyphen_values = true)]
     pub(super) clearance: f64,
@@ -53,13 +57,14 @@ pub(in crate::cli) struct PlaceArgs {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) top: u16,
     /// Height of the receivers above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
     /// Which cells hold receivers; a goal of a zone has its own
     #[arg(long, value_enum, default_value = "ground")]
     pub(super) receivers: ReceiversArg,
     /// File to write, by extension: .csv (those chosen, then all candidates, ranked), .json, .geojson (the best ones), .png .svg .pdf (where to
-    /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more
+    /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more. Without any the best ranks of the
+    /// table go to standard output
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) output: Vec<PathBuf>,
     /// Write the table to this file, whatever its name

@@ -1,8 +1,9 @@
 //! Goals and heights as typed, and what they ask of the arguments beside them.
 
+use super::super::typed::one_unit;
 use super::args::{MinimizeArg, PlaceArgs};
 use crate::error::{Error, Result};
-use crate::quantity::{Height, MAX_HEIGHT_M, parse_number};
+use crate::quantity::{Height, MAX_HEIGHT_M, parse_meters, parse_number};
 use crate::zones::Zone;
 
 /// What is made large.
@@ -122,8 +123,9 @@ pub(super) fn heights(text: &str) -> Result<Vec<Height>> {
     let refuse = |found: String| Error::usage(113, format!("`--height` is `{text}`: {found}"));
     let mut heights: Vec<Height> = match text.split(':').collect::<Vec<_>>()[..] {
         [from, to, step] => {
+            one_unit(text).map_err(refuse)?;
             let of = |text: &str| text.parse::<Height>().map_err(refuse);
-            let (from, to, step) = (of(from)?, of(to)?, parse_number(step).map_err(refuse)?);
+            let (from, to, step) = (of(from)?, of(to)?, parse_meters(step).map_err(refuse)?);
             let (a, b) = (from.value(), to.value());
             // The reference may be written once, behind the last height.
             let is_bare = matches!(from, Height::AboveGround(_));
@@ -197,6 +199,8 @@ mod tests {
         assert_eq!(values("10:35amsl:10"), Ok(["10amsl", "20amsl", "30amsl", "35amsl"].map(String::from).to_vec()));
         assert_eq!(values("10:30:10"), Ok(["10agl", "20agl", "30agl"].map(String::from).to_vec()));
         assert_eq!(values("30roof,100"), Ok(vec!["30roof".into(), "100agl".into()]));
+        assert_eq!(values("100ft:200ft:50ft"), Ok(["30.48agl", "45.72agl", "60.96agl"].map(String::from).to_vec()));
+        assert!(values("100:400ft:50").is_err_and(|e| e.to_string().contains("wanted one unit")));
         for wrong in ["", "a", "1:2", "9:1:1", "1:9:0", "1:9:-1", "0:9:1e-9", "1e9", "nan", "10roof:20amsl:1"] {
             assert!(heights(wrong).is_err(), "{wrong}");
         }

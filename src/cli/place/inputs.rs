@@ -1,6 +1,7 @@
 //! The areas, weights and candidates of a search, read and checked.
 
 use super::super::plan::Ready;
+use super::super::tables::bad_rows;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Whom};
 use crate::error::{Error, Result, Warning};
@@ -8,7 +9,7 @@ use crate::height_field::HeightField;
 use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
 use crate::quantity::{Height, tidy};
 use crate::raster::{GeoRef, RasterFile};
-use crate::scene::{Area, GivenSite, Source, read_area, read_given_sites, refuse_two_crs};
+use crate::scene::{Area, GivenSite, Source, read_area, read_sites, refuse_two_crs};
 use crate::zones::{Zone, ZoneMap};
 
 /// More candidates than this are refused.
@@ -49,7 +50,7 @@ impl Inputs {
         let mut sites: Vec<GivenSite> = Vec::new();
         let (places, spots) = match &args.candidates {
             Some(path) => {
-                sites = read_given_sites(path, grid, 1)?;
+                sites = read_sites(path, grid, 1, bad_rows(args.skip_bad, warnings))?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,

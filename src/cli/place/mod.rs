@@ -25,7 +25,7 @@ use super::sample::SampleJob;
 use super::words::pretty;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
-use crate::export::{Format, OutputRules, check_outputs};
+use crate::export::{Format, OutputRules, check_outputs, encode_table};
 use crate::placement::Weights;
 use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
@@ -61,7 +61,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     let clearance = height_steps(args.clearance)
         .filter(|c| *c >= 0)
         .ok_or_else(|| Error::usage(113, format!("`--clearance` is `{}`, wanted 0 m to 32768 m", args.clearance)))?;
-    let (outputs, map) = outputs_of(args)?;
+    let (outputs, map) = outputs_of(args, &FORMATS)?;
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
     let needs_zones = !args.over.is_empty() || matches!(goal.whom, Whom::Zone(_)) || args.receivers.zone().is_some();
@@ -153,8 +153,8 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         winners: &found.winners,
         timing,
     };
-    job.write(&outputs, map.as_ref())?;
-    say((args, goal), &report, start, &scene.timing, &outputs)
+    let files = job.write(&outputs, map.as_ref())?;
+    say((args, goal), &report, (start, &scene.timing), (&outputs, &files))
 }
 
 /// Refuses what makes no sense together, before any work.
@@ -173,11 +173,11 @@ fn check(args: &PlaceArgs, heights: Option<&[Height]>) -> Result<()> {
 type Output = (PathBuf, Format);
 
 /// The files to write, checked: those of `-o` and `--csv`, and the map of the winner.
-fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
+fn outputs_of(args: &PlaceArgs, allowed: &[Format]) -> Result<(Vec<Output>, Option<Output>)> {
     let files = [&args.candidates, &args.within, &args.keep_out, &args.area, &args.weights];
     let inputs: Vec<PathBuf> =
         input_paths(&args.scene).into_iter().chain(files.into_iter().flatten().cloned()).collect();
-    let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
+    let rules = OutputRules { allowed, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = outputs_with_table(&args.output, args.csv.as_ref(), rules)?;
     let is_spatial = |format: &Format| format.is_picture() || *format == Format::GeoTiff;
     if let Some((path, _)) = outputs.iter().find(|(_, f)| args.candidates.is_some() && is_spatial(f)) {
@@ -186,14 +186,13 @@ fn outputs_of(args: &PlaceArgs) -> Result<(Vec<Output>, Option<Output>)> {
     }
     let mut map = None;
     if let Some(path) = &args.map {
-        let others: Vec<PathBuf> = outputs.iter().map(|(path, _)| path.clone()).collect();
-        let all: Vec<PathBuf> = others.iter().cloned().chain([path.clone()]).collect();
-        let checked = check_outputs(&all, OutputRules { allowed: &FORMATS, ..rules })?.pop();
-        map = checked.filter(|(_, format)| is_spatial(format));
-        if map.is_none() {
+        if !Format::of(path).is_ok_and(|format| is_spatial(&format)) {
             let text = format!("cannot write {}: `--map` writes a map", path.display());
             return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .pdf or .tif"));
         }
+        let others: Vec<PathBuf> = outputs.iter().map(|(path, _)| path.clone()).collect();
+        let all: Vec<PathBuf> = others.iter().cloned().chain([path.clone()]).collect();
+        map = check_outputs(&all, OutputRules { allowed: &FORMATS, ..rules })?.pop();
     }
     let all: Vec<Output> = outputs.iter().cloned().chain(map.clone()).collect();
     args.words.refuse_without_picture(&all)?;
@@ -223,9 +222,8 @@ fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>,
 fn say(
     (args, goal): (&PlaceArgs, Goal),
     report: &PlaceReport,
-    start: Instant,
-    spent: &Timing,
-    outputs: &[Output],
+    (start, spent): (Instant, &Timing),
+    (outputs, files): (&[Output], &[PathBuf]),
 ) -> Result<()> {
     let timing = Timing { total: start.elapsed().as_secs_f64(), ..*spent };
     if !args.out.quiet {
@@ -238,10 +236,21 @@ fn say(
             timing.total
         ));
     }
+    messages::wrote(files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-        messages::answer(&pretty(&report.document(Some(timing))))?;
+        return messages::answer(&pretty(&report.document(Some(timing))));
     }
-    Ok(())
+    if !files.is_empty() {
+        return Ok(());
+    }
+    // Of thousands of candidates the best are an answer.
+    let mut table = report.table();
+    let (is_candidate, mut n_candidates) = (|row: &[String]| row[0] == "candidate", 0);
+    table.retain(|row| {
+        n_candidates += usize::from(is_candidate(row));
+        !is_candidate(row) || n_candidates <= report.top
+    });
+    messages::answer(&String::from_utf8_lossy(&encode_table(&table)?))
 }
 
 /// `--sample`: statistics by zone instead of a search.
@@ -274,7 +283,7 @@ fn sampled(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         }
     };
     let heights_m: Vec<f64> = heights.iter().map(above_ground).collect::<Result<_>>()?;
-    let (outputs, _) = outputs_of(args)?;
+    let (outputs, _) = outputs_of(args, &SampleJob::FORMATS)?;
     let job = SampleJob {
         sample: &args.sample,
         scene: &args.scene,

@@ -35,8 +35,8 @@ pub(super) struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Writes all files of a run, or none.
-    pub(super) fn write(&self, outputs: &[(PathBuf, Format)], map: Option<&(PathBuf, Format)>) -> Result<()> {
+    /// Writes all files of a run, or none, and returns their names.
+    pub(super) fn write(&self, outputs: &[(PathBuf, Format)], map: Option<&(PathBuf, Format)>) -> Result<Vec<PathBuf>> {
         interrupt::begin_writing();
         let mut batch = Batch::new(self.args.out.overwrite);
         for (path, format) in outputs {

@@ -1,10 +1,12 @@
 //! What can be typed after `skyshed plos`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::args::{OutputArgs, PictureSize, SceneArgs, memory_size, number};
+use crate::cli::typed::{SceneWord, length, one_unit, scene_word};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum UsersArg {
@@ -51,8 +53,8 @@ pub(in crate::cli) struct Numbers(pub(in crate::cli) Vec<f64>);
 #[derive(Debug, Args)]
 pub(in crate::cli) struct PlosArgs {
     /// More cities
-    #[arg(value_name = "SCENE", index = 2)]
-    pub(in crate::cli) more_cities: Vec<String>,
+    #[arg(value_name = "SCENE", value_parser = scene_word(), index = 2)]
+    pub(in crate::cli) more_cities: Vec<SceneWord>,
     /// Methods, separated by commas: product, city, geometry, maps (real cities), models by their ids (itu, alhourani2014,
     /// holis2008, mohammed2023, kang2019, saboor2024, tr36777_uma_av, tr38811 …), `models` for all that apply, `all`;
     /// auto: product, and maps over real cities. An engine (ray, sweep, shadow) is that of the maps
@@ -72,8 +74,8 @@ pub(in crate::cli) struct PlosArgs {
     /// Azimuths [deg]: 0 across the user's street, 90 along it; default: the mean over all
     #[arg(long, value_name = "LIST", value_parser = numbers, allow_hyphen_values = true, help_heading = "Sweep")]
     pub(in crate::cli) phi: Option<Numbers>,
-    /// Heights of the UAV above ground [m]
-    #[arg(long, value_name = "LIST", value_parser = numbers, allow_hyphen_values = true, help_heading = "Sweep",
+    /// Heights of the UAV above ground [m]; feet as 400ft
+    #[arg(long, value_name = "LIST", value_parser = lengths, allow_hyphen_values = true, help_heading = "Sweep",
           default_value = "100")]
     pub(in crate::cli) height: Numbers,
     /// Values of α instead of the city's
@@ -92,14 +94,18 @@ pub(in crate::cli) struct PlosArgs {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "anywhere", help_heading = "Sweep")]
     pub(in crate::cli) placement: Vec<PlacementArg>,
     /// Height of the receivers above ground [m]; the paper's figures have 0
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(in crate::cli) rx_height: f64,
     /// Count only UAVs that are clear of the roof below them; otherwise one inside a building is NLoS to all
     #[arg(long)]
     pub(in crate::cli) uav_clear_of_roof: bool,
-    /// A curve of your own: a table with the columns theta_deg (or distance_m) and p_los; repeat for more
+    /// A curve of your own: a table with the columns theta_deg (or distance_m) and p_los, `NAME=-` from standard input;
+    /// repeat for more
     #[arg(long, value_name = "NAME=FILE")]
-    pub(in crate::cli) curve: Vec<String>,
+    pub(in crate::cli) curve: Vec<OsString>,
+    /// Leave out rows of the curves that cannot be read, with a warning that names them
+    #[arg(long, requires = "curve")]
+    pub(in crate::cli) skip_bad: bool,
     /// Stop when all intervals are ±P or narrower
     #[arg(long, value_name = "±P", value_parser = plus_minus, help_heading = "Effort")]
     pub(in crate::cli) until: Option<f64>,
@@ -164,6 +170,15 @@ pub(in crate::cli) struct PlosArgs {
 const MOST_NUMBERS: f64 = 100_000.0;
 
 fn numbers(text: &str) -> Result<Numbers, String> {
+    numbers_of(text, number)
+}
+
+fn lengths(text: &str) -> Result<Numbers, String> {
+    one_unit(text)?;
+    numbers_of(text, length)
+}
+
+fn numbers_of(text: &str, number: fn(&str) -> Result<f64, String>) -> Result<Numbers, String> {
     if !text.contains(':') {
         return Ok(Numbers(text.split(',').map(number).collect::<Result<_, _>>()?));
     }

@@ -1,13 +1,17 @@
 //! The methods of a study, from their words.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use super::args::PlosArgs;
-use crate::error::{Error, Result};
+use crate::cli::os_words::split;
+use crate::cli::tables::bad_rows;
+use crate::error::{Error, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};
 use crate::los_probability::study::Estimator;
 use crate::report::MethodFacts;
+use crate::scene::read_text;
 
 /// A way to P_LoS.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,24 +94,30 @@ fn unknown(word: &str) -> Error {
 }
 
 /// The curves of the user's own, and the files that they are from.
-pub(super) fn read_curves(args: &PlosArgs) -> Result<Vec<(UserCurve, PathBuf)>> {
+pub(super) fn read_curves(args: &PlosArgs, warnings: &mut Vec<Warning>) -> Result<Vec<(UserCurve, PathBuf)>> {
     let mut curves: Vec<(UserCurve, PathBuf)> = Vec::new();
     for word in &args.curve {
-        let Some((name, path)) = word.split_once('=').filter(|(name, path)| !name.is_empty() && !path.is_empty())
-        else {
-            return Err(Error::usage(123, format!("cannot read `--curve {word}`: wanted NAME=FILE.csv")));
+        let Some((name, path)) = named_file(word) else {
+            return Err(Error::usage(123, format!("cannot read `--curve {}`: wanted NAME=FILE.csv", word.display())));
         };
+        let name = name.as_str();
         let is_taken = Model::from_id(name).is_some()
             || ["product", "city", "geometry", "maps"].contains(&name)
             || curves.iter().any(|(c, _)| c.name() == name);
         if is_taken {
             return Err(Error::usage(123, format!("cannot name a curve `{name}`: another method has that name")));
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::file(301, format!("cannot read the curve `{name}` from {path}: {e}")))?;
-        curves.push((UserCurve::parse(name, &text)?, PathBuf::from(path)));
+        let text = read_text(&path)?;
+        curves.push((UserCurve::parse(name, &text, bad_rows(args.skip_bad, warnings))?, path));
     }
     Ok(curves)
+}
+
+/// The parts of `NAME=FILE`; the file need not be Unicode.
+fn named_file(word: &OsStr) -> Option<(String, PathBuf)> {
+    let parts = split(word, "=");
+    let (name, path) = (parts.first()?.to_str()?, parts[1..].join(OsStr::new("=")));
+    (!name.is_empty() && !path.is_empty()).then(|| (name.to_string(), PathBuf::from(path)))
 }
 
 impl Way {

@@ -20,6 +20,7 @@ use sweep::Sweeps;
 use super::args::SceneArgs;
 use super::plan::outputs_with_table;
 use super::tolerance::checked_tolerance;
+use super::typed::SceneWord;
 use super::words::pretty;
 use super::{interrupt, messages};
 use crate::accuracy::CONFIDENCE;
@@ -34,7 +35,7 @@ use crate::los_probability::study::{Effort, estimate_all};
 use crate::quantity::{counted, tidy};
 use crate::raster::{NpyArray, write_npz};
 use crate::report::{PlosReport, PlosRow, PlosValue};
-use crate::scene::{BuiltUp, BuiltUpCity, Source};
+use crate::scene::{BuiltUp, Source};
 
 /// Formats of `skyshed plos`.
 const FORMATS: [Format; 7] =
@@ -44,12 +45,12 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();
     check(args)?;
     let sweeps = Sweeps::of(args)?;
-    let words: Vec<&String> = std::iter::once(&args.scene.scene).chain(&args.more_cities).collect();
-    let curves = read_curves(args)?;
-    let is_generated = |word: &str| BuiltUpCity::parse_built_up(word).is_some();
+    let words: Vec<&SceneWord> = std::iter::once(&args.scene.scene).chain(&args.more_cities).collect();
+    let mut warnings = Vec::new();
+    let curves = read_curves(args, &mut warnings)?;
     let inputs: Vec<PathBuf> = words
         .iter()
-        .filter(|w| !is_generated(w))
+        .filter(|w| w.built_up().is_none())
         .map(PathBuf::from)
         .chain(args.scene.terrain.clone())
         .chain(curves.iter().map(|(_, path)| path.clone()))
@@ -72,7 +73,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         sources: Vec::new(),
         rows: Vec::new(),
         tolerance: args.tolerance,
-        warnings: Vec::new(),
+        warnings,
     };
     let mut plot = plot::Facts::default();
     let mut cautions = Cautions::default();
@@ -81,11 +82,12 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
     }
     let curves: Vec<UserCurve> = curves.into_iter().map(|(curve, _)| curve).collect();
     plot.curves.clone_from(&curves);
-    for word in words {
-        let (real, built_up) = match BuiltUpCity::parse_built_up(word) {
+    for scene in words {
+        let word = &scene.to_string();
+        let (real, built_up) = match scene.built_up() {
             Some(built_up) => (None, Some(built_up?)),
             None => {
-                let scene = SceneArgs { scene: word.clone(), ..args.scene.clone() };
+                let scene = SceneArgs { scene: scene.clone(), ..args.scene.clone() };
                 refuse_for_real_city(args, &sweeps, word)?;
                 let real = Real::read(&scene, args.max_memory, &sweeps, &mut report.warnings)?;
                 report.sources.extend(real.sources.clone());
@@ -151,9 +153,9 @@ fn check(args: &PlosArgs) -> Result<()> {
 }
 
 /// An ignored input is an error, never silence.
-fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&String]) -> Result<()> {
+fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&SceneWord]) -> Result<()> {
     let is_typed = |name: &str| args.scene.typed.iter().any(|typed| typed == name);
-    let has_file = words.iter().any(|w| BuiltUpCity::parse_built_up(w).is_none());
+    let has_file = words.iter().any(|w| w.built_up().is_none());
     let uses = |names: &[&str]| args.method.iter().any(|m| names.contains(&m.trim().to_lowercase().as_str()));
     let refuse =
         |flag: &str, why: &str| Err(Error::usage(116, format!("`--{}` has no meaning {why}", flag.replace('_', "-"))));
@@ -410,13 +412,10 @@ fn write(
             _ => {}
         }
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     let seconds = start.elapsed().as_secs_f64();
     if !args.out.quiet {
         messages::warnings(&report.warnings);
-        let files: Vec<String> =
-            outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
-        let wrote = if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) };
         report.real_cities.iter().filter_map(|c| c.tolerance.as_ref()).for_each(|t| messages::note(&t.in_words()));
         if let (Some(tolerance), Some(bound)) = (report.tolerance, report.product_bound()) {
             let percent = tidy(100.0 * CONFIDENCE);
@@ -424,11 +423,9 @@ fn write(
                 "tolerance {tolerance}: product, off by at most {bound:.2e} with {percent} % confidence"
             ));
         }
-        messages::note(&format!(
-            "{} of P_LoS in {seconds:.2} s{wrote}",
-            counted(report.rows.len() as u64, "value", "values")
-        ));
+        messages::note(&format!("{} of P_LoS in {seconds:.2} s", counted(report.rows.len() as u64, "value", "values")));
     }
+    messages::wrote(&files, args.out.quiet);
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         return messages::answer(&pretty(&report.document(Some(seconds))));
     }

@@ -97,7 +97,14 @@ impl Real {
         let unit = meters_per_unit(&grid);
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
-        Ok(Real { word: args.scene.clone(), field, zones, fit, sources: scene.sources, attribution: scene.attribution })
+        Ok(Real {
+            word: args.scene.to_string(),
+            field,
+            zones,
+            fit,
+            sources: scene.sources,
+            attribution: scene.attribution,
+        })
     }
 
     /// The statistical city to lay over: fitted, or as α, β, γ were typed.

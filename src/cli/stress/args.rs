@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::accuracy::stress::{FAMILIES, Family};
-use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs};
+use crate::cli::typed::length;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |a| a.required(false).default_value("").hide_default_value(true).help(
@@ -19,11 +20,11 @@ pub(in crate::cli) struct StressArgs {
     /// Scenes of each family
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) scenes: u32,
-    /// The UAV over SCENE: x, y in its CRS and height (120, 120agl, 30roof, 150amsl)
+    /// The UAV over SCENE: x, y in its CRS and height (120, 120agl, 30roof, 150amsl, 400ft)
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(super) uav: Option<String>,
     /// Height of the receivers of SCENE above ground or roof [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1.5", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
     pub(super) rx_height: f64,
     /// Which cells of SCENE hold receivers
     #[arg(long, value_enum, default_value = "ground")]

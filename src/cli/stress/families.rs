@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::{FORMATS, StressArgs, answer, wrote};
+use super::{FORMATS, StressArgs, answer};
 use crate::accuracy::stress::{Contender, Effort, FAMILIES, Family, check_exact, stress};
 use crate::cli::map::undrawable;
 use crate::cli::words::{picture_provenance, pretty};
@@ -36,18 +36,15 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         interrupt::check()?;
         add(args, &report, &mut batch, (path, *format), start)?;
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     if !args.out.quiet {
         words(&report).iter().for_each(|line| messages::note(line));
         let scenes = counted(u64::from(effort.scenes), "scene", "scenes");
         let seconds = start.elapsed().as_secs_f64();
         let n = report.scores.len();
-        messages::note(&format!(
-            "{scenes} of each of {} in {seconds:.2} s{}",
-            counted(n as u64, "family", "families"),
-            wrote(&outputs)
-        ));
+        messages::note(&format!("{scenes} of each of {} in {seconds:.2} s", counted(n as u64, "family", "families")));
     }
+    messages::wrote(&files, args.out.quiet);
     let seconds = start.elapsed().as_secs_f64();
     answer(args, &outputs, || report.document(Some(seconds)), || report.table())?;
     // What failed is written before it is told.

@@ -76,10 +76,3 @@ fn answer(
     }
     Ok(())
 }
-
-/// The names of the files that were written, for a note.
-fn wrote(outputs: &[(PathBuf, Format)]) -> String {
-    let files: Vec<String> =
-        outputs.iter().filter(|(_, f)| *f != Format::Stdout).map(|(p, _)| p.display().to_string()).collect();
-    if files.is_empty() { String::new() } else { format!("; wrote {}", files.join(", ")) }
-}

@@ -1,11 +1,12 @@
 //! The perturbation test of a scene: what turns when the UAV or all roofs move by one lattice step, and how many receivers
 //! are near to grazing.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use super::{FORMATS, StressArgs, answer, wrote};
+use super::{FORMATS, StressArgs, answer};
 use crate::cli::map_drawing::MapDrawing;
+use crate::cli::outside::{place_uav, warn_of_uavs_outside};
 use crate::cli::plan::{
     FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
     warn_of_flat_earth,
@@ -13,7 +14,7 @@ use crate::cli::plan::{
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
-use crate::coverage::{Control, HeightLayers, MapOptions, Mapper, Uav};
+use crate::coverage::{Control, HeightLayers, MapOptions, Mapper};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, check_outputs, encode_table, with_suffix};
 use crate::quantity::counted;
@@ -39,8 +40,9 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let site = parse_uav(uav, "1".into())?;
 
     let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     let radius = radius_m.map(|r| scene.crs_units(r));
-    let uav = Uav::place(&site, &scene.field, radius)?;
+    let uav = place_uav(&site, &scene.field, scene.field.grid(), radius)?;
     check_receivers(args.receivers, &scene.field)?;
     let zones = args.receivers.zone().and_then(|_| scene.zones());
     warn_of_flat_earth(std::slice::from_ref(&uav), scene.field.grid(), radius, &mut scene.warnings);
@@ -97,13 +99,14 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
         interrupt::check()?;
         add((&report, timing), &drawing, &mut batch, (path, *format))?;
     }
-    batch.commit()?;
+    let files = batch.commit()?;
     scene.timing.write = before_write.elapsed().as_secs_f64();
     scene.timing.total = start.elapsed().as_secs_f64();
     if !args.out.quiet {
         messages::warnings(&report.map.facts.warnings);
-        say(&report, scene.timing, &outputs);
+        say(&report, scene.timing);
     }
+    messages::wrote(&files, args.out.quiet);
     answer(args, &outputs, || report.document(Some(scene.timing)), || report.table())
 }
 
@@ -127,7 +130,7 @@ fn add(
 }
 
 /// What turns, and what is near to grazing, in words.
-fn say(report: &StressSceneReport, timing: Timing, outputs: &[(PathBuf, Format)]) {
+fn say(report: &StressSceneReport, timing: Timing) {
     for site in &report.map.sites {
         let (los, receivers) = (site.tally.los, site.tally.receivers);
         messages::note(&format!("{los} of {} in line of sight", counted(receivers, "receiver", "receivers")));
@@ -151,11 +154,10 @@ fn say(report: &StressSceneReport, timing: Timing, outputs: &[(PathBuf, Format)]
         messages::note(&format!("within {reach} m of grazing: {n} of {sampled}{every}"));
     }
     messages::note(&format!(
-        "method {}: nine maps and the margins in {:.3} s of {:.2} s{}",
+        "method {}: nine maps and the margins in {:.3} s of {:.2} s",
         report.map.facts.method_in_words(),
         timing.los,
-        timing.total,
-        wrote(outputs)
+        timing.total
     ));
 }
 

@@ -2,8 +2,8 @@
 
 use super::{OutsideDomain, outside};
 use crate::error::{Error, Result};
-use crate::quantity::{counted, parse_number};
-use crate::scene::line_of;
+use crate::quantity::counted;
+use crate::scene::{BadRows, RowFault, Table, readable};
 
 /// What the values of a [`UserCurve`] are given over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,30 +34,24 @@ pub struct UserCurve {
 }
 
 impl UserCurve {
-    /// Reads a curve from comma-separated text with the columns `p_los` (0 to 1) and `theta_deg` (0 to 90) or
-    /// `distance_m` (≥ 0), in any order of columns and rows. Other columns are ignored, and `distance_m` too where
-    /// `theta_deg` is given; lines that begin with `#` are comments. `name` is what messages call it.
+    /// Reads a curve from a table separated by commas, semicolons or tabs, with the columns `p_los` (0 to 1) and
+    /// `theta_deg` (0 to 90) or `distance_m` (≥ 0), in any order of columns and rows. Other columns are ignored, and
+    /// `distance_m` too where `theta_deg` is given; lines that begin with `#` are comments. `name` is what messages call it.
     ///
     /// # Errors
-    /// File error E313 that names the line, what was found there and what was wanted.
-    pub fn parse(name: &str, text: &str) -> Result<Self> {
+    /// File error E313 that names the lines, what was found there and what was wanted.
+    pub fn parse(name: &str, text: &str, bad: BadRows<'_>) -> Result<Self> {
         let refuse = |found: String| {
             Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(
-                "a curve is a table separated by commas with the columns `theta_deg,p_los` or `distance_m,p_los`",
+                "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, semicolons \
+                 or tabs",
             )
         };
-        let text = text.trim_start_matches('\u{feff}');
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let headers = reader.headers().map_err(|e| refuse(e.to_string()))?.clone();
-        let column = |name: &str| headers.iter().position(|h| h.eq_ignore_ascii_case(name));
+        let table = Table::parse(text).map_err(refuse)?;
+        let column = |name: &str| table.column(&[name]);
         let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
         let (Some((axis, axis_column)), Some(p_column)) = (axis, column("p_los")) else {
-            let found: Vec<&str> = headers.iter().collect();
-            let found = found.join(",");
+            let found = table.found();
             return Err(refuse(format!("found columns `{found}`, wanted `p_los` and `theta_deg` or `distance_m`")));
         };
         let (axis_range, axis_wanted) = match axis {
@@ -65,21 +59,17 @@ impl UserCurve {
             CurveAxis::Distance => (0.0..=f64::MAX, "at least 0"),
         };
 
-        let mut rows: Vec<(f64, f64, u64)> = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|e| refuse(e.to_string()))?;
-            let line = record.position().map_or(0, |start| line_of(text, start));
-            let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| {
-                let number = parse_number(record.get(column).unwrap_or_default());
-                match number {
-                    Ok(v) if range.contains(&v) => Ok(v),
-                    Ok(v) => Err(refuse(format!("line {line}: `{name}` is `{v}`, wanted {wanted}"))),
-                    Err(found) => Err(refuse(format!("line {line}: `{name}`: {found}, wanted {wanted}"))),
-                }
+        let rows = table.rows(|_, row| {
+            let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| match table
+                .number(row, column, wanted)?
+            {
+                v if range.contains(&v) => Ok(v),
+                v => Err(RowFault::Text(format!("`{name}` is `{v}`, wanted {wanted}"))),
             };
             let at = number(axis_column, axis.column(), axis_range.clone(), axis_wanted)?;
-            rows.push((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, line));
-        }
+            Ok((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, row.line()))
+        });
+        let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |_, text| refuse(text))?;
         if rows.len() < 2 {
             let rows = counted(rows.len() as u64, "row", "rows");
             return Err(refuse(format!("found {rows} of values, wanted at least 2")));
@@ -141,7 +131,7 @@ mod tests {
     use super::*;
 
     fn refusal(text: &str) -> String {
-        let error = UserCurve::parse("c.csv", text).unwrap_err();
+        let error = UserCurve::parse("c.csv", text, BadRows::Refuse).unwrap_err();
         assert_eq!(error.code(), "E313");
         error.to_string()
     }
@@ -149,7 +139,7 @@ mod tests {
     #[test]
     fn rows_and_columns_come_in_any_order() {
         let text = "\u{feff}source, P_LoS ,theta_deg,distance_m\n# measured\nx,1,90,0\ny,0.2,10,567\nz,0.4,30,173\n";
-        let curve = UserCurve::parse("c.csv", text).unwrap();
+        let curve = UserCurve::parse("c.csv", text, BadRows::Refuse).unwrap();
         assert_eq!((curve.name(), curve.axis(), curve.range()), ("c.csv", CurveAxis::Theta, (10.0, 90.0)));
         for (theta, p) in [(10.0, 0.2), (15.0, 0.25), (30.0, 0.4), (60.0, 0.7), (90.0, 1.0)] {
             assert_near(curve.p_los(theta, 0.0).unwrap(), p, 1e-15);
@@ -161,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_curve_may_be_given_over_the_distance() {
-        let curve = UserCurve::parse("c", "distance_m,p_los\n0,1\n100,0.5\n").unwrap();
+        let curve = UserCurve::parse("c", "distance_m;p_los\n0;1\n100;0,5\n", BadRows::Refuse).unwrap();
         assert_eq!(curve.axis(), CurveAxis::Distance);
         assert_near(curve.p_los(-5.0, 25.0).unwrap(), 0.875, 1e-15);
         assert!(curve.p_los(45.0, 101.0).unwrap_err().reason.contains("101 m, wanted 0 m to 100 m"));

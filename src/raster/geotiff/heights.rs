@@ -11,9 +11,9 @@ use tiff_reader::ByteOrder;
 use super::header::Codec;
 use super::tags::TiffSource;
 use super::{GeoTiff, turn_over};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Result, Warning};
 use crate::quantity::VOID;
-use crate::raster::file::reserve_cells;
+use crate::raster::file::{cannot_read, reserve_cells};
 use crate::raster::lattice_rows::put_on_lattice;
 use crate::raster::sample::Sample;
 use crate::raster::voids::Voids;
@@ -115,7 +115,7 @@ impl PlainRows<'_> {
 
     /// Reads cells, as the bits of their floats, from an offset on; opens the file if it is not open.
     fn read(&self, file: &mut Option<File>, offset: u64, cells: &mut [i32]) -> Result<()> {
-        let failed = |e: std::io::Error| Error::file(301, format!("cannot read `{}`: {e}", self.path.display()));
+        let failed = |e: std::io::Error| cannot_read(self.path, &e);
         if file.is_none() {
             *file = Some(File::open(self.path).map_err(failed)?);
         }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use tiff_reader::ByteOrder;
 
 use super::super::file::open_file;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, io_words};
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
 pub(super) mod tag {
@@ -119,7 +119,7 @@ impl TiffSource {
         self.file
             .seek(SeekFrom::Start(offset))
             .and_then(|_| self.file.read_exact(&mut bytes))
-            .map_err(|e| self.error(301, format!("{what}: {e}")))?;
+            .map_err(|e| self.error(301, format!("{what}: {}", io_words(&e))))?;
         Ok(bytes)
     }
 

@@ -24,7 +24,7 @@ use super::super::GeoRef;
 use super::geo_tags::place_tags;
 use super::overview::{Reduce, first_of, most_frequent, overview};
 use super::plain::write_plain;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, io_words};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
 pub(super) const TILE: usize = 256;
@@ -428,7 +428,7 @@ pub(super) fn tags_with_places(
 }
 
 pub(super) fn failed(cause: std::io::Error) -> Error {
-    Error::internal(401, format!("cannot write a GeoTIFF: {cause}"))
+    Error::file(401, format!("cannot write a GeoTIFF: {}", io_words(&cause)))
 }
 
 pub(super) fn refused(cause: tiff_writer::Error) -> Error {

@@ -8,7 +8,7 @@ use super::placed::covered_area;
 use super::tile::{Header, read_headers, told_once};
 use super::{Kind, MAX_SIDE, Mosaic, Piece};
 use crate::error::{Error, Result, Warning};
-use crate::raster::{Crs, GeoRef};
+use crate::raster::{Crs, GeoRef, cannot_read};
 
 /// How far the grids of two tiles may be apart \[cells\].
 const MAX_SHIFT_CELLS: f64 = 1e-3;
@@ -64,7 +64,7 @@ impl Mosaic {
 
 /// The rasters in a folder, sorted by name.
 fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |e: std::io::Error| Error::file(301, format!("cannot read the folder `{}`: {e}", folder.display()));
+    let failed = |e: std::io::Error| cannot_read(folder, &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

@@ -18,7 +18,7 @@ use crate::error::{Error, Result, Warning};
 use crate::raster::file::open_file;
 use crate::raster::geotiff::meters_per_named_unit;
 use crate::raster::sample::Sample;
-use crate::raster::{Crs, GeoRef};
+use crate::raster::{Crs, GeoRef, cannot_read};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
 const MAX_XML_BYTES: u64 = 256 << 20;
@@ -51,8 +51,7 @@ impl Mosaic {
         ancestors: &[PathBuf],
         warnings: &mut Vec<Warning>,
     ) -> Result<Mosaic> {
-        let this = std::fs::canonicalize(path)
-            .map_err(|e| Error::file(301, format!("cannot open `{}`: {e}", path.display())))?;
+        let this = std::fs::canonicalize(path).map_err(|e| cannot_read(path, &e))?;
         if ancestors.contains(&this) {
             let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());
             return Err(Error::file(302, text));
@@ -154,9 +153,7 @@ fn read_xml(path: &Path) -> Result<String> {
         return Err(Error::limit(501, text));
     }
     let mut bytes = Vec::new();
-    file.take(MAX_XML_BYTES)
-        .read_to_end(&mut bytes)
-        .map_err(|e| Error::file(301, format!("cannot read `{}`: {e}", path.display())))?;
+    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
     let text = String::from_utf8(bytes)
         .map_err(|e| Error::file(302, format!("cannot read `{}`: {e}, wanted XML in UTF-8", path.display())))?;
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))

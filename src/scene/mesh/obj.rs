@@ -7,10 +7,11 @@ use std::path::Path;
 
 use super::Mesh;
 use crate::error::{Error, Result};
+use crate::raster::cannot_read;
 
 /// Reads the vertices and faces of a file.
 pub(super) fn read(path: &Path) -> Result<Mesh> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(301, format!("cannot read {}: {e}", path.display())))?;
+    let bytes = std::fs::read(path).map_err(|e| cannot_read(path, &e))?;
     // Names of materials may be in any code page; numbers are the same in all of them.
     let text = String::from_utf8_lossy(&bytes);
     let mut mesh = Mesh::default();

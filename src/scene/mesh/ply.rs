@@ -12,10 +12,11 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
 use super::Mesh;
 use crate::error::{Error, Result};
+use crate::raster::cannot_read;
 
 /// Reads the vertices and faces of a file.
 pub(super) fn read(path: &Path) -> Result<Mesh> {
-    let unreadable = |e: std::io::Error| Error::file(301, format!("cannot read {}: {e}", path.display()));
+    let unreadable = |e: std::io::Error| cannot_read(path, &e);
     let wrong = |found: String| Error::file(302, format!("cannot read {}: {found}, wanted a PLY mesh", path.display()));
     let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();

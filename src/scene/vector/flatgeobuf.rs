@@ -17,9 +17,9 @@ use flatgeobuf::{
     size_prefixed_root_as_header,
 };
 
-use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed, unreadable};
+use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
 use crate::error::{Error, Result};
-use crate::raster::Crs;
+use crate::raster::{Crs, cannot_read};
 
 /// Bytes of a box in the index: four coordinates and an offset.
 const BOX_BYTES: u64 = 40;
@@ -32,8 +32,8 @@ const MOST_NESTED: usize = 16;
 
 /// Reads the features of a file, with `bounds` only those whose boxes meet them where the file has an index.
 pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
-    let file = File::open(path).map_err(|e| unreadable(path, &e))?;
-    let length = file.metadata().map_err(|e| unreadable(path, &e))?.len();
+    let file = File::open(path).map_err(|e| cannot_read(path, &e))?;
+    let length = file.metadata().map_err(|e| cannot_read(path, &e))?.len();
     let mut source = Source { path, file: BufReader::new(file), at: 0, length };
     let magic = source.take(8)?;
     if &magic[..3] != b"fgb" || &magic[4..7] != b"fgb" || magic[3] > 3 {
@@ -96,7 +96,7 @@ struct Source<'a> {
 
 impl Source<'_> {
     fn go_to(&mut self, at: u64) -> Result<()> {
-        self.file.seek(SeekFrom::Start(at)).map_err(|e| unreadable(self.path, &e))?;
+        self.file.seek(SeekFrom::Start(at)).map_err(|e| cannot_read(self.path, &e))?;
         self.at = at;
         Ok(())
     }
@@ -113,7 +113,7 @@ impl Source<'_> {
             return Err(Error::file(303, text).with_hint("the file is cut off or damaged: copy it again"));
         }
         let mut bytes = Vec::new();
-        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| unreadable(self.path, &e))?;
+        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.path, &e))?;
         self.at += bytes.len() as u64;
         if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.path, "an early end", "FlatGeobuf")) }
     }

@@ -13,16 +13,16 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::wkb::polygons_of;
-use super::{Feature, FeatureSet, Property, crs_of, malformed, unreadable};
+use super::{Feature, FeatureSet, Property, crs_of, malformed};
 use crate::error::{Error, Result};
-use crate::raster::Crs;
+use crate::raster::{Crs, cannot_read};
 
 /// Bytes of the header of an SQLite database.
 const SQLITE_HEADER_BYTES: u64 = 100;
 
 /// Reads the features of a table, of the only one where no `layer` is named.
 pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
-    let length = std::fs::metadata(path).map_err(|e| unreadable(path, &e))?.len();
+    let length = std::fs::metadata(path).map_err(|e| cannot_read(path, &e))?.len();
     refuse_open_changes(path)?;
     refuse_cut_off(path, length)?;
     let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
@@ -58,8 +58,8 @@ fn refuse_open_changes(path: &Path) -> Result<()> {
 /// SQLite reads missing pages as far as it can; the header says how many there are.
 fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
     let mut header = Vec::new();
-    let file = std::fs::File::open(path).map_err(|e| unreadable(path, &e))?;
-    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| unreadable(path, &e))?;
+    let file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
+    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| cannot_read(path, &e))?;
     let word = |at: usize| header.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|w| u32::from_be_bytes(*w));
     // The number of pages counts only if the version that wrote the file last wrote it too.
     let (Some(n_pages), true) = (word(28), word(24) == word(92)) else { return Ok(()) };
@@ -77,15 +77,13 @@ fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
 
 /// A path as SQLite takes it, with the promise that the file does not change.
 fn uri(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    let escaped: String = text
-        .chars()
-        .map(|c| match c {
-            '%' => "%25".to_string(),
-            '?' => "%3f".to_string(),
-            '#' => "%23".to_string(),
-            '\\' if cfg!(windows) => "/".to_string(),
-            other => other.to_string(),
+    // Byte by byte, for a path need not be Unicode.
+    let bytes = path.as_os_str().as_encoded_bytes().iter();
+    let escaped: String = bytes
+        .map(|byte| match byte {
+            b'\\' if cfg!(windows) => "/".to_string(),
+            b'%' | b'?' | b'#' | 0x80.. => format!("%{byte:02x}"),
+            plain => char::from(*plain).to_string(),
         })
         .collect();
     format!("file:{escaped}?immutable=1")

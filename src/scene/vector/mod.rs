@@ -15,7 +15,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::raster::Crs;
+use crate::raster::{Crs, cannot_read};
 
 /// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
 pub(super) type Polygon = Vec<Vec<[f64; 2]>>;
@@ -146,14 +146,9 @@ impl Property {
 /// The whole of a file that is read at once.
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut file = std::fs::File::open(path).map_err(|e| unreadable(path, &e))?;
-    file.read_to_end(&mut bytes).map_err(|e| unreadable(path, &e))?;
+    let mut file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
+    file.read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
     Ok(bytes)
-}
-
-/// E301: the file cannot be opened or read.
-fn unreadable(path: &Path, cause: &std::io::Error) -> Error {
-    Error::file(301, format!("cannot read {}: {cause}", path.display()))
 }
 
 /// E302: the file is not what its name says.

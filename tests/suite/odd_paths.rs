@@ -1,0 +1,102 @@
+//! Paths that are no Unicode: a byte 0xFF in the names of inputs and outputs.
+
+use std::ffi::{OsStr, OsString};
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+
+use crate::cli::scenes;
+use crate::program::{Answer, Folder, program, wait};
+use crate::vector_files::{
+    city, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage, write_obj, write_shapefile,
+};
+
+/// A name in which `?` stands for the byte 0xFF.
+fn odd(name: &str) -> OsString {
+    let bytes: Vec<u8> = name.bytes().map(|byte| if byte == b'?' { 0xFF } else { byte }).collect();
+    OsStr::from_bytes(&bytes).to_os_string()
+}
+
+fn run(folder: &Folder, line: &str) -> Answer {
+    wait(program(folder.path(), &[]).args(line.split_whitespace().map(odd)).spawn().expect("the program starts"))
+}
+
+fn path(folder: &Folder, name: &str) -> PathBuf {
+    folder.path().join(Path::new(&odd(name)))
+}
+
+#[test]
+fn inputs_may_have_names_that_are_no_unicode() {
+    let folder = scenes();
+    for name in ["dsm.asc", "slope.asc", "city.geojson", "sites.csv"] {
+        std::fs::copy(folder.join(name), path(&folder, &format!("?{name}"))).expect("a copy");
+    }
+    folder.type_in("city dsm.asc -o dsm.tif -q").done();
+    std::fs::rename(folder.join("dsm.tif"), path(&folder, "?dsm.tif")).expect("renamed");
+    std::fs::write(path(&folder, "?walk.csv"), "x,y\n2,2\n2,48\n").expect("a track");
+    std::fs::write(path(&folder, "?curve.csv"), "theta_deg,p_los\n0,0\n90,1\n").expect("a curve");
+    let buildings = city();
+    write_geojson(&path(&folder, "?v.geojson"), &buildings);
+    write_shapefile(&path(&folder, "?v.shp"), &buildings);
+    write_flatgeobuf(&path(&folder, "?v.fgb"), &buildings, true);
+    write_cityjson(&path(&folder, "?v.city.json"), &buildings, "2.0");
+    write_obj(&path(&folder, "?v.obj"));
+    write_geopackage(&folder.join("v.gpkg"), &[("city", &buildings)]);
+    std::fs::rename(folder.join("v.gpkg"), path(&folder, "?v.gpkg")).expect("renamed");
+    for line in [
+        "map ?dsm.asc --terrain ?slope.asc --uavs ?sites.csv",
+        "map ?dsm.tif --ground 0 --uav 2,2,50",
+        "map ?city.geojson --uavs ?sites.csv --terrain ?slope.asc",
+        "map ?city.geojson --uavs ?sites.csv -o ?{site}.json",
+        "link ?city.geojson --uav 2,2,50 --track ?walk.csv",
+        "place ?city.geojson --candidates ?sites.csv",
+        "plos itu:urban ?city.geojson --theta 45 --height 50 --positions 2 --method maps",
+        "plos itu:urban --theta 45 --curve own=?curve.csv",
+        "info ?sites.csv",
+        "info ?v.geojson",
+        "info ?v.shp",
+        "info ?v.fgb",
+        "info ?v.gpkg",
+        "info ?v.city.json",
+        "info ?v.obj",
+    ] {
+        let line = if line.starts_with("plos itu:urban ?") { &line.replace("itu:urban ?", "?") } else { line };
+        run(&folder, line).done();
+    }
+    assert!(path(&folder, "?a.json").exists(), "{:?}", folder.files());
+    // Messages and documents show such names as far as they can.
+    let document = run(&folder, "map ?city.geojson --uav 2,2,50 --json").done().json();
+    assert_eq!(document["scene"]["sources"][0]["path"], "\u{fffd}city.geojson");
+    assert_eq!(document["command"][1], "\u{fffd}city.geojson");
+    let answer = run(&folder, "map ?none.tif --uav 2,2,50");
+    assert_eq!(answer.refused(3)[0], "error[E301]: cannot read \u{fffd}none.tif: no such file");
+    // The word for a generated city is Unicode.
+    let answer = run(&folder, "map itu:urban? --uav 2,2,50");
+    assert_eq!(answer.refused(3)[0], "error[E301]: cannot read itu:urban\u{fffd}: no such file");
+}
+
+#[test]
+fn outputs_may_have_names_that_are_no_unicode() {
+    let folder = scenes();
+    let two = "--uav 2,2,50 --uav 40,40,50";
+    for (line, files) in [
+        (
+            format!("map city.geojson {two} --crs EPSG:25832 --bare -o ?a.png"),
+            "?a.png ?a.pgw ?a.prj ?a.png.json ?a.1.png ?a.1.pgw ?a.1.prj ?a.1.png.json ?a.2.png",
+        ),
+        (
+            "map city.geojson --uav 2,2,50 -o ?b.tif -o ?b.asc -o ?b.csv -o ?b.exr -o ?b.npz -o ?b.bil".into(),
+            "?b.tif ?b.tif.aux.xml ?b.asc ?b.asc.json ?b.csv ?b.csv.json ?b.exr ?b.npz ?b.bil ?b.hdr",
+        ),
+        (format!("map city.geojson {two} -o ?c-{{site}}.tif -o ?c-{{site}}?.csv"), "?c-1.tif ?c-2.tif ?c-1?.csv"),
+        ("city city.geojson -o ?d.png -o ?d.geojson".into(), "?d.png ?d.geojson"),
+        ("plos itu:urban --theta 45 -o ?e.svg --csv ?e.csv".into(), "?e.svg ?e.csv ?e.csv.json"),
+        ("info city.geojson --repairs ?f.csv -o ?f.json".into(), "?f.csv ?f.csv.json ?f.json"),
+    ] {
+        let answer = run(&folder, &line).done();
+        for file in files.split(' ') {
+            assert!(path(&folder, file).exists(), "{line}: {file} is not among {:?}", folder.files());
+            assert!(answer.err.contains(&file.replace('?', "\u{fffd}")), "{line}: {file}: {answer:?}");
+        }
+    }
+    run(&folder, &format!("map city.geojson {two} -o ?c-{{site}}.tif -o ?c-{{site}}?.csv")).refused(2);
+}
