@@ -257,6 +257,7 @@ impl Curves<'_> {
             self.report.facts.method_name(),
             env!("CARGO_PKG_VERSION")
         ));
+        lines.extend(scene.limits_in_words());
         lines.extend(self.args.words.credit(scene.attribution.as_ref()));
         lines
     }

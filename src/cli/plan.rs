@@ -350,25 +350,9 @@ impl Ready {
         }
     }
 
-    /// What limits the truth of a picture of the scene, in words: pictures travel without what was said beside them.
+    /// What limits the truth of a picture of the scene.
     pub(super) fn limits_in_words(&self) -> Option<String> {
-        let mut limits: Vec<String> = Vec::new();
-        if let Some(gap) = &self.height_gap {
-            let share = 100.0 * gap.area_share;
-            limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
-        }
-        if let Some(outside) = self.field.outside_data() {
-            #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
-            let share = 100.0 * outside.count() as f64 / self.field.grid().n_cells() as f64;
-            limits.push(format!("no data beyond the footprints ({share:.0} % of the extent)"));
-        }
-        if self.field.is_surface_only() {
-            limits.push("a surface model alone: receivers stand on roofs and trees too".into());
-        }
-        if self.warnings.iter().any(|warning| warning.code() == FLAT_EARTH) {
-            limits.push("the earth is taken as flat".into());
-        }
-        (!limits.is_empty()).then(|| title_of(&limits.join("; ")))
+        limits_in_words(self.height_gap.as_ref(), &self.field, &self.warnings)
     }
 
     /// The zones of the scene; none where no building is known.
@@ -380,6 +364,27 @@ impl Ready {
     pub(super) fn crs_units(&self, meters: f64) -> f64 {
         meters / meters_per_unit(self.field.grid())
     }
+}
+
+/// What limits the truth of a picture of a scene, in words: pictures travel without what was said beside them.
+pub(super) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warnings: &[Warning]) -> Option<String> {
+    let mut limits: Vec<String> = Vec::new();
+    if let Some(gap) = gap {
+        let share = 100.0 * gap.area_share;
+        limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
+    }
+    if let Some(outside) = field.outside_data() {
+        #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
+        let share = 100.0 * outside.count() as f64 / field.grid().n_cells() as f64;
+        limits.push(format!("no data beyond the footprints ({share:.0} % of the extent)"));
+    }
+    if field.is_surface_only() {
+        limits.push("a surface model alone: receivers stand on roofs and trees too".into());
+    }
+    if warnings.iter().any(|warning| warning.code() == FLAT_EARTH) {
+        limits.push("the earth is taken as flat".into());
+    }
+    (!limits.is_empty()).then(|| title_of(&limits.join("; ")))
 }
 
 /// Length of a CRS unit \[m\].

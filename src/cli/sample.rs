@@ -277,7 +277,8 @@ impl SampleJob<'_> {
                 Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
                 Format::Png | Format::Svg | Format::Pdf => {
                     let credit = self.words.credit(scene.attribution.as_ref());
-                    let words = (self.words.title.as_deref(), credit.as_deref());
+                    let last: Vec<String> = scene.limits_in_words().into_iter().chain(credit).collect();
+                    let words = (self.words.title.as_deref(), last.as_slice());
                     batch.add(path, &plot(report, words, &self.words.size.form(*format))?)?;
                 }
                 _ => {}

@@ -8,10 +8,10 @@ use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveShe
 use crate::report::{SampledReport, SampledRow};
 use crate::zones::Zone;
 
-/// Draws P_LoS by zone, with a typed title and a credit.
+/// Draws P_LoS by zone, with a typed title and the last lines of the caption.
 pub(super) fn plot(
     report: &SampledReport,
-    (title, credit): (Option<&str>, Option<&str>),
+    (title, last): (Option<&str>, &[String]),
     form: &PictureForm,
 ) -> Result<Vec<u8>> {
     let placements = in_order(report, |row| row.placement);
@@ -43,6 +43,7 @@ pub(super) fn plot(
                 color_index: placements[k].code().into(),
                 look,
                 points,
+                through: &[],
             });
             lines.collect()
         })
@@ -65,7 +66,7 @@ pub(super) fn plot(
         || unbreakable(&format!("P_LoS{range} by what the UAV hovers over: {}", report.facts.scene_name)),
         unbreakable,
     );
-    let caption = caption(report, credit);
+    let caption = caption(report, last);
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
     let provenance = picture_provenance(&report.provenance());
@@ -109,7 +110,7 @@ fn ends_of(heights: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     [low - border, high + border]
 }
 
-fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
+fn caption(report: &SampledReport, last: &[String]) -> Vec<String> {
     let n = report.rows.iter().map(|row| row.n_placements).max().unwrap_or(0);
     let inside: usize =
         in_order(report, |row| (row.placement, row.height_m.to_bits(), row.n_inside)).iter().map(|k| k.2).sum();
@@ -119,6 +120,9 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
         format!("{maps} of up to {} for each zone and height, {where_}", counted(n as u64, "placement", "placements"));
     if report.n_cities > 1 {
         first += &format!(", in {} cities", report.n_cities);
+    }
+    if report.radius_m.is_some() {
+        first += "; whole discs only";
     }
     if inside > 0 {
         first += &format!("; {inside} inside a building left out");
@@ -137,6 +141,6 @@ fn caption(report: &SampledReport, credit: Option<&str>) -> Vec<String> {
         report.facts.method_in_words(),
         env!("CARGO_PKG_VERSION")
     ));
-    lines.extend(credit.map(str::to_string));
+    lines.extend_from_slice(last);
     lines
 }

@@ -33,12 +33,19 @@ impl Window {
     }
 }
 
+impl CurveLine<'_> {
+    /// What its stroke goes through.
+    fn stroked(&self) -> &[CurvePoint] {
+        if self.through.is_empty() { self.points } else { self.through }
+    }
+}
+
 /// Draws lines, the first of them on top: behind all bands, then strokes, then error bars and hollow markers.
 pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let both = || lines.iter().zip(styles).rev();
     for (line, style) in both().filter(|(_, style)| style.has_line()) {
-        for run in runs(line.points, |p| p.y.and(p.low_high)) {
+        for run in runs(line.stroked(), |p| p.y.and(p.low_high)) {
             let upper = run.iter().map(|(x, (_, high))| window.at(*x, *high));
             let lower = run.iter().rev().map(|(x, (low, _))| window.at(*x, *low));
             let area = clip_area(upper.chain(lower).collect(), window.size);
@@ -48,7 +55,7 @@ pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Wind
         }
     }
     for (line, style) in both().filter(|(_, style)| style.has_line()) {
-        for run in runs(line.points, |p| p.y) {
+        for run in runs(line.stroked(), |p| p.y) {
             let points: Vec<[f64; 2]> = run.iter().map(|(x, y)| window.at(*x, *y)).collect();
             match points[..] {
                 // Between two gaps there is nothing to join.
@@ -190,7 +197,7 @@ mod tests {
     }
 
     fn draw(look: LineLook, points: &[CurvePoint]) -> String {
-        let line = CurveLine { label: "a", detail: None, color_index: 0, look, points };
+        let line = CurveLine { label: "a", detail: None, color_index: 0, look, points, through: &[] };
         lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
     }
 

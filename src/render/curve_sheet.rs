@@ -65,6 +65,8 @@ pub struct CurveLine<'a> {
     pub look: LineLook,
     /// Its points; abscissas do not descend.
     pub points: &'a [CurvePoint],
+    /// What the stroke and the band go through instead, where more is known of them than at the points, which keep the markers.
+    pub through: &'a [CurvePoint],
 }
 
 /// A point of a line.
@@ -179,7 +181,7 @@ mod tests {
     }
 
     fn line<'a>(label: &'a str, look: LineLook, points: &'a [CurvePoint]) -> CurveLine<'a> {
-        CurveLine { label, detail: None, color_index: 0, look, points }
+        CurveLine { label, detail: None, color_index: 0, look, points, through: &[] }
     }
 
     fn panel<'a>(lines: &'a [CurveLine<'a>]) -> CurvePanel<'a> {

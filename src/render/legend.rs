@@ -122,7 +122,7 @@ mod tests {
         [CurvePoint { x: 0.0, y: Some(0.5), low_high: None }, CurvePoint { x: 1.0, y: Some(0.6), low_high: None }];
 
     fn line(label: &str, look: LineLook) -> CurveLine<'_> {
-        CurveLine { label, detail: Some("a detail"), color_index: 0, look, points: &POINTS }
+        CurveLine { label, detail: Some("a detail"), color_index: 0, look, points: &POINTS, through: &[] }
     }
 
     fn panel<'a>(lines: &'a [CurveLine<'a>]) -> CurvePanel<'a> {

@@ -119,6 +119,8 @@ pub struct RealCityFacts {
     pub blocks: (usize, f64),
     /// The statistical city that is most like it, if its buildings are known.
     pub fit: Option<BuiltUpFit>,
+    /// What limits the truth of its pictures, in words.
+    pub limits: Option<String>,
     /// What a tolerance led to, where one was given.
     pub tolerance: Option<PlosToleranceFacts>,
 }

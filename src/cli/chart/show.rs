@@ -152,6 +152,7 @@ fn caption_of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Ve
     let reasons = report.rows.iter().filter_map(|row| Some((row, row.result.as_ref().err()?)));
     lines.extend(reasons.map(|(row, reason)| format!("No answer of {}: {reason}.", row.label)));
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
+    lines.extend(scene.limits_in_words());
     lines.extend(args.words.credit(scene.attribution.as_ref()));
     lines.iter().map(|line| unbreakable(line)).collect()
 }

@@ -173,6 +173,7 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
     };
     let heights = (report.rx_height_m, report.radius_m);
     lines.push(setting_line(scene, args.receivers, heights, report.facts.method));
+    lines.extend(scene.limits_in_words());
     lines.extend(args.words.credit(scene.attribution.as_ref()));
     lines.iter().map(|line| unbreakable(line)).collect()
 }

@@ -123,6 +123,7 @@ fn caption(job: &Writer<'_>) -> Vec<String> {
         grid.crs().map_or("local coordinates".to_string(), Crs::label),
         env!("CARGO_PKG_VERSION")
     ));
+    lines.extend(job.scene.limits_in_words());
     lines.extend(job.args.words.credit(job.scene.attribution.as_ref()));
     lines
 }

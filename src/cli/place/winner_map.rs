@@ -104,6 +104,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         (job.report.rx_height_m, job.report.radius_m),
         job.report.facts.method,
     ));
+    caption.extend(job.scene.limits_in_words());
     caption.extend(job.args.words.credit(job.scene.attribution.as_ref()));
     let subject = if facts.len() > 1 { "What the chosen UAVs see of" } else { "What the best UAV sees of" };
     let title = unbreakable(&format!("{subject} {}", job.scene.name));

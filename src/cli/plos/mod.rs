@@ -31,7 +31,7 @@ use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::product::SHIFTS;
 use crate::los_probability::setting::{Placement, Reach, Setting};
-use crate::los_probability::study::{Effort, estimate_all};
+use crate::los_probability::study::{Effort, Estimator, estimate_all};
 use crate::quantity::{counted, tidy};
 use crate::raster::{NpyArray, write_npz};
 use crate::report::{PlosReport, PlosRow, PlosValue};
@@ -126,6 +126,10 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
             {
                 let (city, mut unheard) = ((word.as_str(), built_up), Cautions::default());
                 plot.fine_rows.extend(statistical_rows(args, &fine, city, way, true, &mut unheard)?);
+            }
+            let is_product = *way == Way::Estimator(Estimator::Product);
+            if let (true, true, Some(built_up)) = (makes_picture, is_product, built_up) {
+                plot.between.extend(between(args, &sweeps, (word, built_up), &rows)?);
             }
             if !rows.is_empty() && !report.methods.contains(&facts) {
                 report.methods.push(facts);
@@ -271,6 +275,26 @@ fn statistical_rows(
         }
         Way::Maps(_) => Ok(Vec::new()),
     }
+}
+
+/// Rows of the product between some of its rows, where a curve through these turns: users of a street or a crossroad see a
+/// grid of streets, whose period the steps of angles meet again and again.
+fn between(args: &PlosArgs, sweeps: &Sweeps, city: (&str, BuiltUp), rows: &[PlosRow]) -> Result<Vec<PlosRow>> {
+    /// Each pass halves the steps next to a turn.
+    const PASSES: usize = 3;
+    let (mut known, mut found) = (rows.to_vec(), Vec::new());
+    for _ in 0..PASSES {
+        let far = sweeps.turns(&known);
+        if far.is_empty() {
+            break;
+        }
+        let finer = Sweeps { far, ..sweeps.clone() };
+        let way = Way::Estimator(Estimator::Product);
+        let more = statistical_rows(args, &finer, city, &way, true, &mut Cautions::default())?;
+        known.extend(more.iter().cloned());
+        found.extend(more);
+    }
+    Ok(found)
 }
 
 /// The rows of a model: it knows neither placements nor kinds of users, so it has one row for all of them.

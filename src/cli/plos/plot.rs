@@ -22,6 +22,8 @@ pub(super) struct Facts {
     pub(super) attributions: Vec<String>,
     /// Models between the values of the table, so that their steps and bends are drawn where they are.
     pub(super) fine_rows: Vec<PlosRow>,
+    /// Rows of the product between those that were asked for, where its curve turns.
+    pub(super) between: Vec<PlosRow>,
     /// Curves of the user's own, whose rows are drawn.
     pub(super) curves: Vec<UserCurve>,
 }
@@ -77,6 +79,8 @@ struct Line {
     method: String,
     rest: String,
     points: Vec<CurvePoint>,
+    /// The points with what lies between them, where that was computed.
+    through: Vec<CurvePoint>,
 }
 
 fn curves(
@@ -109,12 +113,16 @@ fn curves(
         // In the order of the table, whichever rows stand for a method.
         let order = |row: &&PlosRow| report.rows.iter().position(|r| r.city == row.city && r.method == row.method);
         rows.sort_by_key(order);
-        let lines = lines_of(
-            report,
-            &rows,
-            (x, if set.others.is_some() { &[] } else { others }),
-            (set.city.is_none() && cities.len() > 1, methods.len() > 1),
-        );
+        let along = (x, if set.others.is_some() { &[][..] } else { others });
+        let names = (set.city.is_none() && cities.len() > 1, methods.len() > 1);
+        let mut lines = lines_of(report, &rows, along, names);
+        let between: Vec<&PlosRow> = facts.between.iter().filter(|r| set.holds(r, others)).collect();
+        for more in lines_of(report, &[rows.as_slice(), &between].concat(), along, names) {
+            let line = lines.iter_mut().find(|line| line.label == more.label && line.method == more.method);
+            if let Some(line) = line.filter(|line| line.points.len() < more.points.len()) {
+                line.through = more.points;
+            }
+        }
         if lines.len() > MOST_LINES {
             return Err(too_many(lines.len(), "lines in one plot", MOST_LINES));
         }
@@ -138,6 +146,7 @@ fn curves(
                 color_index: *index,
                 look: *look,
                 points: &line.points,
+                through: &line.through,
             });
             drawn.collect()
         })
@@ -271,7 +280,9 @@ fn lines_of(
         let point = CurvePoint { x: at, y: row.p_los(), low_high };
         match lines.iter_mut().find(|l| l.label == label && l.method == row.method) {
             Some(line) => line.points.push(point),
-            None => lines.push(Line { label, method: row.method.clone(), rest, points: vec![point] }),
+            None => {
+                lines.push(Line { label, method: row.method.clone(), rest, points: vec![point], through: Vec::new() });
+            }
         }
     }
     for line in &mut lines {
@@ -345,7 +356,14 @@ impl FitLines {
 
     fn lines(&self) -> [CurveLine<'_>; 2] {
         // Looks that no method has.
-        let line = |label, look, color_index, points| CurveLine { label, detail: None, color_index, look, points };
+        let line = |label, look, color_index, points| CurveLine {
+            label,
+            detail: None,
+            color_index,
+            look,
+            points,
+            through: &[],
+        };
         [
             line("Building heights", LineLook::Solid, 6, &self.share[..]),
             line("Rayleigh, most likely γ", LineLook::Dashed, 23, &self.rayleigh[..]),

@@ -206,6 +206,10 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals) 
         }
     }
     lines.push(cities.join("; "));
+    if !facts.between.is_empty() {
+        lines
+            .push("Markers are what was asked for; lines of the product go through more values where they turn".into());
+    }
     for real in &report.real_cities {
         let mut line = format!(
             "{}: {} UAV positions ({} inside buildings), {} blocks of {} m, engine {}",
@@ -232,6 +236,7 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals) 
             );
         }
         lines.push(unbreakable(&line));
+        lines.extend(real.limits.clone());
         lines.extend(real.tolerance.as_ref().map(|t| unbreakable(&t.in_words())));
     }
     let drawn = intervals.in_words(report);

@@ -6,7 +6,9 @@ use super::args::PlosArgs;
 use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, meters_per_unit, read_scene, receiver_height};
+use crate::cli::plan::{
+    FIELD_BYTES_PER_CELL, check_memory, limits_in_words, meters_per_unit, read_scene, receiver_height,
+};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice};
@@ -72,6 +74,8 @@ pub(super) struct Real {
     /// Its zones, if they are asked for.
     zones: Option<ZoneMap>,
     pub(super) fit: Option<BuiltUpFit>,
+    /// What limits the truth of its pictures.
+    limits: Option<String>,
     pub(super) sources: Vec<Source>,
     pub(super) attribution: Option<String>,
 }
@@ -97,8 +101,10 @@ impl Real {
         let unit = meters_per_unit(&grid);
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
+        let limits = limits_in_words(scene.height_gap.as_ref(), &field, warnings);
         Ok(Real {
             word: args.scene.to_string(),
+            limits,
             field,
             zones,
             fit,
@@ -177,6 +183,7 @@ impl Real {
             engine: method,
             blocks: (n_blocks, block_m),
             fit: self.fit.clone(),
+            limits: self.limits.clone(),
             tolerance,
         };
         Ok((rows, facts))

@@ -3,6 +3,7 @@
 use super::args::{Numbers, PlacementArg, PlosArgs, UsersArg};
 use crate::error::{Error, Result};
 use crate::los_probability::setting::{Placement, Reach, Setting, Users};
+use crate::report::PlosRow;
 use crate::scene::BuiltUp;
 
 /// More values than this are refused.
@@ -178,6 +179,42 @@ impl Sweeps {
             _ => return None,
         };
         Some(Sweeps { far, ..self.clone() })
+    }
+
+    /// Angles or distances half-way to the neighbors of those at which a curve through some rows turns by more than it may.
+    pub(super) fn turns(&self, rows: &[PlosRow]) -> Vec<Far> {
+        /// How far P_LoS may be from the line between its neighbors.
+        const STRAIGHT: f64 = 0.01;
+        let is_theta = matches!(self.far.first(), Some(Far::Theta(_)));
+        if !is_theta && !matches!(self.far.first(), Some(Far::Distance(_))) {
+            return Vec::new();
+        }
+        let x = |row: &PlosRow| if is_theta { row.theta_deg } else { row.distance_m };
+        let mut curves: Vec<Vec<&PlosRow>> = Vec::new();
+        for row in rows {
+            let is_same = |curve: &&mut Vec<&PlosRow>| {
+                let key = |r: &PlosRow| (r.placement, r.users, r.height_m.to_bits(), r.phi_deg.map(f64::to_bits));
+                key(curve[0]) == key(row) && curve[0].built_up == row.built_up
+            };
+            match curves.iter_mut().find(is_same) {
+                Some(curve) => curve.push(row),
+                None => curves.push(vec![row]),
+            }
+        }
+        let mut found: Vec<f64> = Vec::new();
+        for curve in &curves {
+            let mut points: Vec<(f64, f64)> = curve.iter().filter_map(|row| x(row).zip(row.p_los())).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for three in points.windows(3) {
+                let [(a, p), (b, q), (c, r)] = [three[0], three[1], three[2]];
+                let straight = p + (r - p) * (b - a) / (c - a);
+                if (q - straight).abs() > STRAIGHT {
+                    found.extend([0.5 * (a + b), 0.5 * (b + c)]);
+                }
+            }
+        }
+        let of = |v: f64| if is_theta { Far::Theta(v) } else { Far::Distance(v) };
+        sorted(&found).into_iter().map(of).collect()
     }
 
     /// The quantities with more than one value, and their values.
