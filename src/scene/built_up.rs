@@ -220,9 +220,12 @@ impl BuiltUpCity {
         if size_m > MAX_EXTENT_UNITS {
             return Err(Error::limit(
                 502,
-                format!("cannot generate a city: it is {size_m} m wide, wanted at most {MAX_EXTENT_UNITS} m"),
-            )
-            .with_hint("choose a smaller `--size`"));
+                format!(
+                    "cannot generate a city: `--size` is {} m{}, wanted at most {MAX_EXTENT_UNITS} m",
+                    self.size_m,
+                    if margin_m > 0.0 { format!(", and {size_m} m with what whole discs take") } else { String::new() }
+                ),
+            ));
         }
         let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin;
         if n_cells > MAX_EXTENT_UNITS {

@@ -213,8 +213,8 @@ fn hints_list_what_the_command_writes_and_nothing_else() {
     let resumed = folder.type_in("map city.geojson --uav 2,2,50 --resume");
     assert!(resumed.refused(2)[0].contains("`--resume` has no meaning without files"), "{resumed:?}");
     let hint = |line: &str| folder.type_in(line).refused(2)[1].to_string();
-    assert_eq!(hint("map city.geojson --uav 2,2,50 --height-curve c.tif"), "hint: wanted .png .svg .csv .json");
-    assert_eq!(hint("place city.geojson --height 50 --map m.xyz"), "hint: wanted .png, .svg or .tif");
+    assert_eq!(hint("map city.geojson --uav 2,2,50 --height-curve c.tif"), "hint: wanted .png .svg .pdf .csv .json");
+    assert_eq!(hint("place city.geojson --height 50 --map m.xyz"), "hint: wanted .png, .svg, .pdf or .tif");
     assert_eq!(hint("info city.geojson --repairs r.xyz"), "hint: wanted .csv .geojson");
 }
 
@@ -339,7 +339,7 @@ fn a_uav_outside_the_grid_is_told_with_its_distance() {
         assert_eq!(warnings, [format!("warning[W204]: {told}")], "{line}");
     }
     // Where it cannot be, too.
-    let answer = folder.type_in("map dsm.asc --ground 0 --uav 25,-3000,50");
+    let answer = folder.type_in("map dsm.asc --uav 25,-3000,50");
     assert!(answer.refused(4)[0].ends_with("no ground is known there (3000 m south of the grid)"), "{answer:?}");
     // Its edges belong to the grid.
     let answer = folder.type_in("map dsm.asc --ground 0 --uav 50,50,50amsl --uav 0,25,50").done();

@@ -162,7 +162,7 @@ fn tables_may_come_from_standard_input() {
         ("map city.geojson --uavs -", sites.as_str()),
         ("compare city.geojson --uav 2,2,50 --uavs -", &sites),
         ("chart city.geojson --time 0 --uavs -", &sites),
-        ("place city.geojson --candidates -", &sites),
+        ("place city.geojson --data-area all --candidates -", &sites),
         ("link city.geojson --uav 2,2,50 --track -", "x;y\n2,5;2\n2;48\n"),
         (
             "link city.geojson --uav 2,2,50 --track -",

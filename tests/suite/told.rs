@@ -245,11 +245,14 @@ fn weighted_shares_are_those_of_exact_sums() {
             let at = ["x", "y", "height_agl_m"].map(|key| place[key].as_str()).join(",");
             folder.type_in(&format!("map {scene} --uav {at} {radius} -o m.tif --overwrite -q")).done();
             let mask = mask_of(&folder, "m.tif");
-            let sum = |is_in: &dyn Fn(u8) -> bool| -> BigInt {
-                let cells = (0..2500).filter(|cell| is_in(mask[*cell]));
+            // Receivers out of range are wanted too.
+            folder.type_in(&format!("map {scene} --uav {at} -o all.tif --overwrite -q")).done();
+            let all = mask_of(&folder, "all.tif");
+            let sum = |mask: &[u8], most: u8, least: u8| -> BigInt {
+                let cells = (0..2500).filter(|cell| (least..=most).contains(&mask[*cell]));
                 cells.map(|cell| shifted(weight(cell))).sum()
             };
-            let (seen, wanted) = (sum(&|class| class == 1), sum(&|class| class <= 1));
+            let (seen, wanted) = (sum(&mask, 1, 1), sum(&all, 1, 0));
             // No other double is nearer.
             let told: f64 = place["p_los"].parse().unwrap();
             let distance = |share: f64| (shifted(share) * &wanted - (&seen << SHIFT)).magnitude().clone();
