@@ -237,10 +237,10 @@ mod tests {
         let seeds = [(3, 4), (20, 30), (20, 33), (39, 49)];
         seeds.iter().for_each(|(row, col)| set.insert(*row, *col));
         let grown = grown(&set, 7);
-        for row in 0..40_i32 {
-            for col in 0..50_i32 {
-                let is_near = seeds.iter().any(|(r, c)| (row - *r as i32).pow(2) + (col - *c as i32).pow(2) <= 49);
-                assert_eq!(grown.contains(row as usize, col as usize), is_near, "{row} {col}");
+        for row in 0..40_usize {
+            for col in 0..50_usize {
+                let is_near = seeds.iter().any(|(r, c)| row.abs_diff(*r).pow(2) + col.abs_diff(*c).pow(2) <= 49);
+                assert_eq!(grown.contains(row, col), is_near, "{row} {col}");
             }
         }
     }

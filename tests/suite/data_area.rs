@@ -109,11 +109,11 @@ fn munich_is_known_between_its_houses_only() {
 #[test]
 fn missing_heights_are_refused_above_two_percent_of_the_area() {
     let folder = Folder::new();
-    let with = |n_missing: usize| {
-        let features: Vec<Value> = (0..100)
+    let with = |n_missing: u8| {
+        let features: Vec<Value> = (0..100_u8)
             .map(|k| {
                 let x = 20.0 * f64::from(k);
-                let properties = match (k as usize) < n_missing {
+                let properties = match k < n_missing {
                     true => {
                         json!({"name": "x", "building:levels": if k % 2 == 0 { Value::from(4) } else { Value::Null }})
                     }

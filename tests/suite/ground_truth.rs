@@ -344,7 +344,7 @@ fn ends_of_links_are_on_the_lattice_of_meters_whatever_the_terrains_cells() {
     let folder = Folder::new();
     let mut random = Random(7);
     let mut n_methods = [0, 0];
-    for (cell, parts) in [(2.0, 2_usize), (2.5, 5), (5.0, 5)] {
+    for (cell, parts, side) in [(2.0, 2_usize, 32), (2.5, 5, 40), (5.0, 5, 80)] {
         let n = 16;
         // Rough ground: what hides a receiver is often a corner.
         let heights: Vec<f64> =
@@ -354,11 +354,10 @@ fn ends_of_links_are_on_the_lattice_of_meters_whatever_the_terrains_cells() {
             .collect();
         folder.write("coarse.asc", &grid((0.0, 0.0), cell, n, &heights));
         folder.write("fine.asc", &grid((0.0, 0.0), cell / parts as f64, n * parts, &fine));
-        let side = cell * n as f64;
         let house = feature(&json!({"height": 6}), &[vec![[4.3, 4.1], [9.2, 5.0], [8.8, 9.6], [3.9, 8.8]]]);
         folder.write("c.geojson", &city(&[house]));
         for _ in 0..if slow() { 60 } else { 12 } {
-            let at = |random: &mut Random| random.within(1, (side * 1024.0) as i64 - 1) as f64 / 1024.0;
+            let at = |random: &mut Random| random.within(1, side * 1024 - 1) as f64 / 1024.0;
             let (x, y) = (at(&mut random), at(&mut random));
             let of = |terrain: &str| {
                 let line = format!(
@@ -396,20 +395,17 @@ fn an_extent_has_as_many_rows_and_columns_anywhere_on_earth() {
 #[test]
 fn ties_of_range_are_in_on_all_sides() {
     let folder = Folder::new();
-    for (x, y, cell, radius) in
-        [(691_549.3, 5_334_762.7, 0.1, 2.5), (4_000_000.2, 7_000_000.9, 0.3, 1.5), (0.0, 0.0, 1.0, 25.0)]
+    for (x, y, cell, reach) in
+        [(691_549.3, 5_334_762.7, 0.1, 25_i32), (4_000_000.2, 7_000_000.9, 0.3, 5), (0.0, 0.0, 1.0, 25)]
     {
-        let n = 61_i64;
-        let flat = vec![0.0; (n * n) as usize];
-        folder.write("s.asc", &grid((x, y), cell, n as usize, &flat));
+        folder.write("s.asc", &grid((x, y), cell, 61, &[0.0; 61 * 61]));
         // Over the center of the middle cell: cells whose offsets a, b satisfy a² + b² ≤ (r/c)² are in range.
-        let middle = (n / 2) as f64 + 0.5;
-        let (uav_x, uav_y) = (x + middle * cell, y + middle * cell);
-        let reach = (radius / cell as f64).round() as i64;
+        let (uav_x, uav_y) = (x + 30.5 * cell, y + 30.5 * cell);
         let wanted = (-30..=30)
-            .flat_map(|a: i64| (-30..=30).map(move |b: i64| a * a + b * b))
+            .flat_map(|a: i32| (-30..=30).map(move |b: i32| a * a + b * b))
             .filter(|d| *d <= reach * reach)
             .count();
+        let radius = f64::from(reach) * cell;
         let line = format!("map s.asc --ground 0 --uav {uav_x},{uav_y},50 --radius {radius} --json -q");
         let document = folder.type_in(&line).done().json();
         assert_eq!(document["sites"][0]["receivers"], wanted, "cells of {cell} m, {radius} m");
