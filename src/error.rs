@@ -31,6 +31,7 @@
 //! | W367 | meshes: cells without a face |
 //! | W370–W372 | vertical systems: one of two files names none, datums that differ, units that contradict each other |
 //! | W373 | results of this program given as a scene |
+//! | W378–W379 | the data area: not looked for where the extent was typed, or given up where it holds little open ground |
 //! | W380 | rows of a table that were left out |
 
 use std::borrow::Cow;
