@@ -15,8 +15,9 @@
 //! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
 //! | E208–E209 | an area outside the scene, no candidate left |
 //! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
-//! | E308–E312 | nothing in the file, a height missing, CRS, CRS of two files, no overlap |
+//! | E308–E312 | nothing in the file, heights missing, CRS, CRS of two files, no overlap |
 //! | E313 | a curve of P_LoS given as a table |
+//! | E365 | a property of heights that no feature has |
 //! | E401–E403 | an output cannot be written (a bad file), encoded, drawn (faults of the program) |
 //! | E501–E502 | memory, extent |
 //! | E601–E602 | a stress scene: its truth is not what is known of it, an exact method is wrong |
@@ -29,6 +30,7 @@
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
 //! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
 //! | W367 | meshes: cells without a face |
+//! | W368 | holes that cover what is outside of their shell |
 //! | W370–W372 | vertical systems: one of two files names none, datums that differ, units that contradict each other |
 //! | W373 | results of this program given as a scene |
 //! | W378–W379 | the data area: not looked for where the extent was typed, or given up where it holds little open ground |
