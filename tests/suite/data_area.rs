@@ -240,10 +240,11 @@ fn a_sample_within_a_radius_is_over_whole_discs() {
         ("rooftop", Placement::RooftopCenter),
     ];
     for (name, radius_m) in cases {
-        // Streets of Ghent are a few cells wide, so that cells of 1 m are off by as much as 100 cities.
+        // Streets of Ghent are a few cells wide: cells of 1 m would be off by as much as a hundred cities.
         let ground = match (slow(), name) {
-            (true, "ghent") => "--size 300 --cell 0.5 --sample crossroad:100,street:100,rooftop:100",
-            (true, _) => "--size 800 --sample crossroad:100,street:100,rooftop:100",
+            (true, "ghent") if radius_m < 200.0 => "--size 200 --cell 0.25 --sample crossroad:60,street:60,rooftop:60",
+            (true, _) if radius_m < 200.0 => "--size 1000 --sample crossroad:100,street:100,rooftop:100",
+            (true, _) => "--size 600 --sample crossroad:100,street:100,rooftop:100",
             (false, _) => "--size 150 --sample crossroad:6,street:6,rooftop:6",
         };
         let line = format!(
