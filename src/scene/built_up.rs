@@ -250,7 +250,8 @@ impl BuiltUpCity {
         )]
         let n = n_cells as usize;
         let extent = self.cell_m * n_cells;
-        let grid = GeoRef::new((-margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
+        // Not `-margin_m`, which would write −0 into files.
+        let grid = GeoRef::new((0.0 - margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
             .ok_or_else(|| Error::internal(901, "a checked city has a valid grid"))?;
         let ground = height_steps(self.ground_m).ok_or_else(|| {
             Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
@@ -323,6 +324,14 @@ mod tests {
             let city = BuiltUp::named(name).expect("a known name");
             assert!((city.building_width() - w).abs() < 1e-6 && (city.street_width() - s).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_corner_of_a_generated_city_is_a_zero_without_sign() {
+        let built_up = BuiltUp::named("urban").expect("a known name");
+        let city = BuiltUpCity { built_up, size_m: 100.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 };
+        let grid = city.scene().expect("a city").grid;
+        assert_eq!([grid.x_min(), grid.y_min()].map(f64::to_bits), [0, 0]);
     }
 
     #[test]
