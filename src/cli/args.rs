@@ -187,7 +187,7 @@ pub(super) struct SceneArgs {
     /// Where footprints tell of the ground: `auto` is between them (what no disc of 100 m reaches without meeting one), and
     /// everywhere with `--extent`; `all`; or the polygons of a file. Cells elsewhere hold no data
     #[arg(long, value_name = "auto|all|FILE")]
-    pub(super) data_area: Option<String>,
+    pub(super) data_area: Option<PathBuf>,
     /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true)]
     pub(super) extent: Option<[f64; 4]>,
@@ -231,6 +231,13 @@ pub(super) struct SceneArgs {
     /// What was mended or left out, once footprints are read for a list of that; copies of the arguments share it.
     #[arg(skip)]
     pub(super) found_repairs: Arc<OnceLock<FoundRepairs>>,
+}
+
+impl SceneArgs {
+    /// The file of the data area, if one was named.
+    pub(super) fn data_area_file(&self) -> Option<PathBuf> {
+        self.data_area.clone().filter(|word| !["auto", "all"].iter().any(|known| word.as_os_str() == *known))
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, meters_per_unit, read_scene};
+use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
@@ -58,7 +58,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         command,
         method: None,
         scene_name: name,
-        meters_per_unit: meters_per_unit(&grid),
+        meters_per_unit: grid.meters_per_unit(),
         grid,
         sources,
         seed: built_up.map(|_| args.scene.seed),
@@ -129,7 +129,7 @@ impl City<'_> {
     /// How large the city is.
     fn size_line(&self) -> String {
         let grid = self.field.grid();
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
         match self.footprints {
             Some(_) => format!("{} buildings on {} × {} m", self.field.n_buildings(), tidy(width), tidy(height)),
@@ -210,7 +210,7 @@ impl City<'_> {
             frame: *frame,
             grid,
             ground_m: &self.ground_m(),
-            meters_per_unit: meters_per_unit(grid),
+            meters_per_unit: grid.meters_per_unit(),
         };
         let (ground, buildings) = city_mesh(&mesh)?;
         let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
@@ -229,7 +229,7 @@ impl City<'_> {
 
     fn picture(&self, provenance: &serde_json::Value, form: &PictureForm) -> Result<Vec<u8>> {
         let grid = self.field.grid();
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
         // Axes count from the south-west corner: projected coordinates have too many digits to be read.
         let local = |[x, y]: [f64; 2]| [(x - grid.x_min()) * unit, (y - grid.y_min()) * unit];

@@ -2,9 +2,7 @@
 
 use super::args::LinkArgs;
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{
-    Ready, checked_radius, input_paths, meters_per_unit, parse_receiver, parse_uav, ready, receiver_height,
-};
+use super::plan::{Ready, checked_radius, input_paths, parse_receiver, parse_uav, ready, receiver_height};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::Uav;
@@ -149,7 +147,7 @@ fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -
     let steps = f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let (uav_z, receiver_z) = (uav.station.z as f64 / steps, receiver.z as f64 / steps);
-    let unit = meters_per_unit(field.grid());
+    let unit = field.grid().meters_per_unit();
     let (from, to) = (receiver.place, uav.station.place);
     let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
 
@@ -249,14 +247,15 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, fo
     }
     let steps = profile(scene, uav, receiver, report.distance_m);
     let obstruction = report.obstruction.as_ref().map(|o| render::Obstruction {
-        distance_m: (o.x - report.uav[0]).hypot(o.y - report.uav[1]) * meters_per_unit(field.grid()),
+        distance_m: (o.x - report.uav[0]).hypot(o.y - report.uav[1]) * field.grid().meters_per_unit(),
         ray_height_m: o.ray_height_m,
         // Nodata that blocks everything is drawn as high as the UAV.
         roof_height_m: o.roof_height_m.unwrap_or(report.uav[2].max(report.receiver[2])),
     });
     let verdict = if report.los { "line of sight" } else { "no line of sight" };
     let title = title_of(&format!("{}: {verdict}", scene.name));
-    let caption: Vec<String> = in_words(report).lines().map(str::to_string).collect();
+    let mut caption: Vec<String> = in_words(report).lines().map(str::to_string).collect();
+    caption.extend(scene.limits_in_words());
     let profile = LinkProfile {
         title: &title,
         caption: &caption,

@@ -80,7 +80,7 @@ const STEPS_M: [f64; 4] = [30.0, 60.0, 120.0, 240.0];
 /// From which height above `base_m`, the ground below the UAV's place or the datum, cells are seen, in classes.
 pub(super) fn least_heights(least_m: &[f32], mask: &[u8], base_m: f64, above: &str) -> ClassMap {
     let index = |least: &f32| match f64::from(*least) - base_m {
-        height if height.is_finite() => STEPS_M.iter().position(|step| height <= *step).unwrap_or(STEPS_M.len()),
+        height if height < f64::INFINITY => STEPS_M.iter().position(|step| height <= *step).unwrap_or(STEPS_M.len()),
         _ => STEPS_M.len() + 1,
     };
     let index = least_m.iter().map(|least| u8::try_from(index(least)).unwrap_or(u8::MAX)).collect();
@@ -119,12 +119,13 @@ mod tests {
 
     #[test]
     fn least_heights_are_above_the_ground_and_their_ends_belong_to_the_lower_class() {
-        let least = [500.0, 530.0, 530.5, 560.0, 620.0, 740.0, 740.5, f32::INFINITY, f32::NAN];
-        let mask = [1, 1, 1, 1, 0, 0, 0, 0, 2];
+        // Nothing limits the last receiver: it is seen from any height.
+        let least = [500.0, 530.0, 530.5, 560.0, 620.0, 740.0, 740.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+        let mask = [1, 1, 1, 1, 0, 0, 0, 0, 1, 2];
         let map = least_heights(&least, &mask, 500.0, "ground");
-        assert_eq!(map.index()[..8], [0, 0, 1, 1, 2, 3, 4, 5]);
+        assert_eq!(map.index()[..9], [0, 0, 1, 1, 2, 3, 4, 5, 0]);
         let palette = map.palette();
         assert_eq!((palette[0].name, palette[4].name), ("Up to 30 m above ground", "Above 240 m"));
-        assert_eq!(palette[1].detail, "25.0\u{202F}% · 2");
+        assert_eq!(palette[1].detail, "22.2\u{202F}% · 2");
     }
 }

@@ -3,7 +3,7 @@
 use super::args::{PictureWords, ReceiversArg};
 use super::map::{crop, height_words, mark, undrawable};
 use super::map_classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
-use super::plan::{Ready, meters_per_unit};
+use super::plan::Ready;
 use super::receivers::{cell_names, setting_line_on};
 use super::tolerance::in_words as tolerance_in_words;
 use super::words::unbreakable;
@@ -119,7 +119,7 @@ impl MapDrawing<'_> {
         let title =
             self.words.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.scene.name)));
         let caption = self.caption(subject, receivers_name);
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         let cell_m = (grid.cell_width() * unit, grid.cell_height() * unit);
         let form = self.words.size.form(format);
         let CellWindow { n_cols, n_rows, .. } = window;

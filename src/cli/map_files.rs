@@ -7,7 +7,7 @@ use super::args::{MapArgs, PolygonsArg, TifLayoutArg};
 use super::interrupt;
 use super::map::undrawable;
 use super::map_drawing::MapDrawing;
-use super::plan::{Ready, meters_per_unit};
+use super::plan::Ready;
 use super::receivers::cell_names;
 use super::words::{picture_provenance, pretty};
 use crate::coverage::{
@@ -159,7 +159,7 @@ impl Writer<'_> {
             None => return Err(Error::internal(902, "polygons were not asked for")),
         };
         let options =
-            PolygonOptions { classes, simplify_m: self.args.simplify, meters_per_unit: meters_per_unit(grid) };
+            PolygonOptions { classes, simplify_m: self.args.simplify, meters_per_unit: grid.meters_per_unit() };
         Ok(coverage_polygons(self.coverages, grid, &options))
     }
 

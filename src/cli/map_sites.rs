@@ -15,7 +15,7 @@ use super::map_streamed::{check_streamed, on_disk, too_large};
 use super::messages::WarningsOfRuns;
 use super::os_words::split;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, built, check_memory, checked_radius, is_raster_scene, meters_per_unit, raster_options,
+    FIELD_BYTES_PER_CELL, Ready, built, check_memory, checked_radius, input_paths, is_raster_scene, raster_options,
     ready, warn_of_raster,
 };
 use super::tables::UavsFound;
@@ -282,7 +282,7 @@ impl<'a> SiteRuns<'a> {
     fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Ready> {
         let start = Instant::now();
         let args = self.args;
-        let radius = self.radius_m.unwrap_or(f64::INFINITY) / meters_per_unit(grid);
+        let radius = self.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
         let window = grid.window_within(around);
         let needs = (FIELD_BYTES_PER_CELL, FIELD_BYTES_PER_CELL);
@@ -324,8 +324,7 @@ impl<'a> SiteRuns<'a> {
     /// one by one.
     fn inputs(&self, with_sites: bool) -> Result<String> {
         let args = self.args;
-        let mut files: Vec<PathBuf> =
-            std::iter::once(PathBuf::from(&args.scene.scene)).chain(args.scene.terrain.clone()).collect();
+        let mut files: Vec<PathBuf> = input_paths(&args.scene);
         let table = args.uavs.clone().filter(|_| with_sites);
         // What comes from standard input is told by its digest.
         let mut text = match &table {

@@ -8,8 +8,8 @@ use super::map_drawing::MapDrawing;
 use super::messages::WarningsOfRuns;
 use super::outside::warn_of_uavs_outside;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, meters_per_unit, raster_options,
-    warn_of_flat_earth, warn_of_raster,
+    FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, raster_options, warn_of_flat_earth,
+    warn_of_raster,
 };
 use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
 use super::tables::UavsFound;
@@ -233,7 +233,7 @@ impl StreamedRun<'_> {
         let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
-        let radius = self.radius_m.map(|m| m / meters_per_unit(grid));
+        let radius = self.radius_m.map(|m| m / grid.meters_per_unit());
         let found = uavs(grid)?;
         warnings.extend(found.warnings);
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
@@ -272,7 +272,7 @@ impl StreamedRun<'_> {
                 method: Some(Method::Sweep),
                 scene_name: scene.name.clone(),
                 grid: grid.clone(),
-                meters_per_unit: meters_per_unit(grid),
+                meters_per_unit: grid.meters_per_unit(),
                 sources: [scene.sources.clone(), found.sources].concat(),
                 seed: None,
                 warnings,
@@ -355,7 +355,7 @@ impl StreamedRun<'_> {
             attribution: None,
             built_up: None,
             seed: None,
-            warnings: Vec::new(),
+            warnings: report.facts.warnings.clone(),
             timing: Timing::default(),
         };
         let coverage = SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() };

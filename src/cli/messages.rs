@@ -45,9 +45,10 @@ impl WarningsOfRuns {
             (warning.code(), words)
         };
         for warning in warnings {
-            let known = self.groups.iter_mut().find(|(other, _)| words(other) == words(warning));
+            let is_of_other_run = |uavs: &[String]| uavs.last().is_none_or(|last| last != uav);
+            let known =
+                self.groups.iter_mut().find(|(other, uavs)| is_of_other_run(uavs) && words(other) == words(warning));
             match known {
-                Some((_, uavs)) if uavs.last().is_some_and(|last| last == uav) => {}
                 Some((_, uavs)) => uavs.push(uav.to_string()),
                 None => self.groups.push((warning.clone(), vec![uav.to_string()])),
             }
@@ -152,12 +153,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn warnings_of_a_batch_are_said_once() {
+    fn warnings_of_a_batch_are_said_once_and_those_of_one_run_stay_apart() {
         let mut batch = WarningsOfRuns::default();
         let flat =
             |m: u32| Warning::new(201, format!("the earth is taken as flat; at {m} m it drops by {}.5 m", m / 1000));
         for k in 1..=7 {
-            batch.add(&k.to_string(), &[flat(10_000 + k), Warning::new(340, "no terrain"), flat(1)]);
+            let voids = |year: u32| Warning::new(340, format!("{year}.tif has voids"));
+            batch.add(&k.to_string(), &[flat(10_000 + k), voids(2019), voids(2020)]);
         }
         batch.add("8", &[Warning::new(202, "UAV `8` has no receiver")]);
         let told: Vec<String> = batch.told().iter().map(|w| w.text().to_string()).collect();
@@ -165,7 +167,8 @@ mod tests {
             told,
             [
                 "the earth is taken as flat; at 10001 m it drops by 10.5 m (for 7 UAVs: 1, 2, 3, 4, 5 …)",
-                "no terrain (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "2019.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "2020.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
                 "UAV `8` has no receiver"
             ]
         );

@@ -2,7 +2,6 @@
 
 use std::borrow::Borrow;
 
-use super::plan::meters_per_unit;
 use crate::coverage::Uav;
 use crate::error::{Result, Warning};
 use crate::height_field::HeightField;
@@ -44,7 +43,7 @@ pub(super) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius:
 fn way_outside(site: &Site, grid: &GeoRef) -> Option<String> {
     let beyond = |v: f64, low: f64, high: f64| (v - high).max(0.0) + (v - low).min(0.0);
     let (east, north) = (beyond(site.x, grid.x_min(), grid.x_max()), beyond(site.y, grid.y_min(), grid.y_max()));
-    let distance_m = east.hypot(north) * meters_per_unit(grid);
+    let distance_m = east.hypot(north) * grid.meters_per_unit();
     if distance_m <= 0.0 {
         return None;
     }

@@ -15,7 +15,7 @@ use crate::export::{Format, OutputRules, check_outputs};
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::quantity::{Height, height_steps, parse_number};
-use crate::raster::{Crs, CrsKind, GeoRef};
+use crate::raster::{Crs, GeoRef};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
     BaseRule, BuiltUp, BuiltUpCity, DataAreaChoice, FootprintOptions, HeightGap, HeightUnit, MeshOptions,
@@ -229,10 +229,10 @@ fn footprint_options(args: &SceneArgs, crs: Option<Crs>, nodata_as: NodataAs) ->
             Base::Mean => BaseRule::Mean,
             Base::Highest => BaseRule::Highest,
         },
-        data_area: match args.data_area.as_deref() {
-            None | Some("auto") => DataAreaChoice::Auto,
-            Some("all") => DataAreaChoice::All,
-            Some(path) => DataAreaChoice::Within(path.into()),
+        data_area: match (args.data_area_file(), &args.data_area) {
+            (Some(path), _) => DataAreaChoice::Within(path),
+            (None, Some(word)) if word.as_os_str() == "all" => DataAreaChoice::All,
+            (None, _) => DataAreaChoice::Auto,
         },
         always_hash: args.hash,
     })
@@ -342,7 +342,7 @@ impl Ready {
             method,
             scene_name: self.name.clone(),
             grid: self.field.grid().clone(),
-            meters_per_unit: meters_per_unit(self.field.grid()),
+            meters_per_unit: self.field.grid().meters_per_unit(),
             sources: self.sources.clone(),
             seed: self.seed,
             warnings: self.warnings.clone(),
@@ -362,7 +362,7 @@ impl Ready {
 
     /// A length in meters as CRS units.
     pub(super) fn crs_units(&self, meters: f64) -> f64 {
-        meters / meters_per_unit(self.field.grid())
+        meters / self.field.grid().meters_per_unit()
     }
 }
 
@@ -387,18 +387,9 @@ pub(super) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warn
     (!limits.is_empty()).then(|| title_of(&limits.join("; ")))
 }
 
-/// Length of a CRS unit \[m\].
-pub(super) fn meters_per_unit(grid: &GeoRef) -> f64 {
-    match grid.crs().map(Crs::kind) {
-        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
-        _ => 1.0,
-    }
-}
-
 /// The input files that a scene names, for the refusal to overwrite them.
 pub(super) fn input_paths(args: &SceneArgs) -> Vec<PathBuf> {
-    let area = args.data_area.as_deref().filter(|word| !["auto", "all"].contains(word)).map(PathBuf::from);
-    std::iter::once(PathBuf::from(&args.scene)).chain(args.terrain.clone()).chain(area).collect()
+    std::iter::once(PathBuf::from(&args.scene)).chain(args.terrain.clone()).chain(args.data_area_file()).collect()
 }
 
 /// A UAV as typed: `X,Y,H`.
@@ -455,7 +446,7 @@ const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
 /// Warns where the flat earth of every engine matters: the horizon's drop d²/2R exceeds a meter.
 pub(super) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64>, warnings: &mut Vec<Warning>) {
-    let unit = meters_per_unit(grid);
+    let unit = grid.meters_per_unit();
     let farthest = uavs
         .iter()
         .map(|uav| {

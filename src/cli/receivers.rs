@@ -1,7 +1,7 @@
 //! Receivers as typed: what maps are made for them, and what captions call them.
 
 use super::args::{EngineArgs, ReceiversArg};
-use super::plan::{Ready, meters_per_unit};
+use super::plan::Ready;
 use crate::coverage::{HeightLayers, MapOptions, Receivers, SiteCoverage};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::HeightField;
@@ -50,7 +50,7 @@ impl Asked<'_> {
             },
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
             radius: self.radius,
-            meters_per_unit: meters_per_unit(grid),
+            meters_per_unit: grid.meters_per_unit(),
             layers: HeightLayers::default(),
             method: self.engine.method,
         }
@@ -96,7 +96,7 @@ pub(super) fn setting_line_on(
     (rx_height_m, radius_m): (f64, Option<f64>),
     method: Option<Method>,
 ) -> String {
-    let unit = meters_per_unit(grid);
+    let unit = grid.meters_per_unit();
     let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
     let cell = if (width - height).abs() < 1e-9 * width {
         format!("{} m", tidy(width))

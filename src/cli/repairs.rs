@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::args::SceneArgs;
 use super::messages;
-use super::plan::{input_paths, meters_per_unit};
+use super::plan::input_paths;
 use super::words::pretty;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
@@ -31,7 +31,7 @@ pub(super) fn keep(args: &SceneArgs, scene: &Scene, repairs: Vec<Repair>, warnin
         method: None,
         scene_name: scene.name.clone(),
         grid: scene.grid.clone(),
-        meters_per_unit: meters_per_unit(&scene.grid),
+        meters_per_unit: scene.grid.meters_per_unit(),
         sources: scene.sources.clone(),
         seed: None,
         warnings: warnings.to_vec(),

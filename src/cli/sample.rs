@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
-use super::plan::{FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, meters_per_unit, ready, receiver_height};
+use super::plan::{FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, ready, receiver_height};
 use super::receivers::{Asked, check_receivers};
 use super::sample_plot::plot;
 use super::words::pretty;
@@ -88,7 +88,8 @@ struct CityCounts {
 
 impl SampleJob<'_> {
     /// What a sample is written as.
-    pub(super) const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Csv, Format::Json, Format::Stdout];
+    pub(super) const FORMATS: [Format; 6] =
+        [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
     /// Samples, and writes what was asked for.
     ///
@@ -109,7 +110,7 @@ impl SampleJob<'_> {
         }
         check_receivers(self.receivers, &first.field)?;
         let grid = first.field.grid();
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         let size_m = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
         let block_m = self.sample.block.unwrap_or((size_m / 8.0).max(100.0));
         check_memory(&self.scene.scene, grid, (FIELD_BYTES_PER_CELL, FIELD_BYTES_PER_CELL), self.engine.max_memory)?;
@@ -180,7 +181,7 @@ impl SampleJob<'_> {
         let options = asked.options(scene.field.grid(), Some(&zones));
         let mapper = Mapper::new(field, &options)?;
         let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
-        let blocks = CellBlocks::new(field.grid(), meters_per_unit(field.grid()), block_m);
+        let blocks = CellBlocks::new(field.grid(), field.grid().meters_per_unit(), block_m);
         let (mut of, mut n_inside, mut n_cut) = (Vec::new(), Vec::new(), Vec::new());
         let grid = field.grid();
         let within = match scene.built_up {
@@ -200,16 +201,19 @@ impl SampleJob<'_> {
             };
             for height in self.heights_m {
                 let mut uavs = Vec::with_capacity(places.len());
+                let mut n_without_ground = 0;
                 for (k, [x, y]) in places.iter().enumerate() {
                     let site = Site { id: (k + 1).to_string(), x: *x, y: *y, height: Height::AboveGround(*height) };
                     match Uav::place(&site, field, asked.radius) {
                         Ok(uav) => uavs.push(uav),
                         Err(e) if e.code() == "E201" => {}
+                        // Over a building that stands where the terrain has no height.
+                        Err(e) if e.code() == "E204" => n_without_ground += 1,
                         Err(e) => return Err(e),
                     }
                 }
-                n_inside.push(places.len() - uavs.len());
-                n_cut.push(cut);
+                n_inside.push(places.len() - uavs.len() - n_without_ground);
+                n_cut.push(cut + n_without_ground);
                 let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks);
                 // Of one among many cities only the totals are asked for.
                 of.push(if self.sample.cities > 1 { counts.summed() } else { counts });
@@ -222,7 +226,9 @@ impl SampleJob<'_> {
     /// Refuses a sample of which no placement is left because the discs around all of them are cut.
     fn refuse_if_all_are_cut(&self, cities: &[CityCounts], radius_m: Option<f64>) -> Result<()> {
         let n_cut: usize = cities.iter().flat_map(|city| &city.n_cut).sum();
-        let is_left = cities.iter().any(|city| city.of.iter().any(|of| of.n_placements > 0));
+        let is_left = cities.iter().any(|city| {
+            city.of.iter().any(|of| of.n_placements > 0) || city.n_inside.iter().any(|n_inside| *n_inside > 0)
+        });
         let Some(radius_m) = radius_m.filter(|_| n_cut > 0 && !is_left) else { return Ok(()) };
         let text = format!(
             "cannot sample {}: of no placement tried lies the whole disc of {} m in the data, wanted P_LoS over whole discs",

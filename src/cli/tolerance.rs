@@ -1,6 +1,6 @@
 //! `--tolerance`: a scene made as coarse as its P_LoS allows, as measured.
 
-use super::plan::{Ready, meters_per_unit};
+use super::plan::Ready;
 use super::receivers::Asked;
 use crate::accuracy::{CONFIDENCE, Question, coarsest_within};
 use crate::coverage::Uav;
@@ -43,7 +43,7 @@ pub(super) fn simplify(
     };
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();
-    let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * meters_per_unit(grid));
+    let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * grid.meters_per_unit());
     if let Some((_, field, moved)) = choice.taken {
         scene.field = std::sync::Arc::new(field);
         *uavs = moved;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::args::LinkArgs;
 use super::link::check_extent;
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{input_paths, meters_per_unit, parse_uav, ready, receiver_height};
+use super::plan::{input_paths, parse_uav, ready, receiver_height};
 use super::tables::bad_rows;
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
@@ -42,7 +42,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
     let places = read_track(path, scene.field.grid().crs(), bad)?;
     scene.sources.push(Source::of(path, args.scene.hash)?);
     let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
-    let unit = meters_per_unit(scene.field.grid());
+    let unit = scene.field.grid().meters_per_unit();
     if length * unit / args.every > MOST_PLACES {
         let text = format!("cannot walk {} m of track in steps of {} m", tidy(length * unit), args.every);
         return Err(Error::limit(502, text).with_hint("choose longer steps: `--every M`"));
@@ -83,7 +83,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
             }
             Format::Png | Format::Svg | Format::Pdf => {
                 let title = title_of(&format!("{}: line of sight along a track", scene.name));
-                batch.add(path, &picture(&title, &report, &args.size.form(*format))?)?;
+                batch.add(path, &picture((&title, scene.limits_in_words()), &report, &args.size.form(*format))?)?;
             }
             _ => {}
         }
@@ -118,7 +118,7 @@ fn in_words(report: &TrackReport) -> String {
 }
 
 /// Where the user has line of sight, and how high would be enough elsewhere.
-fn picture(title: &str, report: &TrackReport, form: &PictureForm) -> Result<Vec<u8>> {
+fn picture((title, limits): (&str, Option<String>), report: &TrackReport, form: &PictureForm) -> Result<Vec<u8>> {
     let unit = report.facts.meters_per_unit;
     let stretch = |s: &crate::coverage::Stretch| TrackStretch {
         along_m: s.along.map(|along| along * unit),
@@ -141,6 +141,7 @@ fn picture(title: &str, report: &TrackReport, form: &PictureForm) -> Result<Vec<
         tidy(report.every_m),
         env!("CARGO_PKG_VERSION")
     ));
+    caption.extend(limits);
     let profile = TrackProfile {
         title,
         caption: &caption,

@@ -22,6 +22,8 @@ pub(super) struct ZoneFiles<'a> {
     pub(super) facts: &'a RunFacts,
     pub(super) title: Option<&'a str>,
     pub(super) attribution: Option<String>,
+    /// What limits the truth of a picture of the scene.
+    pub(super) limits: Option<String>,
     pub(super) size: PictureSize,
 }
 
@@ -91,6 +93,7 @@ impl ZoneFiles<'_> {
                 env!("CARGO_PKG_VERSION")
             ),
         ];
+        caption.extend(self.limits.clone());
         caption.extend(self.attribution.clone());
         let title = self.title.map_or_else(|| title_of(&format!("Zones of {}", self.facts.scene_name)), str::to_string);
         let picture = MapPicture {

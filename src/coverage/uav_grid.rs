@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::height_field::{GridPositions, Station};
 use crate::los::{GridReceivers, InView, ReceiverTile, ShadowGrid, UavPositions};
 use crate::quantity::LatticePoint;
-use crate::raster::{BitGrid, GeoRef, set_bits};
+use crate::raster::{BitGrid, GeoRef};
 
 /// Cells along the side of a tile of receivers, from the largest to the smallest tiles.
 ///
@@ -36,20 +36,11 @@ pub struct UavGrid {
     z: i64,
 }
 
-/// What the UAVs of a grid count, place by place, 0 for those without a UAV.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GridCounts {
-    /// Receivers in range, or their weight.
-    pub wanted: Vec<u128>,
-    /// Of these, in line of sight.
-    pub seen: Vec<u128>,
-}
-
 impl UavGrid {
-    /// What counting takes beside the counts, for each place and thread \[bytes\]: two sums of up to 45 bits.
-    pub const BYTES_PER_PLACE_AND_THREAD: usize = 12;
-    /// The same where receivers have weights: two sums of up to 120 bits.
-    pub const BYTES_PER_WEIGHED_PLACE_AND_THREAD: usize = 30;
+    /// What counting takes beside the counts, for each place and thread \[bytes\]: a sum of up to 45 bits.
+    pub const BYTES_PER_PLACE_AND_THREAD: usize = 6;
+    /// The same where receivers have weights: a sum of up to 120 bits.
+    pub const BYTES_PER_WEIGHED_PLACE_AND_THREAD: usize = 15;
 }
 
 impl Mapper<'_> {
@@ -98,8 +89,8 @@ impl Mapper<'_> {
         receivers * one_receiver < n_uavs * one_uav
     }
 
-    /// What each UAV of a grid has in range and sees: for each receiver of a cell `weight(cell)`, cells row by row. `None`
-    /// unless the engine is `shadow` over prisms alone.
+    /// What each UAV of a grid sees, place by place, 0 for those without a UAV: for each receiver of a cell `weight(cell)`,
+    /// cells row by row. `None` unless the engine is `shadow` over prisms alone.
     ///
     /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
     ///
@@ -110,7 +101,7 @@ impl Mapper<'_> {
         uavs: &UavGrid,
         weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
-    ) -> Result<Option<GridCounts>> {
+    ) -> Result<Option<Vec<u128>>> {
         let Some(positions) = self.engine().uav_positions(&uavs.shadows, uavs.z) else { return Ok(None) };
         let whole = positions.anywhere(&uavs.places);
         let (n_rows, n_cols) = (self.field().grid().n_rows(), self.field().grid().n_cols());
@@ -124,7 +115,7 @@ impl Mapper<'_> {
             loop {
                 let tile = next.fetch_add(1, Ordering::Relaxed);
                 if tile >= n_tiles || control.stop.load(Ordering::Relaxed) {
-                    return counting.sums;
+                    return counting.seen;
                 }
                 let at = (tile / tiles_per_row * SIDES[0], tile % tiles_per_row * SIDES[0]);
                 counting.tile(at, &SIDES, &whole, control);
@@ -134,13 +125,16 @@ impl Mapper<'_> {
         let of_kind = |receivers: &GridReceivers<'_>| {
             let next = AtomicUsize::new(0);
             let workers = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1);
-            workers.map(|_| of_worker(receivers, &next)).reduce_with(Sums::plus)
+            workers.map(|_| of_worker(receivers, &next)).reduce_with(|a, b| a.plus(&b))
         };
-        let sums = self.receivers().iter().filter_map(of_kind).reduce(Sums::plus);
+        let seen = self.receivers().iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
         if control.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        Ok(sums.map(|sums| sums.counts(uavs)))
+        // Bits beyond the last column are no places.
+        let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
+        let cut = |sums: Vec<u128>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect();
+        Ok(seen.map(|seen| cut(seen.totals())))
     }
 }
 
@@ -160,35 +154,6 @@ impl Progress<'_> {
     }
 }
 
-/// What was counted, place by place.
-struct Sums {
-    /// The weight of receivers that all UAVs have in range.
-    everywhere: u128,
-    wanted: PlaceSums,
-    seen: PlaceSums,
-}
-
-impl Sums {
-    fn plus(self, other: Sums) -> Sums {
-        Sums {
-            everywhere: self.everywhere + other.everywhere,
-            wanted: self.wanted.plus(&other.wanted),
-            seen: self.seen.plus(&other.seen),
-        }
-    }
-
-    fn counts(&self, uavs: &UavGrid) -> GridCounts {
-        let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
-        // Bits beyond the last column are no places.
-        let cut = |sums: Vec<u128>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect::<Vec<u128>>();
-        let mut counts = GridCounts { wanted: cut(self.wanted.totals()), seen: cut(self.seen.totals()) };
-        for row in 0..uavs.places.n_rows() {
-            set_bits(uavs.places.row(row)).for_each(|col| counts.wanted[row * n_cols + col] += self.everywhere);
-        }
-        counts
-    }
-}
-
 /// The counting of one thread.
 struct Counting<'a> {
     mapper: &'a Mapper<'a>,
@@ -196,7 +161,8 @@ struct Counting<'a> {
     positions: UavPositions<'a>,
     receivers: &'a GridReceivers<'a>,
     weight: &'a (dyn Fn(usize) -> u128 + Sync),
-    sums: Sums,
+    /// What was counted, place by place.
+    seen: PlaceSums,
 }
 
 impl<'a> Counting<'a> {
@@ -206,9 +172,8 @@ impl<'a> Counting<'a> {
         (positions, receivers): (UavPositions<'a>, &'a GridReceivers<'a>),
         weight: &'a (dyn Fn(usize) -> u128 + Sync),
     ) -> Self {
-        let none = PlaceSums::new(uavs.places.words().len());
-        let sums = Sums { everywhere: 0, wanted: none.clone(), seen: none };
-        Counting { mapper, uavs, positions, receivers, weight, sums }
+        let seen = PlaceSums::new(uavs.places.words().len());
+        Counting { mapper, uavs, positions, receivers, weight, seen }
     }
 
     /// Counts for the receivers of a square of cells, `sides[0]` wide, whose north-western one is `(row, col)`.
@@ -290,14 +255,9 @@ impl<'a> Counting<'a> {
         let station = self.station((row, col));
         // The steps from a cell to a place are those from the place to the cell.
         let range = Range::of(&self.uavs.positions, &station.place, self.mapper.radius());
-        if range.is_everywhere() {
-            self.sums.everywhere += weight;
-        } else {
-            self.sums.wanted.add(&range.cut(&self.uavs.places), weight);
-        }
         let mut asked = range.cut(&in_view.positions);
         self.positions.los(in_view, station.on_prisms(), &mut asked);
-        self.sums.seen.add(&asked, weight);
+        self.seen.add(&asked, weight);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::HeightField;
 use super::cell_sets::RasterGround;
-use super::{CellKind, HeightField};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
 use crate::scene::{Ground, Solids};
@@ -37,7 +37,9 @@ impl HeightField {
     pub fn coarser(&self, factor: usize, pooling: Pooling) -> Option<HeightField> {
         let cells = self.raster_cells()?;
         let grid = coarser_grid(self.grid(), factor)?;
-        let pooled = |tops: &[i32]| Raster::new(grid.clone(), pool(tops, self.grid(), (&grid, factor), pooling));
+        let pooled = |tops: &[i32]| {
+            Raster::new(grid.clone(), pool((tops, self.without_data()), self.grid(), (&grid, factor), pooling))
+        };
         let (ground, building_threshold) = match cells.ground {
             RasterGround::Surface => (Ground::Surface, 0),
             RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
@@ -90,12 +92,12 @@ impl HeightField {
     pub fn rasterized(&self) -> Option<HeightField> {
         self.prisms()?;
         let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());
-        let kinds = (0..grid.n_cells()).into_par_iter();
-        let kinds = kinds.map(|cell| self.cell_kind(cell, &positions.center(cell / n_cols, cell % n_cols)));
-        let tops = kinds.enumerate().map(|(cell, kind)| match kind {
-            CellKind::Open(z) | CellKind::Building(z) => z,
-            CellKind::Void => self.ground_at(&positions.center(cell / n_cols, cell % n_cols)),
-        });
+        // What blocks is all that is there, also outside of the data area.
+        let top = |cell: usize| {
+            let roof = self.roofs.as_ref().map_or(VOID, |roofs| roofs[cell]);
+            if roof == VOID { self.ground_at(&positions.center(cell / n_cols, cell % n_cols)) } else { roof }
+        };
+        let tops = (0..grid.n_cells()).into_par_iter().map(top);
         let surface = Raster::new(grid.clone(), tops.collect::<Vec<_>>());
         let ground = match self.flat_ground() {
             Some(z) => Ground::Flat(z),
@@ -137,17 +139,29 @@ fn all_of(fine: &BitGrid, (n_rows, n_cols): (usize, usize), factor: usize) -> Bi
     BitGrid::full(n_rows, n_cols).xor(&others)
 }
 
-fn pool(tops: &[i32], fine: &GeoRef, (coarse, factor): (&GeoRef, usize), pooling: Pooling) -> Vec<i32> {
+/// Cells without data have a height where something blocks there; it counts where there is no other.
+fn pool(
+    (tops, without_data): (&[i32], Option<&BitGrid>),
+    fine: &GeoRef,
+    (coarse, factor): (&GeoRef, usize),
+    pooling: Pooling,
+) -> Vec<i32> {
     let n_cols = coarse.n_cols();
     let mut pooled = vec![VOID; coarse.n_cells()];
     pooled.par_chunks_mut(n_cols).enumerate().for_each(|(row, pooled)| {
         let rows = row * factor..((row + 1) * factor).min(fine.n_rows());
         for (col, cell) in pooled.iter_mut().enumerate() {
             let cols = col * factor..((col + 1) * factor).min(fine.n_cols());
-            let known = rows.clone().flat_map(|r| &tops[r * fine.n_cols()..][cols.clone()]).filter(|t| **t != VOID);
+            let cells = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
+            let has_data = |(row, col): &(usize, usize)| without_data.is_none_or(|w| !w.contains(*row, *col));
+            let top = |(row, col): (usize, usize)| tops[row * fine.n_cols() + col];
+            let known = |top: &i32| *top != VOID;
             *cell = match pooling {
-                Pooling::Maximum => known.copied().max().unwrap_or(VOID),
-                Pooling::Mean => mean(known),
+                Pooling::Maximum => cells().map(top).max().unwrap_or(VOID),
+                Pooling::Mean => match mean(cells().filter(has_data).map(top).filter(known)) {
+                    VOID => mean(cells().map(top).filter(known)),
+                    mean => mean,
+                },
             };
         }
     });
@@ -155,9 +169,9 @@ fn pool(tops: &[i32], fine: &GeoRef, (coarse, factor): (&GeoRef, usize), pooling
 }
 
 /// The mean of some tops to the nearest step; what blocks everything still does.
-fn mean<'a>(tops: impl Iterator<Item = &'a i32>) -> i32 {
+fn mean(tops: impl Iterator<Item = i32>) -> i32 {
     let (n, sum, highest) =
-        tops.fold((0_i64, 0_i64, VOID), |(n, sum, highest), top| (n + 1, sum + i64::from(*top), highest.max(*top)));
+        tops.fold((0_i64, 0_i64, VOID), |(n, sum, highest), top| (n + 1, sum + i64::from(top), highest.max(top)));
     if n == 0 || highest == BLOCKS_ALL {
         return highest;
     }

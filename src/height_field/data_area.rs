@@ -7,12 +7,14 @@
 //! The closing is found on square cells: those that a footprint overlaps are grown by the disc, and what is left is grown
 //! back. Its border is true to about a cell.
 
-use crate::quantity::{Frame, STEPS_PER_UNIT};
+use super::HeightField;
+use crate::error::Warning;
+use crate::quantity::{Frame, STEPS_PER_UNIT, VOID};
 use crate::raster::{BitGrid, GeoRef, labelled_parts, overlapped_cells};
-use crate::scene::{Area, Footprint};
+use crate::scene::{Area, BuildingHeight, Footprint};
 
-/// Radius of the disc that closes the footprints \[CRS units\].
-const RADIUS: f64 = 100.0;
+/// Radius of the disc that closes the footprints \[m\].
+const RADIUS_M: f64 = 100.0;
 
 /// Cells of the closing along the longer side of the footprints, unless those of the receivers are larger.
 const CELLS_PER_SIDE: f64 = 1024.0;
@@ -20,37 +22,60 @@ const CELLS_PER_SIDE: f64 = 1024.0;
 /// The ground that is known, for any grid of receivers.
 #[derive(Debug, Clone)]
 pub(super) enum KnownGround {
-    /// Cells of a grid of its own.
-    Cells(GeoRef, BitGrid),
+    /// Cells of a grid of its own, on the lattice of the footprints.
+    Cells(KnownCells),
     /// An area that the user drew.
     Area(Area),
 }
 
+/// A set of square cells on a lattice.
+#[derive(Debug, Clone)]
+pub(super) struct KnownCells {
+    frame: Frame,
+    /// South-west corner and side of a cell \[lattice steps\].
+    corner: [i64; 2],
+    side: i64,
+    cells: BitGrid,
+}
+
+impl KnownCells {
+    /// The column that holds a world x, if there is one.
+    fn col_at(&self, x: f64) -> Option<usize> {
+        let (x, _) = self.frame.lattice_from_world(x, self.frame.y_origin);
+        let col = usize::try_from((x - self.corner[0]).div_euclid(self.side)).ok()?;
+        (col < self.cells.n_cols()).then_some(col)
+    }
+
+    /// The row, from the north, that holds a world y, if there is one.
+    fn row_at(&self, y: f64) -> Option<usize> {
+        let (_, y) = self.frame.lattice_from_world(self.frame.x_origin, y);
+        let from_south = usize::try_from((y - self.corner[1]).div_euclid(self.side)).ok()?;
+        self.cells.n_rows().checked_sub(from_south + 1)
+    }
+}
+
 impl KnownGround {
-    /// The closing of footprints on the lattice of `frame`, as far as it matters to a grid of receivers; `None` without
-    /// footprints there.
+    /// The closing of footprints on the lattice of `frame`, for a grid of receivers; `None` without footprints.
     pub(super) fn near(footprints: &[Footprint], frame: &Frame, receivers: &GeoRef) -> Option<Self> {
         let unit = f64::from(STEPS_PER_UNIT);
-        // What is two discs away from the receivers changes nothing among them.
-        let corner = |x: f64, y: f64| frame.lattice_from_world(x, y);
-        let (x_low, y_low) = corner(receivers.x_min() - 2.0 * RADIUS, receivers.y_min() - 2.0 * RADIUS);
-        let (x_high, y_high) = corner(receivers.x_max() + 2.0 * RADIUS, receivers.y_max() + 2.0 * RADIUS);
+        let radius = RADIUS_M / receivers.meters_per_unit();
+        // All of them, wherever the receivers are: houses far beyond may close the ring around a park.
         let points = || footprints.iter().flat_map(|f| f.polygons.iter().flatten().flatten());
-        let range = |k: usize, low: i64, high: i64| {
-            let values = || points().map(|p| i64::from(p[k]).clamp(low, high));
+        let range = |k: usize| {
+            let values = || points().map(|p| i64::from(p[k]));
             Some((values().min()?, values().max()?))
         };
-        let ((west, east), (south, north)) = (range(0, x_low, x_high)?, range(1, y_low, y_high)?);
+        let ((west, east), (south, north)) = (range(0)?, range(1)?);
         #[expect(clippy::cast_precision_loss, reason = "an extent on the lattice")]
-        let longer = (east - west).max(north - south) as f64 / unit + 2.0 * RADIUS;
-        let cell = receivers.cell_width().min(receivers.cell_height()).max(longer / CELLS_PER_SIDE).min(RADIUS / 4.0);
+        let longer = (east - west).max(north - south) as f64 / unit + 2.0 * radius;
+        let cell = receivers.cell_width().min(receivers.cell_height()).max(longer / CELLS_PER_SIDE).min(radius / 4.0);
         // A whole number of lattice steps, so that footprints fall into cells exactly.
         #[expect(clippy::cast_possible_truncation, reason = "at most 25 m")]
         let steps = ((cell * unit).round() as i64).max(1);
         #[expect(clippy::cast_precision_loss, reason = "at most 25 m")]
         let cell = steps as f64 / unit;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "100 m in cells")]
-        let reach = (RADIUS / cell).round() as u16;
+        let reach = (radius / cell).round() as u16;
         let margin = (i64::from(reach) + 2) * steps;
         let (x0, y0) = (west - margin, south - margin);
         let count = |from: i64, to: i64| usize::try_from((to + margin - from) / steps + 1).ok();
@@ -66,27 +91,17 @@ impl KnownGround {
             });
         }
         let closed = filled(&complement(&grown(&complement(&grown(&built, reach)), reach)));
-        #[expect(clippy::cast_precision_loss, reason = "positions are below 2^53")]
-        let (x, y) = frame.world_from_lattice(x0 as f64, y0 as f64);
-        #[expect(clippy::cast_precision_loss, reason = "rows of a grid in memory")]
-        let grid = GeoRef::new((x, y + n_rows as f64 * cell), (cell, cell), (n_rows, n_cols), None)?;
-        Some(KnownGround::Cells(grid, closed))
+        Some(KnownGround::Cells(KnownCells { frame: *frame, corner: [x0, y0], side: steps, cells: closed }))
     }
 
     /// Whether it holds a position \[CRS units\].
     pub(super) fn contains(&self, x: f64, y: f64) -> bool {
         match self {
             KnownGround::Area(area) => area.contains(x, y),
-            KnownGround::Cells(grid, known) => {
-                let (east, north) = grid.cells_from_world(x, y);
-                let (n_cols, n_rows) = (grid.n_cols(), grid.n_rows());
-                if !(east >= 0.0 && north >= 0.0 && east < n_cols as f64 && north < n_rows as f64) {
-                    return false;
-                }
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
-                let (col, from_south) = (east as usize, north as usize);
-                known.contains(n_rows - 1 - from_south, col)
-            }
+            KnownGround::Cells(known) => match (known.row_at(y), known.col_at(x)) {
+                (Some(row), Some(col)) => known.cells.contains(row, col),
+                _ => false,
+            },
         }
     }
 
@@ -94,26 +109,75 @@ impl KnownGround {
     pub(super) fn outside(&self, receivers: &GeoRef) -> BitGrid {
         match self {
             KnownGround::Area(area) => complement(&area.cells(receivers)),
-            KnownGround::Cells(grid, known) => {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside by the check")]
-                let index = |cells: f64, n: usize| (cells >= 0.0 && cells < n as f64).then_some(cells as usize);
-                let col = |col: usize| {
-                    let (east, _) = grid.cells_from_world(receivers.world_from_cell(0, col).0, grid.y_max());
-                    index(east, grid.n_cols())
-                };
+            KnownGround::Cells(known) => {
+                let col = |col| known.col_at(receivers.world_from_cell(0, col).0);
                 let cols: Vec<Option<usize>> = (0..receivers.n_cols()).map(col).collect();
                 let mut outside = BitGrid::full(receivers.n_rows(), receivers.n_cols());
                 for row in 0..receivers.n_rows() {
-                    let (_, north) = grid.cells_from_world(grid.x_min(), receivers.world_from_cell(row, 0).1);
-                    let Some(from_south) = index(north, grid.n_rows()) else { continue };
-                    let known_row = grid.n_rows() - 1 - from_south;
-                    let known_cols = cols.iter().enumerate();
-                    known_cols
-                        .filter(|(_, known_col)| known_col.is_some_and(|c| known.contains(known_row, c)))
-                        .for_each(|(col, _)| outside.set(row, col, false));
+                    let Some(known_row) = known.row_at(receivers.world_from_cell(row, 0).1) else { continue };
+                    for (col, known_col) in cols.iter().enumerate() {
+                        if known_col.is_some_and(|known_col| known.cells.contains(known_row, known_col)) {
+                            outside.set(row, col, false);
+                        }
+                    }
                 }
                 outside
             }
+        }
+    }
+}
+
+impl HeightField {
+    /// Finds the cells of the receivers' grid that lie outside of the known ground.
+    pub(super) fn find_cells_without_data(&mut self) {
+        if let Some(known) = &self.known_ground {
+            self.without_data = Some(known.outside(&self.grid)).filter(|outside| outside.count() > 0);
+        }
+    }
+
+    /// Takes all ground for known where less than a tenth of what is near the footprints is open: a lone building says nothing
+    /// of a city.
+    pub(super) fn know_all_if_little_is_open(&mut self, warnings: &mut Vec<Warning>) {
+        if self.known_ground.is_none() {
+            return;
+        }
+        let n_known = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
+        let roofs = self.roofs.as_deref().unwrap_or(&[]);
+        let n_built = roofs.iter().filter(|roof| **roof != VOID).count() as u64;
+        if n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known {
+            return;
+        }
+        (self.known_ground, self.without_data) = (None, None);
+        warnings.push(Warning::new(
+            379,
+            "hardly any open ground lies between the footprints, so all ground counts as known (`--data-area auto|all|FILE`)",
+        ));
+    }
+
+    /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.
+    pub fn outside_data(&self) -> Option<&BitGrid> {
+        self.without_data.as_ref().filter(|_| self.known_ground.is_some())
+    }
+
+    /// The heights \[m\] of those buildings that stand on the receivers' grid and in its data area.
+    pub fn heights_in_data(&self, buildings: &[BuildingHeight]) -> Vec<f64> {
+        let grid = &self.grid;
+        let is_here = |b: &&BuildingHeight| {
+            let is_on_grid =
+                (grid.x_min()..=grid.x_max()).contains(&b.x) && (grid.y_min()..=grid.y_max()).contains(&b.y);
+            is_on_grid && self.is_known_at(b.x, b.y)
+        };
+        buildings.iter().filter(is_here).map(|b| b.height_m).collect()
+    }
+
+    /// Whether a position \[CRS units\] is in the data area, as the cell is that holds it; everywhere is, where a scene has
+    /// none.
+    pub fn is_known_at(&self, x: f64, y: f64) -> bool {
+        let Some(known) = &self.known_ground else { return true };
+        match (self.grid.cell_at(x, y), &self.without_data) {
+            (Some((row, col)), Some(without_data)) => !without_data.contains(row, col),
+            (Some(_), None) => true,
+            (None, _) => known.contains(x, y),
         }
     }
 }
@@ -243,5 +307,20 @@ mod tests {
                 assert_eq!(grown.contains(row, col), is_near, "{row} {col}");
             }
         }
+    }
+
+    /// Which side of a border between cells a point is on is decided in integers, wherever the lattice begins.
+    #[test]
+    fn known_ground_does_not_depend_on_where_the_lattice_begins() {
+        let receivers = GeoRef::new((0.0, 500.0), (1.0, 1.0), (500, 500), None).expect("a valid grid");
+        let houses = [(100, 200, 20), (180, 200, 20), (300, 40, 11)];
+        let around = |[x_origin, y_origin]: [i32; 2]| {
+            let frame = Frame { x_origin: x_origin.into(), y_origin: y_origin.into(), unit_x: 1.0, unit_y: 1.0 };
+            let footprints = houses.map(|(west, south, side)| house(west - x_origin, south - y_origin, side));
+            KnownGround::near(&footprints, &frame, &receivers).expect("footprints").outside(&receivers)
+        };
+        let from_zero = around([0, 0]);
+        assert!(from_zero.count() > 0 && from_zero.count() < 250_000);
+        assert!([[-7, 3], [70, 41]].iter().all(|origin| around(*origin) == from_zero));
     }
 }

@@ -4,15 +4,16 @@
 //! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
+mod casters;
 mod cell_sets;
 mod columns;
-mod casters;
 mod changed;
 mod coarser;
 mod data_area;
 mod field;
 mod merge;
 mod plateaus;
+mod positions;
 mod prisms;
 mod roofs;
 mod tile_maxima;
@@ -22,8 +23,9 @@ pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::{CellSets, StandsOn};
 pub use coarser::Pooling;
 pub use columns::Columns;
-pub use field::{CellKind, GridPositions, HeightField, Place, Station, cell_frame};
+pub use field::{CellKind, HeightField};
 pub use plateaus::{Plateau, Plateaus};
+pub use positions::{GridPositions, Place, Station, cell_frame};
 pub use prisms::{Buckets, Piece, Prisms};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, Ring, convex_pieces};

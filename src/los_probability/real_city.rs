@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::bootstrap::{Drawing, RESAMPLINGS, spread};
 use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
-use crate::height_field::{HeightField, Place, Station};
+use crate::height_field::{HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellBlocks, CellWindow, set_bits};
@@ -146,16 +146,19 @@ impl<'a> RealCity<'a> {
             return vec![Count::default(); self.n_blocks() * bands.len()];
         }
         let mut counts = vec![Count::default(); self.n_blocks() * parts.len()];
-        let Place { x, y, .. } = uav.place;
+        // Whole lattice steps, so that a city and its mirror image agree on who is at the end of a band.
+        let positions = self.field.positions();
+        let step_lengths = positions.step_lengths();
         for row in 0..n_rows {
             let wanted = self.receivers.cells.row(row);
             let seen = los.row(row);
             let first_block = self.blocks.first_of_row(row);
             let mut part = 0;
             for col in (0..n_cols).filter(|col| wanted[col / 64] >> (col % 64) & 1 == 1) {
-                let (cell_x, cell_y) = grid.world_from_cell(row, col);
-                let (dx, dy) = ((x - cell_x) * self.meters_per_unit, (y - cell_y) * self.meters_per_unit);
-                let squared = dx * dx + dy * dy;
+                let (east, north) = positions.steps_from(&uav.place, row, col);
+                #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+                let (dx, dy) = (east as f64 * step_lengths.0, north as f64 * step_lengths.1);
+                let squared = (dx * dx + dy * dy) * self.meters_per_unit * self.meters_per_unit;
                 #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
                 let rise = (uav.z - self.receivers.height(row * n_cols + col)) as f64 / f64::from(STEPS_PER_UNIT);
                 // Neighbors are mostly in the same part.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::height_field::HeightField;
 use crate::quantity::{Frame, STEPS_PER_UNIT};
-use crate::raster::{GeoRef, labelled_parts};
+use crate::raster::{BitGrid, GeoRef, labelled_parts};
 use crate::scene::{Footprint, covered_area};
 
 /// Fewest buildings whose heights give a γ.
@@ -97,10 +97,12 @@ impl TileSize {
 }
 
 impl BuiltUpTiles {
-    /// The tiles of footprints on the lattice of `frame`, over the extent of a grid; `None` as [`TileSize::shape`].
+    /// The tiles of the footprints of a vector scene, on the lattice of `frame`; `None` as [`TileSize::shape`]. Of a tile that
+    /// reaches beyond the data area, the ground is as much as the share of its cells there.
     ///
     /// Cost: the union of the footprints of each tile.
-    pub fn of_footprints(footprints: &[Footprint], frame: Frame, grid: &GeoRef, size: TileSize) -> Option<Self> {
+    pub fn of_footprints(footprints: &[Footprint], frame: Frame, field: &HeightField, size: TileSize) -> Option<Self> {
+        let grid = field.grid();
         let georef = size.georef(grid)?;
         let edges = Edges::on_lattice(&georef, grid, frame);
         let n_cols = georef.n_cols();
@@ -108,7 +110,7 @@ impl BuiltUpTiles {
         let mut touching: Vec<Vec<usize>> = vec![Vec::new(); georef.n_cells()];
         let mut buildings_outside = 0;
         for (k, footprint) in footprints.iter().enumerate() {
-            match centroid(footprint).and_then(|centroid| edges.tile_of(centroid)) {
+            match footprint.centroid().and_then(|centroid| edges.tile_of(centroid)) {
                 Some((row, col)) => {
                     let tile = &mut tiles[row * n_cols + col];
                     tile.buildings += 1;
@@ -132,6 +134,9 @@ impl BuiltUpTiles {
             tile.ground = 2 * (width * height).unsigned_abs();
             tile.built = covered_area(&polygons, rectangle);
         });
+        if let Some(outside) = field.outside_data() {
+            take_away(&mut tiles, outside, &CellTiles::new(grid, &georef));
+        }
         let step_m = size.meters_per_unit / f64::from(STEPS_PER_UNIT);
         Some(BuiltUpTiles { georef, tiles, unit_m2: step_m * step_m / 2.0, buildings_outside })
     }
@@ -140,27 +145,17 @@ impl BuiltUpTiles {
     pub fn of_cells(field: &HeightField, size: TileSize) -> Option<Self> {
         let grid = field.grid();
         let georef = size.georef(grid)?;
-        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let cells_per_tile = [size.edge / grid.cell_width(), size.edge / grid.cell_height()];
-        // From the west and from the north: a place on an edge belongs to the tile east or north of it.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
-        let col_of = |x: f64| ((x / cells_per_tile[0]).floor() as usize).min(georef.n_cols() - 1);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
-        let row_of = |y: f64| ((y / cells_per_tile[1]).ceil() as usize).clamp(1, georef.n_rows()) - 1;
-        let cols: Vec<usize> = (0..n_cols).map(|col| col_of(col as f64 + 0.5)).collect();
+        let tiles_of = CellTiles::new(grid, &georef);
         let mut tiles = vec![BuiltUpTile::default(); georef.n_cells()];
         let sets = field.cells();
-        for row in 0..n_rows {
-            let of_row = row_of(row as f64 + 0.5) * georef.n_cols();
-            for (col, tile) in cols.iter().enumerate() {
-                let is_building = sets.building.contains(row, col);
-                tiles[of_row + tile].built += u64::from(is_building);
-                tiles[of_row + tile].ground += u64::from(is_building || sets.open.contains(row, col));
-            }
+        for (row, col, tile) in tiles_of.cells() {
+            let is_building = sets.building.contains(row, col);
+            tiles[tile].built += u64::from(is_building);
+            tiles[tile].ground += u64::from(is_building || sets.open.contains(row, col));
         }
         for part in parts(field) {
             let [x, y] = [part.x, part.y].map(|sum| sum / part.n_cells);
-            let tile = row_of(y) * georef.n_cols() + col_of(x);
+            let tile = tiles_of.at(x, y);
             let height = part.height / part.n_cells;
             tiles[tile].buildings += 1;
             tiles[tile].heights += 1;
@@ -201,6 +196,55 @@ impl BuiltUpTiles {
     /// Buildings whose centroid is beyond the extent: in no tile.
     pub fn buildings_outside(&self) -> u64 {
         self.buildings_outside
+    }
+}
+
+/// Which tile a place on a grid belongs to, counted in cells.
+#[derive(Debug)]
+struct CellTiles {
+    /// Rows and columns of the grid.
+    n_cells: [usize; 2],
+    /// Rows and columns of tiles.
+    n_tiles: [usize; 2],
+    /// South and east.
+    cells_per_tile: [f64; 2],
+}
+
+impl CellTiles {
+    fn new(grid: &GeoRef, tiles: &GeoRef) -> CellTiles {
+        CellTiles {
+            n_cells: [grid.n_rows(), grid.n_cols()],
+            n_tiles: [tiles.n_rows(), tiles.n_cols()],
+            cells_per_tile: [tiles.cell_height() / grid.cell_height(), tiles.cell_width() / grid.cell_width()],
+        }
+    }
+
+    /// The tile of a place \[cells east and south of the north-west corner\]: one on an edge belongs to the tile east or north
+    /// of it.
+    fn at(&self, x: f64, y: f64) -> usize {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
+        let (row, col) = ((y / self.cells_per_tile[0]).ceil() as usize, (x / self.cells_per_tile[1]).floor() as usize);
+        (row.clamp(1, self.n_tiles[0]) - 1) * self.n_tiles[1] + col.min(self.n_tiles[1] - 1)
+    }
+
+    /// Row, column and tile of each cell; it belongs to the tile that holds its center.
+    fn cells(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        let [n_rows, n_cols] = self.n_cells;
+        let tile = move |row: usize, col: usize| (row, col, self.at(col as f64 + 0.5, row as f64 + 0.5));
+        (0..n_rows).flat_map(move |row| (0..n_cols).map(move |col| tile(row, col)))
+    }
+}
+
+/// Takes away the ground that is outside of the data area, by the share of each tile's cells; what is built stays.
+fn take_away(tiles: &mut [BuiltUpTile], outside: &BitGrid, tiles_of: &CellTiles) {
+    let mut cells = vec![[0_u64; 2]; tiles.len()];
+    for (row, col, tile) in tiles_of.cells() {
+        cells[tile][0] += 1;
+        cells[tile][1] += u64::from(outside.contains(row, col));
+    }
+    for (tile, [all, outside]) in tiles.iter_mut().zip(cells).filter(|(_, [_, outside])| *outside > 0) {
+        let ground = u128::from(tile.ground) * u128::from(all - outside) / u128::from(all);
+        tile.ground = u64::try_from(ground).unwrap_or(tile.ground).max(tile.built);
     }
 }
 
@@ -252,37 +296,6 @@ impl Edges {
     }
 }
 
-/// The centroid of a footprint as numerators and one denominator above 0, in lattice steps; `None` without area.
-fn centroid(footprint: &Footprint) -> Option<([i128; 2], i128)> {
-    let mut sums = [0_i128; 3];
-    for rings in &footprint.polygons {
-        for (k, ring) in rings.iter().enumerate() {
-            let of_ring = moments(ring);
-            // Whatever their winding, shells add and holes take away.
-            let adds = (of_ring[2] > 0) == (k == 0);
-            for (sum, moment) in sums.iter_mut().zip(of_ring) {
-                *sum += if adds { moment } else { -moment };
-            }
-        }
-    }
-    let [x, y, doubled_area] = sums;
-    (doubled_area > 0).then_some(([x, y], 3 * doubled_area))
-}
-
-/// Sums over the edges of a ring: six times its first moments along x and y, and twice its area, with the sign of its
-/// winding.
-fn moments(ring: &[[i32; 2]]) -> [i128; 3] {
-    let mut sums = [0_i128; 3];
-    for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-        let [[ax, ay], [bx, by]] = [a, b].map(|p| p.map(i128::from));
-        let cross = ax * by - bx * ay;
-        sums[0] += (ax + bx) * cross;
-        sums[1] += (ay + by) * cross;
-        sums[2] += cross;
-    }
-    sums
-}
-
 /// A building of a raster: sums over its cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Part {
@@ -308,27 +321,4 @@ fn parts(field: &HeightField) -> Vec<Part> {
         part.height += f64::from(heights[cell]);
     }
     parts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_centroid_of_a_footprint_is_that_of_its_area() {
-        let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
-        let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
-            centroid(&Footprint { id: String::new(), polygons, top: 1, base: Some(0) })
-                .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
-        };
-        // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.
-        assert_eq!(of(vec![vec![square(0, 6)]]), Some((36, 36)));
-        let turned: Vec<[i32; 2]> = square(0, 6).into_iter().rev().collect();
-        assert_eq!(of(vec![vec![turned]]), Some((36, 36)));
-        let hole: Vec<[i32; 2]> = vec![[0, 2], [2, 2], [2, 4], [0, 4]];
-        assert_eq!(of(vec![vec![square(0, 6), hole]]), Some((39, 36)));
-        // Two squares of 2 and 4 at 0 and 10: x = (4·1 + 16·12)/20, y = (4·1 + 16·2)/20.
-        assert_eq!(of(vec![vec![square(0, 2)], vec![square(10, 4)]]), Some((12 * 196 / 20, 12 * 36 / 20)));
-        assert_eq!(of(vec![]), None);
-    }
 }

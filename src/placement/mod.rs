@@ -31,6 +31,6 @@ pub use margin::{WorstMargin, ranked_margins, worst_margins};
 pub use over_grid::scores_over_grid;
 pub use refine::{Refined, refined};
 pub use sampled::{
-    Drawn, DrawnPlaces, ReceiverParts, SampledCounts, WholeDiscs, count_by_part, middles_of, over_cities,
+    Drawn, DrawnPlaces, MOST_CUT, ReceiverParts, SampledCounts, WholeDiscs, count_by_part, middles_of, over_cities,
 };
 pub use score::{Score, Scorer, Weights, ranked, scores};

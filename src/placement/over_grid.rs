@@ -54,11 +54,6 @@ fn together(
     let Some(uav_grid) = uav_grid.filter(|uavs| scorer.mapper.is_counted_sooner(uavs)) else { return Ok(None) };
     let weight = |cell: usize| scorer.weights.map_or(1_u128, |weights| weights.of_cell(cell));
     let counts = scorer.mapper.count_grid(&uav_grid, &weight, control)?;
-    Ok(counts.map(|counts| {
-        let score = |k: &usize| {
-            let place = candidates[*k].spot.place;
-            Score { wanted: scorer.wanted, seen: counts.seen[place] }
-        };
-        at_height.iter().map(score).collect()
-    }))
+    let score = |seen: u128| Score { wanted: scorer.wanted, seen };
+    Ok(counts.map(|seen| at_height.iter().map(|k| score(seen[candidates[*k].spot.place])).collect()))
 }

@@ -67,7 +67,7 @@ impl Drawn {
             if !whole.contains(x, y) {
                 drawn.n_cut += 1;
                 // Where nearly all discs are cut, looking on would take long and find a few odd places.
-                if drawn.n_cut > MOST_CUT * self.n.max(drawn.places.len()) {
+                if drawn.n_cut > MOST_CUT * self.n {
                     break;
                 }
                 continue;
@@ -82,7 +82,7 @@ impl Drawn {
 }
 
 /// Places whose discs are cut that are tried for each that is wanted.
-const MOST_CUT: usize = 1000;
+pub const MOST_CUT: usize = 1000;
 
 /// The places of a scene whose disc of some radius lies in its data: neither beyond the border nor outside of the data area.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Where the cells of a raster lie in the plane of a coordinate reference system.
 
-use super::Crs;
+use super::{Crs, CrsKind};
 
 /// A north-up grid of equal rectangular cells.
 ///
@@ -74,6 +74,14 @@ impl GeoRef {
     /// North edge \[CRS units\].
     pub fn y_max(&self) -> f64 {
         self.y_max
+    }
+
+    /// Length of a CRS unit \[m\]; 1 for local coordinates.
+    pub fn meters_per_unit(&self) -> f64 {
+        match self.crs.as_ref().map(Crs::kind) {
+            Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
+            _ => 1.0,
+        }
     }
 
     /// Width of a cell, west to east \[CRS units\].
@@ -203,6 +211,15 @@ impl GeoRef {
     /// Position in cells east and north of the south-west corner, `(0, 0)` being that corner.
     pub fn cells_from_world(&self, x: f64, y: f64) -> (f64, f64) {
         ((x - self.x_min) / self.cell_width, (y - self.y_max) / self.cell_height + self.n_rows as f64)
+    }
+
+    /// Row and column of the cell that holds a position \[CRS units\], on an edge the one north-east of it; `None` outside.
+    pub fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
+        let (east, north) = self.cells_from_world(x, y);
+        let is_inside = east >= 0.0 && north >= 0.0 && east < self.n_cols as f64 && north < self.n_rows as f64;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
+        let cell = || (self.n_rows - 1 - north as usize, east as usize);
+        is_inside.then(cell)
     }
 
     /// Shape, cell size and north-west corner in words, for messages about grids that differ.

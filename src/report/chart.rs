@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::documents::{RunFacts, digest_words};
+use super::position::Position;
 use crate::accuracy::chart::{Family, Truth};
 use crate::accuracy::comparison::Comparison;
 use crate::accuracy::front::pareto_front;
@@ -101,8 +102,8 @@ pub struct ChartReport {
     pub receivers: &'static str,
     /// Range \[m\], if it is limited.
     pub radius_m: Option<f64>,
-    /// The UAVs.
-    pub uavs: Vec<Uav>,
+    /// The UAVs, each with longitude and latitude \[deg\] if it was given by these.
+    pub uavs: Vec<(Uav, Option<[f64; 2]>)>,
     /// The exact answer.
     pub truth: Truth,
     /// Threads of the timed runs.
@@ -166,11 +167,14 @@ impl ChartReport {
         document.insert("radius_m".into(), self.radius_m.into());
         document.insert("threads".into(), self.threads.into());
         document.insert("interrupted".into(), self.is_interrupted().into());
-        let uav = |uav: &Uav| {
-            json!({
-                "id": uav.id, "x": uav.station.place.x, "y": uav.station.place.y,
-                "height_amsl_m": uav.height_amsl_m(), "height_agl_m": uav.height_agl_m, "placement": uav.placement.name(),
-            })
+        let uav = |(uav, lonlat): &(Uav, Option<[f64; 2]>)| {
+            let mut object = Map::new();
+            object.insert("id".into(), uav.id.clone().into());
+            Position { x: uav.station.place.x, y: uav.station.place.y, lonlat: *lonlat }.tell(&mut object);
+            object.insert("height_amsl_m".into(), uav.height_amsl_m().into());
+            object.insert("height_agl_m".into(), uav.height_agl_m.into());
+            object.insert("placement".into(), uav.placement.name().into());
+            Value::Object(object)
         };
         document.insert("uavs".into(), self.uavs.iter().map(uav).collect::<Vec<_>>().into());
         let mut exact = json!({

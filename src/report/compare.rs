@@ -453,9 +453,14 @@ impl CompareReport {
         let clear = match (estimate.interval, estimate.exceeds()) {
             (Some((low, high)), Some(exceeds)) => {
                 let percent = 100.0 * self.intervals.confidence;
-                let (is_clear, holds) = if exceeds { ("clear", "does not hold") } else { ("not clear", "holds") };
-                let ends = format!("{} to {}", signed(low), signed(high));
-                format!("the difference is {is_clear}: its {percent:.0} % interval, {ends}, {holds} 0")
+                // Over the receivers of both the other may be ahead.
+                let verdict = match (exceeds, high < 0.0) {
+                    (true, true) => format!("over these {} is ahead", id(next)),
+                    (true, false) => "the difference is clear".to_string(),
+                    (false, _) => "the difference is not clear".to_string(),
+                };
+                let holds = if exceeds { "does not hold" } else { "holds" };
+                format!("{verdict}: its {percent:.0} % interval, {} to {}, {holds} 0", signed(low), signed(high))
             }
             _ => format!("whether the difference is clear is not known: {}", reason_without_interval(&estimate)),
         };

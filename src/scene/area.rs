@@ -35,18 +35,24 @@ impl Area {
     pub fn cells(&self, grid: &GeoRef) -> BitGrid {
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let mut cells = BitGrid::new(n_rows, n_cols);
+        let mut inside = vec![false; n_cols];
         for row in 0..n_rows {
             let y = grid.world_from_cell(row, 0).1;
             for rings in &self.polygons {
-                let mut inside = vec![false; n_cols];
-                for (k, ring) in rings.iter().enumerate() {
+                let between = |ring: &Vec<[f64; 2]>| {
                     let mut at = crossings(ring, y);
                     at.sort_unstable_by(f64::total_cmp);
-                    for ends in at.chunks_exact(2) {
-                        inside[first_center(grid, ends[0])..first_center(grid, ends[1])].fill(k == 0);
-                    }
-                }
-                (0..n_cols).filter(|col| inside[*col]).for_each(|col| cells.insert(row, col));
+                    at.chunks_exact(2).map(|ends| [ends[0], ends[1]].map(|x| first_center(grid, x))).collect::<Vec<_>>()
+                };
+                let Some((shell, holes)) = rings.split_first() else { continue };
+                let shell = between(shell);
+                let Some([from, to]) = shell.iter().copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
+                    continue;
+                };
+                inside[from..to].fill(false);
+                shell.iter().for_each(|[from, to]| inside[*from..*to].fill(true));
+                holes.iter().flat_map(between).for_each(|[from, to]| inside[from..to].fill(false));
+                (from..to).filter(|col| inside[*col]).for_each(|col| cells.insert(row, col));
             }
         }
         cells

@@ -161,9 +161,14 @@ fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOpt
     }
     const MOST: usize = 12;
     let mut like_heights: Vec<&str> = Vec::new();
+    let mut like_storeys: Vec<&str> = Vec::new();
     let mut others: Vec<&str> = Vec::new();
     for (name, value) in areas().take(100).flat_map(|feature| &feature.properties) {
-        let list = if looks_like_a_height(name, value) { &mut like_heights } else { &mut others };
+        let list = match likeness(name, value) {
+            Some(Likeness::Height) => &mut like_heights,
+            Some(Likeness::Storeys) => &mut like_storeys,
+            None => &mut others,
+        };
         if list.len() < MOST && !list.contains(&name.as_str()) {
             list.push(name);
         }
@@ -171,25 +176,43 @@ fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOpt
     let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let path = path.display();
     let text = format!("cannot use {path}: no feature has the property `{name}`, wanted one that holds heights");
-    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), others.as_slice()) {
-        ([], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
-        ([], others) => format!("no property looks like a height; there are {}", quoted(others)),
-        (found, _) => {
+    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), like_storeys.as_slice(), others.as_slice()) {
+        ([], [], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
+        ([], [], others) => format!("no property looks like a height; there are {}", quoted(others)),
+        ([], found, _) => {
+            format!(
+                "{} may count storeys: `--missing levels --levels-field NAME` takes {METERS_PER_LEVEL} m for each",
+                quoted(found)
+            )
+        }
+        (found, ..) => {
             format!("{} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum", quoted(found))
         }
     }))
 }
 
+/// What a property may hold by its name.
+enum Likeness {
+    Height,
+    Storeys,
+}
+
 /// Whether a property may hold the height of a building, or the number of its storeys.
-fn looks_like_a_height(name: &str, value: &Property) -> bool {
-    const WORDS: [&str; 14] = [
-        "height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "level", "storey",
-        "stories", "floors", "z_",
-    ];
+fn likeness(name: &str, value: &Property) -> Option<Likeness> {
+    const HEIGHTS: [&str; 10] =
+        ["height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "z_"];
     const WHOLE: [&str; 5] = ["h", "z", "top", "roof", "elev"];
+    const STOREYS: [&str; 4] = ["level", "storey", "stories", "floors"];
     let name = name.to_lowercase();
-    let is_named_so = WORDS.iter().any(|word| name.contains(word)) || WHOLE.contains(&name.as_str());
-    is_named_so && !matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)
+    let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+    let likeness = if has(&STOREYS) {
+        Likeness::Storeys
+    } else if has(&HEIGHTS) || WHOLE.contains(&name.as_str()) {
+        Likeness::Height
+    } else {
+        return None;
+    };
+    (!matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)).then_some(likeness)
 }
 
 /// A feature and how it is read.

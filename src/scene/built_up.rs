@@ -12,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Exp1};
 
+use super::Footprint;
 use super::faults::FootprintFaults;
-use super::footprints::Footprint;
 use super::{DataArea, Ground, Scene, Solids};
 use crate::error::{Error, Result};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, whole};

@@ -19,55 +19,12 @@ use super::repairs::{Culprit, FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
 use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
-use super::{DataArea, Ground, NodataAs, Scene, Solids, Source, name_of, read_area, refuse_degrees, refuse_two_crs};
+use super::{
+    DataArea, Footprint, Ground, NodataAs, Scene, Solids, Source, name_of, read_area, refuse_degrees, refuse_two_crs,
+};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
-use crate::raster::{Crs, GeoRef, InputKind, Raster, Transformation};
-
-/// A building: polygons on the lattice and a flat top; solid from below the ground.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Footprint {
-    /// The feature's id, or its number in the file.
-    pub id: String,
-    /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
-    pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
-    /// Top \[1/1024 m above the datum\].
-    pub top: i32,
-    /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
-    /// allows.
-    pub base: Option<i32>,
-}
-
-impl Footprint {
-    /// Height above the ground that it stands on \[m\], if that is known.
-    pub fn height_m(&self) -> Option<f64> {
-        self.base.map(|base| meters(self.top) - meters(base))
-    }
-
-    /// Where it begins, for models of it: at the ground that it stands on, and where none is known at the datum.
-    pub fn bottom(&self) -> i32 {
-        self.base.unwrap_or(self.top.min(0))
-    }
-
-    /// Whether the outline is one rectangle: four corners, each within a degree of a right angle; vertices on its sides
-    /// count for nothing.
-    pub fn is_rectangle(&self) -> bool {
-        let [polygon] = self.polygons.as_slice() else { return false };
-        let [ring] = polygon.as_slice() else { return false };
-        let edge = |a: [i32; 2], b: [i32; 2]| [0, 1].map(|k| f64::from(b[k]) - f64::from(a[k]));
-        let n = ring.len();
-        // The turn at each vertex: its sine and cosine.
-        let turns = (0..n).map(|k| {
-            let (a, b) = (edge(ring[(k + n - 1) % n], ring[k]), edge(ring[k], ring[(k + 1) % n]));
-            let lengths = a[0].hypot(a[1]) * b[0].hypot(b[1]);
-            ((a[0] * b[1] - a[1] * b[0]) / lengths, (a[0] * b[0] + a[1] * b[1]) / lengths)
-        });
-        const DEGREE: f64 = 0.017_452_406;
-        let corners: Vec<(f64, f64)> = turns.filter(|(sin, cos)| sin.abs() > DEGREE || *cos < 0.0).collect();
-        let turns_alike = corners.iter().all(|c| c.0 > 0.0) || corners.iter().all(|c| c.0 < 0.0);
-        corners.len() == 4 && turns_alike && corners.iter().all(|c| c.1.abs() <= DEGREE)
-    }
-}
+use crate::raster::{Crs, GeoRef, InputKind, Raster, Transformation, reserve_cells};
 
 /// What to do with footprints whose height is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -261,6 +218,9 @@ fn read(
     let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let data_area = data_area(options, &grid, warnings)?;
+    if let DataAreaChoice::Within(path) = &options.data_area {
+        sources.push(Source::of(path, options.always_hash)?);
+    }
     let mut ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
@@ -269,7 +229,7 @@ fn read(
     let making = Making { path, options, ground: &ground, frame };
     let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
     if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
-        ground = Ground::Terrain(blocking_where_unknown(terrain, &grid));
+        ground = Ground::Terrain(blocking_where_unknown(path, terrain, &grid)?);
     }
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
     let faults = log.counts;
@@ -303,7 +263,10 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
 }
 
 /// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
-fn blocking_where_unknown(terrain: &Raster<i32>, grid: &GeoRef) -> Raster<i32> {
+///
+/// # Errors
+/// E501 for more cells of the terrain than memory holds.
+fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
     let from = terrain.georef();
     let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
     let [west, east] = [from.x_min() - grid.x_min(), grid.x_max() - from.x_max()].map(|l| beyond(l, from.cell_width()));
@@ -316,14 +279,16 @@ fn blocking_where_unknown(terrain: &Raster<i32>, grid: &GeoRef) -> Raster<i32> {
     )]
     let [west_n, east_n, south_n, north_n] = [west, east, south, north].map(|n| n as usize);
     let (n_rows, n_cols) = (from.n_rows() + south_n + north_n, from.n_cols() + west_n + east_n);
-    let mut cells = vec![BLOCKS_ALL; n_rows * n_cols];
+    let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
+    let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
+    let Some(georef) = georef else { return Ok(terrain.clone()) };
+    let mut cells = reserve_cells(path, &georef)?;
+    cells.resize(georef.n_cells(), BLOCKS_ALL);
     for row in 0..from.n_rows() {
         let to = &mut cells[(row + north_n) * n_cols + west_n..][..from.n_cols()];
         to.iter_mut().zip(terrain.row(row)).filter(|(_, z)| **z != VOID).for_each(|(to, z)| *to = *z);
     }
-    let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
-    let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
-    georef.map_or_else(|| terrain.clone(), |georef| Raster::new(georef, cells))
+    Ok(Raster::new(georef, cells))
 }
 
 /// Brings the places that are listed so far, those of a file within `bounds`, into the system of the scene.

@@ -7,6 +7,7 @@ mod area;
 mod building;
 mod built_up;
 mod faults;
+mod footprint;
 mod footprints;
 mod geojson_file;
 mod heights;
@@ -30,9 +31,9 @@ pub use area::{Area, read_area};
 pub use building::HeightUnit;
 pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
 pub use faults::{Fault, FootprintFaults};
+pub use footprint::{BuildingHeight, Footprint};
 pub use footprints::{
-    BaseRule, DataAreaChoice, Footprint, FootprintOptions, HeightGap, MissingHeight, read_footprints,
-    read_footprints_and_repairs,
+    BaseRule, DataAreaChoice, FootprintOptions, HeightGap, MissingHeight, read_footprints, read_footprints_and_repairs,
 };
 pub use mesh::{MeshOptions, read_mesh};
 pub use outline::{Region, covered_area, even_odd, region_of};
@@ -109,6 +110,14 @@ pub enum Solids {
         /// Where anything is known of the ground.
         data_area: DataArea,
     },
+}
+
+impl Solids {
+    /// The heights of the buildings of a vector scene and where they stand, of those that have both; none of a raster.
+    pub fn building_heights(&self) -> Vec<BuildingHeight> {
+        let Solids::Vector { footprints, frame, .. } = self else { return Vec::new() };
+        footprints.iter().filter_map(|footprint| footprint.building_height(*frame)).collect()
+    }
 }
 
 /// Where a vector scene knows the ground. Cells elsewhere hold no data: no receiver, no zone, no candidate.

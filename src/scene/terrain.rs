@@ -48,6 +48,18 @@ pub(super) fn terrain_on_grid(
             format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
         })?;
         if grid.same_grid(from) {
+            let n_void = terrain.cells().iter().filter(|z| **z == VOID).count();
+            if n_void == grid.n_cells() {
+                return Err(no_terrain_below((surface_path, grid), (terrain_path, from)));
+            }
+            if n_void > 0 {
+                let text = format!(
+                    "{}: {n_void} of {} cells of the terrain have no height and are no receivers",
+                    terrain_path.display(),
+                    grid.n_cells()
+                );
+                warnings.push(Warning::new(340, text));
+            }
             return Ok(terrain);
         }
     }

@@ -277,6 +277,26 @@ const FLAGS: [(&str, &str); 38] = [
     ("itu:0.3,500,15 --theta 30", "--users street"),
 ];
 
+/// Where UAVs may be depends on the radius, and each radius has its own.
+#[test]
+fn p_los_within_a_radius_does_not_depend_on_the_other_radii() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 500 --seed 5 -o c.geojson -q").done();
+    let rows = |radii: &str| {
+        let line = format!("plos c.geojson --method maps --height 80 --positions 10 --cell 4 --radius {radii}");
+        folder.type_in(&format!("{line} --csv t.csv --overwrite -q")).done();
+        folder.text("t.csv").lines().skip(1).map(str::to_string).collect::<Vec<_>>()
+    };
+    let (one, other) = (rows("60"), rows("120"));
+    assert_eq!(rows("60,120"), [one, other].concat());
+    let refused = folder.type_in("plos c.geojson --height 80 --radius 60 --theta-band 3");
+    assert!(refused.refused(2)[0].contains("`--theta-band` has no meaning"), "{refused:?}");
+    for flag in ["--theta-band 3", "--data-area all", "--base mean"] {
+        let refused = folder.type_in(&format!("plos itu:urban --theta 30 {flag}"));
+        assert!(refused.refused(2)[0].contains("has no meaning without a city in a file"), "{flag}: {refused:?}");
+    }
+}
+
 /// Flags that change what is written or said, not the values.
 const OTHER: [&str; 22] = [
     "--base",

@@ -125,6 +125,54 @@ fn bands_hold_masks_differences_and_the_count() {
     assert!(folder.read("out.tif").windows(17).any(|w| w == b"skyshed/compare/1"), "provenance");
 }
 
+/// The text of the cells of a table's rows, by their first ones.
+fn rows<'a>(page: &'a str, section: &str) -> Vec<(&'a str, Vec<&'a str>)> {
+    let (_, table) = page.split_once(section).unwrap();
+    let table = table.split("</table>").next().unwrap();
+    let row = |row: &'a str| {
+        let (head, cells) = row.split_once("</th>").unwrap();
+        (head, cells.split("<td>").skip(1).map(|cell| cell.split("</td>").next().unwrap()).collect())
+    };
+    table.split("<th scope=\"row\">").skip(1).map(row).collect()
+}
+
+#[test]
+fn the_matrix_of_the_page_is_row_less_column() {
+    let folder = folder();
+    // A third map that sees everything: 5 of the 11 receivers of the first more than that, 6 of the 13 of the second.
+    folder.write("third.asc", &grid(&[1; 16], 4, 255));
+    folder.type_in(&format!("compare {BY_HAND} --mask third.asc -o c.html -q")).done();
+    let page = folder.text("c.html");
+    let wanted = [
+        ("first", vec!["–", "−0.1000", "−0.4545"]),
+        ("second", vec!["+0.1000", "–", "−0.4615"]),
+        ("third", vec!["+0.4545", "+0.4615", "–"]),
+    ];
+    assert_eq!(rows(&page, "<section aria-label=\"Differences of any two\">"), wanted);
+}
+
+#[test]
+fn two_uavs_at_one_place_have_a_mark_each_there() {
+    let folder = folder();
+    folder.type_in("compare itu:urban --size 200 --uav 50,60,40 --uav 50,60,90 --uav 150,20,90 -o c.html -q").done();
+    let page = folder.text("c.html");
+    let places: Vec<[&str; 2]> =
+        rows(&page, "<caption>Placements</caption>").iter().map(|(_, cells)| [cells[0], cells[1]]).collect();
+    assert_eq!(places, [["50", "60"], ["50", "60"], ["150", "20"]]);
+    // A quarter of 200 m from the left, 140 m from the top; the second at a place is numbered, so that its label stands apart.
+    let marks: Vec<&str> = page
+        .split("<div class=\"mark")
+        .skip(1)
+        .map(|mark| mark.split("style=\"").nth(1).unwrap().split('"').next().unwrap())
+        .collect();
+    let wanted = [
+        "left:25.0000%;top:70.0000%;--nth:0",
+        "left:25.0000%;top:70.0000%;--nth:1",
+        "left:75.0000%;top:90.0000%;--nth:0",
+    ];
+    assert_eq!(marks, wanted);
+}
+
 #[test]
 fn saved_maps_compare_like_their_uavs() {
     let folder = folder();

@@ -8,6 +8,9 @@ use skyshed::los_probability::product::Product;
 use skyshed::los_probability::setting::{Placement, Setting, Users};
 use skyshed::scene::BuiltUp;
 
+use crate::cli_map::{mask_of, tif};
+use crate::figures::{drawn, words};
+use crate::polygon_files::{area, rings};
 use crate::program::Folder;
 use crate::support::slow;
 
@@ -24,7 +27,7 @@ fn write_city(folder: &Folder, name: &str, features: &[Value]) {
 }
 
 /// Four blocks around a crossing, and a farm 400 m to the east.
-fn town(folder: &Folder) {
+pub(crate) fn town(folder: &Folder) {
     let blocks = [[0.0, 0.0], [60.0, 0.0], [0.0, 60.0], [60.0, 60.0]];
     let mut features: Vec<Value> =
         blocks.iter().map(|[x, y]| building(&json!({"height": 12}), [*x, *y, x + 40.0, y + 40.0])).collect();
@@ -104,6 +107,128 @@ fn munich_is_known_between_its_houses_only() {
     // By another program (shapely): the union of the footprints, grown and shrunk by 100 m, its holes filled, has 1 043 840 m².
     let known = (all - u64_of(&cells["nodata"])) as f64;
     assert!((known / 1_043_840.0 - 1.0).abs() < 0.01, "{known} of {all}");
+}
+
+#[test]
+fn every_file_of_a_map_knows_where_the_data_end() {
+    let folder = Folder::new();
+    town(&folder);
+    // From the west end of a street: receivers in the streets across are hidden. Cells of 4 m².
+    let map = "map town.geojson --cell 2 --uav 10,50,20";
+    folder.type_in(&format!("{map} --polygons all -o m.tif -o m.json -o m.geojson -q")).done();
+    let info = folder.type_in("info town.geojson --cell 2 --zones -o z.tif --json -q").done().json();
+    let cells = &info["cells"];
+    let mask = mask_of(&folder, "m.tif");
+    let n_of = |class: u8| mask.iter().filter(|cell| **cell == class).count() as u64;
+    assert!([0, 1, 255].iter().all(|class| n_of(*class) > 0));
+    assert_eq!(
+        [n_of(0) + n_of(1), n_of(2), n_of(255)],
+        ["open", "building", "nodata"].map(|kind| u64_of(&cells[kind]))
+    );
+    assert_eq!(u64_of(&folder.json("m.json")["sites"][0]["receivers"]), n_of(0) + n_of(1));
+    // Polygons are in whole meters: their areas are sums without error.
+    let features = folder.json("m.geojson")["features"].as_array().unwrap().clone();
+    for (class, name) in [(0, "NLoS"), (1, "LoS")] {
+        let of_class = features.iter().filter(|f| f["properties"]["class"] == name);
+        let sum: f64 = of_class.flat_map(rings).map(|ring| area(&ring)).sum();
+        assert_eq!(Some(sum), Some(4.0 * n_of(class) as f64), "{name}");
+    }
+    let said = words(&drawn(&folder, map));
+    assert!(said.contains(&format!("No data {} cells", n_of(255))), "{said}");
+    // A cell has no zone exactly where there are no data.
+    let zones = mask_of(&folder, "z.tif");
+    assert_eq!(zones.len(), mask.len());
+    assert!(zones.iter().zip(&mask).all(|(zone, class)| (*zone == 0) == (*class == 255)));
+}
+
+#[test]
+fn no_place_is_ranked_and_no_cell_compared_where_munich_has_no_data() {
+    let folder = Folder::new();
+    let scene = format!("{MUNICH} --cell 4");
+    let uavs = ["--uav 691600,5334800,100", "--uav 691700,5334800,100"];
+    folder.type_in(&format!("map {scene} {} -o m.tif -q", uavs[0])).done();
+    let file = tif(&folder, "m.tif");
+    let (n_cols, [west, south, _, _]) = (file.width() as usize, file.geo_bounds().unwrap());
+    let mask = mask_of(&folder, "m.tif");
+    let without_data: Vec<usize> = (0..mask.len()).filter(|cell| mask[*cell] == 255).collect();
+    assert!(without_data.len() > mask.len() / 10, "{} of {}", without_data.len(), mask.len());
+    let place = format!("place {scene} --step 60 --height 60");
+    let document = folder.type_in(&format!("{place} --csv p.csv --json -q")).done().json();
+    let ranked = document["ranked"].as_array().unwrap().iter();
+    let mut places: Vec<[f64; 2]> = ranked.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]).collect();
+    let n_ranked = places.len();
+    let table = folder.text("p.csv");
+    let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| columns.iter().position(|found| *found == name).unwrap();
+    let (x, y) = (column("x"), column("y"));
+    places.extend(table.lines().skip(1).map(|row| {
+        let fields: Vec<&str> = row.split(',').collect();
+        [x, y].map(|k| fields[k].parse::<f64>().unwrap())
+    }));
+    assert!(n_ranked > 0 && places.len() > n_ranked + 100, "{n_ranked} and {}", places.len());
+    for [x, y] in places {
+        // A place on an edge belongs to the cell north-east of it.
+        let index = |cells: f64| (0..).find(|k: &usize| cells < *k as f64 + 1.0).unwrap();
+        let n_rows = mask.len() / n_cols;
+        let cell = (n_rows - 1 - index((y - south) / 4.0)) * n_cols + index((x - west) / 4.0);
+        assert_ne!(mask[cell], 255, "({x}, {y})");
+    }
+    folder.type_in(&format!("compare {scene} {} {} -o k.tif -q", uavs[0], uavs[1])).done();
+    let compared = tif(&folder, "k.tif");
+    assert_eq!(compared.band_count(), 4, "two masks, their difference, the count");
+    for k in 0..4 {
+        let band: Vec<u8> = compared.read_band::<u8>(k).unwrap().into_iter().collect();
+        assert_eq!(without_data.iter().find(|cell| band[**cell] != 255), None, "band {k}");
+        assert!(band.contains(&0) && band.contains(&1), "band {k}");
+    }
+}
+
+/// The masks of scenes that say as much of their ground as they did in version 0.1.
+#[test]
+fn masks_of_scenes_without_an_end_of_data_are_those_of_version_0_1() {
+    let folder = Folder::new();
+    let [dsm, terrain] = ["dsm", "terrain"].map(|part| MUNICH.replace("munich.geojson", &format!("munich_{part}.tif")));
+    for (line, digest) in [
+        // As version 0.1, as far as is known: taken from a later program, as the binary of 0.1 was not at hand.
+        (
+            "itu:urban --size 300 --uav 150,150,60".to_string(),
+            "288d0a2adcd7825004dd92d51caa456bc0ea8499191fe3461569e5e8989ddf19",
+        ),
+        (
+            format!("{dsm} --terrain {terrain} --uav 691549.7,5334762.2,60"),
+            "22bcc6914bf37dbb9f8f6ea65c66beeaa86ac9a7360b0f09da7108dbd4008756",
+        ),
+        // As version 0.1: it stands in docs/munich.png of commit f70e224. On flat ground tops are heights.
+        (
+            format!("{MUNICH} --data-area all --uav 691549.7,5334762.2,120"),
+            "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192",
+        ),
+        (
+            format!("{MUNICH} --top-field z_top --data-area all --uav 691549.7,5334762.2,120"),
+            "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192",
+        ),
+    ] {
+        let document = folder.type_in(&format!("map {line} --json -q")).done().json();
+        assert_eq!(document["digest"], format!("sha256:{digest}"), "{line}");
+    }
+}
+
+/// Where less than a tenth of what lies between the footprints is open, they say nothing of a city.
+#[test]
+fn all_ground_around_lone_houses_is_known_and_that_is_said() {
+    let folder = Folder::new();
+    let house = |west: f64| building(&json!({"height": 9}), [west, 0.0, west + 30.0, 30.0]);
+    // One house, and two so far apart that a disc of 100 m passes between them.
+    for (houses, open) in [(vec![house(0.0)], 0), (vec![house(0.0), house(500.0)], (530 - 60) * 30)] {
+        write_city(&folder, "lone.geojson", &houses);
+        let answer = folder.type_in("info lone.geojson --json").done();
+        let cells = answer.json()["cells"].clone();
+        assert_eq!((&cells["open"], &cells["nodata"]), (&json!(open), &json!(0)), "{answer:?}");
+        assert!(answer.warnings().contains(&"W379"), "{} houses: {answer:?}", houses.len());
+        // Who asks for all ground need not be told.
+        let answer = folder.type_in("info lone.geojson --data-area all --json").done();
+        assert!(!answer.warnings().contains(&"W379"), "{answer:?}");
+    }
 }
 
 #[test]
@@ -300,6 +425,10 @@ fn a_sample_in_a_file_leaves_out_discs_that_are_cut() {
     let lines = folder.type_in("place c.geojson --sample street:5 --height 80 --radius 500").refused(4).join("\n");
     assert!(lines.contains("error[E216]") && lines.contains("smaller `--radius`"), "{lines}");
     // `plos` over discs takes whole ones too.
+    town(&folder);
+    let line = "plos town.geojson --method maps --height 80 --positions 10 --radius";
+    let lines = folder.type_in(&format!("{line} 500")).refused(4).join("\n");
+    assert!(lines.contains("error[E216]") && lines.contains("smaller `--radius`"), "{lines}");
     let line = "plos c.geojson --method maps --height 80 --positions 10 --radius 20,60 --json -q";
     let document = folder.type_in(line).done().json();
     assert!(document["real_cities"][0]["positions_with_cut_discs"].as_u64().unwrap() > 0, "{document}");

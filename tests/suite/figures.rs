@@ -10,15 +10,20 @@ use crate::program::Folder;
 /// A second UAV, and nine more.
 const SECOND: &str = "--uav 691650,5334780,60";
 
-/// The words of a vector picture, without what it says of where it comes from.
-fn drawn(folder: &Folder, line: &str) -> String {
-    folder.type_in(&format!("{line} -o drawn.svg --overwrite -q")).done();
+/// A vector picture without what it says of where it comes from.
+pub(crate) fn drawn(folder: &Folder, line: &str) -> String {
+    picture_of(folder, &format!("{line} -o"))
+}
+
+/// The vector picture that a line writes when the name of a file follows.
+pub(crate) fn picture_of(folder: &Folder, line: &str) -> String {
+    folder.type_in(&format!("{line} drawn.svg --overwrite -q")).done();
     let svg = folder.text("drawn.svg").replace(['\u{a0}', '\u{202f}'], " ");
     svg[svg.find("</metadata>").unwrap_or(0)..].to_string()
 }
 
 /// All words in the order in which they are drawn.
-fn words(svg: &str) -> String {
+pub(crate) fn words(svg: &str) -> String {
     let plain = svg.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text);
     plain.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
@@ -117,6 +122,33 @@ fn a_model_looks_the_same_in_every_figure() {
     assert_eq!(sample(&second, "Mohammed 2023"), sample(&third, "Mohammed 2023"));
     let looks = ["ITU-R P.1410", "Al-Hourani 2014", "Mohammed 2023"].map(|label| sample(&third, label));
     assert!(looks[0] != looks[1] && looks[1] != looks[2] && looks[0].contains("dasharray"), "{looks:?}");
+}
+
+/// The fill of what is drawn right before a label.
+fn fill_before<'a>(svg: &'a str, label: &str) -> &'a str {
+    let end = svg.find(&format!(">{label}<")).unwrap_or_else(|| panic!("{label}: {svg}"));
+    let marker = &svg[..svg[..end].rfind("<text").unwrap()];
+    marker.rsplit("fill=\"").next().unwrap().split('"').next().unwrap()
+}
+
+#[test]
+fn a_model_has_one_color_in_charts_and_curves() {
+    let folder = Folder::new();
+    let chart = drawn(&folder, "chart itu:urban --plos --time 0");
+    let (_, biases) = chart.split_once(">Published models<").unwrap();
+    let curves = drawn(&folder, "plos itu:urban --theta 20:80:20 --method models");
+    let mut colors = Vec::new();
+    for (id, label) in [
+        ("itu", "ITU-R P.1410"),
+        ("alhourani2014", "Al-Hourani 2014"),
+        ("mohammed2023", "Mohammed 2023"),
+        ("tr36777_uma_av", "3GPP 36.777 UMa-AV"),
+    ] {
+        let color = fill_before(biases, id);
+        assert!(color.starts_with('#') && !colors.contains(&color), "{id}: {color}, after {colors:?}");
+        assert!(sample(&curves, label).starts_with(&format!("stroke=\"{color}\"")), "{id}: {color}");
+        colors.push(color);
+    }
 }
 
 #[test]

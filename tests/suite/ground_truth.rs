@@ -340,6 +340,30 @@ fn a_hole_outside_of_its_shell_is_no_building() {
 }
 
 #[test]
+fn a_hole_outside_of_its_shell_is_in_no_area() {
+    let folder = Folder::new();
+    folder.write("flat.asc", &grid((0.0, 0.0), 1.0, 20, &[0.0; 400]));
+    let place = |hole: Vec<[f64; 2]>, flags: &str| {
+        let area =
+            json!({"type": "FeatureCollection", "features": [feature(&json!({}), &[square(0.0, 0.0, 10.0), hole])]});
+        folder.write("a.geojson", &area.to_string());
+        folder.type_in(&format!("place flat.asc --ground 0 --step 1 --height 9 {flags} --json -q")).done().json()
+    };
+    // 10 × 10 cells of 20 × 20 are inside, less what the hole covers of them.
+    for (hole, inside) in [
+        (square(2.0, 2.0, 5.0), 75),
+        (square(12.0, 12.0, 5.0), 100),
+        (vec![[5.0, 5.0], [15.0, 5.0], [15.0, 8.0], [5.0, 8.0]], 85),
+        (square(10.0, 10.0, 5.0), 100),
+    ] {
+        let tried = |flags: &str| place(hole.clone(), flags)["candidates"]["tried"].clone();
+        assert_eq!((tried("--within a.geojson"), tried("--keep-out a.geojson")), (json!(inside), json!(400 - inside)));
+        let goal = place(hole.clone(), "--area a.geojson --goal p_los(area)");
+        assert_eq!(goal["winner"]["receivers"], inside, "{hole:?}");
+    }
+}
+
+#[test]
 fn ends_of_links_are_on_the_lattice_of_meters_whatever_the_terrains_cells() {
     let folder = Folder::new();
     let mut random = Random(7);

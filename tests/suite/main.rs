@@ -52,6 +52,7 @@ mod cli_flags; // every flag of map, link, city and info changes something
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
 mod figures; // what pictures show and say, against the numbers of files; their width and resolution
+mod captions; // what captions say of refined curves, bands of angles and the limits of a picture
 mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone
 mod cli_plos; // P_LoS studies as tables, documents and plots
 mod sampled; // P_LoS by zone of the placement, from maps, against the product

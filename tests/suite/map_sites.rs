@@ -192,6 +192,27 @@ fn a_hole_in_range_is_no_fault_of_the_file() {
 }
 
 #[test]
+fn another_data_area_in_the_same_file_is_another_run() {
+    let folder = Folder::new();
+    let square = |side: f64| format!("[[[0, 0], [{side}, 0], [{side}, {side}], [0, {side}], [0, 0]]]");
+    let write = |name: &str, side: f64| {
+        let crs = r#""crs": {"type": "name", "properties": {"name": "EPSG:25832"}}, "properties": {"height": 9}"#;
+        let geometry = format!(r#"{{"type": "Polygon", "coordinates": {}}}"#, square(side));
+        folder.write(name, &format!(r#"{{"type": "Feature", {crs}, "geometry": {geometry}}}"#));
+    };
+    write("city.geojson", 9.0);
+    let resumed = |side: f64| {
+        write("area.geojson", side);
+        let line = "map city.geojson --extent 0,0,40,40 --data-area area.geojson --uav 20,20,30";
+        folder.type_in(&format!("{line} -o u-{{site}}.json --resume -q"))
+    };
+    resumed(20.0).done();
+    assert_eq!(folder.json("u-1.json")["sites"][0]["receivers"], 400 - 81);
+    let answer = resumed(30.0);
+    assert!(answer.refused(2)[0].contains("made by another run"), "{answer:?}");
+}
+
+#[test]
 fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
     let folder = Folder::new();
     write_scene(&folder, 6);

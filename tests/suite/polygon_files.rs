@@ -32,9 +32,9 @@ fn masks(folder: &Folder, name: &str, n: usize) -> Vec<Vec<u8>> {
     (0..n).map(|k| file.read_band::<u8>(k).unwrap().into_iter().collect()).collect()
 }
 
-type Ring = Vec<[f64; 2]>;
+pub(crate) type Ring = Vec<[f64; 2]>;
 
-fn rings(feature: &Value) -> Vec<Ring> {
+pub(crate) fn rings(feature: &Value) -> Vec<Ring> {
     serde_json::from_value(feature["geometry"]["coordinates"].clone()).unwrap()
 }
 
@@ -46,7 +46,7 @@ fn is_inside(rings: &[Ring], [x, y]: [f64; 2]) -> bool {
     rings.iter().flat_map(|ring| ring.windows(2)).filter(|e| crosses(e)).count() % 2 == 1
 }
 
-fn area(ring: &Ring) -> f64 {
+pub(crate) fn area(ring: &Ring) -> f64 {
     // From the first corner, or large coordinates would eat the digits.
     let [x, y] = ring[0];
     ring.windows(2).map(|e| ((e[0][0] - x) * (e[1][1] - y) - (e[1][0] - x) * (e[0][1] - y)) / 2.0).sum()

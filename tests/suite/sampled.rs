@@ -108,7 +108,7 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     let scene = "itu:urban --size 250";
     let map = folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --json")).done().json();
     let line = format!("place {scene} --sample crossroad:1 --centers --height 60 --receivers all");
-    let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg")).done().json();
+    let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg -o s.pdf")).done().json();
     assert_eq!(sample["schema"], "skyshed/place-sample/1");
     let site = &map["sites"][0];
     let rows = sample["rows"].as_array().unwrap();
@@ -123,6 +123,7 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     let table = folder.text("s.csv");
     assert!(table.starts_with("placement,height_m,receivers_zone,") && table.lines().count() == 5, "{table}");
     assert!(folder.text("s.svg").contains("UAV over crossroads"));
+    assert!(std::fs::read(folder.join("s.pdf")).unwrap().starts_with(b"%PDF-1"));
 }
 
 #[test]
@@ -171,7 +172,7 @@ fn samples_that_make_no_sense_are_refused() {
         ("itu:urban --sample street:5 --height 50 --block 0", "wanted above 0 m"),
         ("itu:urban --sample street:5 --height 50 --goal p_los", "`--goal` has no meaning with `--sample`"),
         ("itu:urban --sample street:5 --height 50 --step 5", "`--step` has no meaning with `--sample`"),
-        ("itu:urban --sample street:5 --height 50 -o a.tif", "hint: wanted .png .svg .csv .json, and `-`"),
+        ("itu:urban --sample street:5 --height 50 -o a.tif", "hint: wanted .png .svg .pdf .csv .json, and `-`"),
         ("itu:urban --height 50 --cities 5", "--sample"),
         ("itu:urban --height 50 --centers", "--sample"),
         ("city.geojson --sample street:5 --height 50 --cities 5", "`--cities` has no meaning for a city in a file"),

@@ -103,6 +103,33 @@ fn tiles_of_footprints_hold_what_a_hand_counts() {
     assert_eq!(folder.json("tiles.csv.json")["schema"], "skyshed/tiles/1");
 }
 
+#[test]
+fn shares_of_a_tile_are_of_its_ground_with_data() {
+    let folder = Folder::new();
+    // A building of 100 m² in each of two tiles of 20 m; the data end in the middle of the second.
+    folder.write("city.geojson", &squares(&[[4.0, 4.0, 10.0, 10.0], [20.0, 4.0, 10.0, 12.0]]));
+    folder.write("area.geojson", &squares(&[[0.0, -5.0, 30.0, 0.0]]));
+    folder.type_in("info city.geojson --extent 0,0,40,20 --data-area area.geojson --tile 20 -o tiles.csv -q").done();
+    let found: Vec<_> = table(&folder.text("tiles.csv")).iter().map(|tile| (tile.area, tile.values[0])).collect();
+    assert_eq!(found, [(400.0, Some(0.25)), (200.0, Some(0.5))]);
+}
+
+/// β counts the buildings of the area that it is per, not of the whole file.
+#[test]
+fn estimates_are_over_the_buildings_of_the_extent() {
+    let folder = Folder::new();
+    let city: Vec<[f64; 4]> = (0..100).map(|k| [f64::from(k) * 20.0 + 5.0, 5.0, 10.0, 12.0]).collect();
+    folder.write("city.geojson", &squares(&city));
+    folder.write("area.geojson", &squares(&[[0.0, -90.0, 200.0, 0.0]]));
+    // 10 buildings of 100 m² on 200 × 20 m, cut out or drawn.
+    for part in ["--extent 0,0,200,20", "--extent 0,0,2000,20 --data-area area.geojson"] {
+        let estimated = folder.type_in(&format!("info city.geojson {part} --json -q")).done().json();
+        let estimated = &estimated["estimated_built_up"];
+        assert_close(estimated["alpha"].as_f64(), Some(0.25), part);
+        assert_close(estimated["beta_per_km2"].as_f64(), Some(2500.0), part);
+    }
+}
+
 /// The bands of `tiles.tif` are the columns of the table, nodata where these are empty.
 fn raster_holds_the_table(folder: &Folder, tiles: &[Tile]) {
     let tiff = GeoTiff::open(&folder.join("tiles.tif"), &mut Vec::new()).unwrap();

@@ -196,6 +196,21 @@ fn properties_of_openstreetmap_are_read_and_counted() {
 }
 
 #[test]
+fn storeys_are_offered_as_storeys_and_not_as_heights() {
+    let folder = Folder::new();
+    let ring = "[[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0]]]";
+    let text = format!(
+        r#"{{"type": "Feature", "properties": {{"building:levels": 4}},
+        "geometry": {{"type": "Polygon", "coordinates": {ring}}}}}"#
+    );
+    folder.write("osm.geojson", &text);
+    let answer = folder.type_in("info osm.geojson --crs EPSG:25832");
+    let lines = answer.refused(3);
+    assert!(lines[0].contains("E365") && lines[1].contains("`--missing levels"), "{lines:?}");
+    assert!(!lines[1].contains("--height-field"), "4 storeys are not 4 m: {lines:?}");
+}
+
+#[test]
 fn a_name_that_a_shapefile_cuts_is_found() {
     let folder = Folder::new();
     if !has_ogr2ogr() {

@@ -77,7 +77,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
         rx_height_m: args.rx_height,
         receivers: args.receivers.name(),
         radius_m,
-        uavs: uavs.clone(),
+        uavs: uavs.iter().cloned().zip(found.sites.iter().map(|site| site.lonlat)).collect(),
         truth: truth.clone(),
         threads: usize::from(threads(args)),
         floor,

@@ -125,7 +125,7 @@ fn uav_words(uav: &Uav) -> String {
 fn caption_of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Vec<String> {
     let truth = &report.truth;
     let (receivers, _) = cell_names(args.receivers, &scene.field);
-    let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(uav_words).collect();
+    let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(|(uav, _)| uav_words(uav)).collect();
     let more = report.uavs.len().saturating_sub(MOST_UAVS);
     let more = if more > 0 { format!("; and {more} more, counts summed") } else { String::new() };
     let p_los = truth.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));

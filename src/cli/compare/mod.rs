@@ -16,8 +16,8 @@ use write::Writer;
 
 use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, meters_per_unit, outputs_with_table, ready,
-    receiver_height, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
+    warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::tables::UavsAsked;
@@ -81,7 +81,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
     let place = |site: &GivenSite| place_uav(site, &scene.field, &grid, radius);
     let uavs: Vec<Uav> = found.sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
-    let blocks = CellBlocks::new(&grid, meters_per_unit(&grid), args.block);
+    let blocks = CellBlocks::new(&grid, grid.meters_per_unit(), args.block);
     if blocks.count() > MOST_BLOCKS {
         let text =
             format!("cannot resample {} blocks of {} m, wanted at most {MOST_BLOCKS}", blocks.count(), args.block);

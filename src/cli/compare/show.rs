@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use super::write::Writer;
 use crate::cli::map::{self, crop, height_words};
-use crate::cli::plan::meters_per_unit;
 use crate::cli::receivers::{cell_names, setting_line};
 use crate::cli::words::unbreakable;
 use crate::coverage::class;
@@ -104,7 +103,7 @@ impl<'a> Show<'a> {
             let text = format!("Differences are drawn from {} to each other placement.", report.placements[0].id);
             caption.insert(1, text);
         }
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         draw(&CompareSheet {
             title: &self.title,
             verdict: &self.verdict,
@@ -140,7 +139,7 @@ impl<'a> Show<'a> {
             n_rows: grid.n_rows(),
             corner: (grid.x_min(), grid.y_max()),
             cell: (grid.cell_width(), grid.cell_height()),
-            meters_per_unit: meters_per_unit(grid),
+            meters_per_unit: grid.meters_per_unit(),
             placements: &placements,
             above_ground_m: &scene.field.above_ground_m(),
             sentences: &sentences,

@@ -9,7 +9,7 @@ use crate::accuracy::{
 use crate::cli::args::InfoArgs;
 use crate::cli::expected::Expected;
 use crate::cli::outside::place_uav;
-use crate::cli::plan::{checked_radius, meters_per_unit, parse_uav, receiver_height};
+use crate::cli::plan::{checked_radius, parse_uav, receiver_height};
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::idle_in_words;
 use crate::coverage::{IdleFootprints, Mapper, Uav};
@@ -63,7 +63,7 @@ impl Needs {
         built_up: Option<BuiltUp>,
         rectangles: Option<Rectangles>,
     ) -> Result<Needs> {
-        let unit = meters_per_unit(field.grid());
+        let unit = field.grid().meters_per_unit();
         let radius = checked_radius(args.engine.radius)?.map(|r| r / unit);
         let rx_height = receiver_height(args.rx_height)?;
         for (flag, value) in [("--uav-error", args.uav_error), ("--height-error", args.height_error)] {

@@ -8,7 +8,7 @@ use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::tiles::{self, Tiles};
 use crate::cli::args::InfoArgs;
 use crate::cli::outside::warn_of_uavs_outside;
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, is_raster, meters_per_unit, read_scene};
+use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, is_raster, limits_in_words, read_scene};
 use crate::cli::tables::UavsAsked;
 use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
@@ -20,7 +20,7 @@ use crate::quantity::{Frame, VOID, counted, meters, tidy};
 use crate::raster::{Crs, VerticalCrs};
 use crate::render::grouped;
 use crate::report::RunFacts;
-use crate::scene::{BuiltUp, Footprint, FootprintFaults, Scene, Solids, Source, vertical_of};
+use crate::scene::{BuiltUp, Footprint, FootprintFaults, HeightGap, Scene, Solids, Source, vertical_of};
 use crate::zones::{Zone, ZoneMap};
 
 const FORMATS: [Format; 8] = [
@@ -101,20 +101,21 @@ struct Named {
     built_up: Option<BuiltUp>,
     sources: Vec<Source>,
     attribution: Option<String>,
+    height_gap: Option<HeightGap>,
 }
 
 impl Found {
     fn of(args: &InfoArgs, scene: Scene, mut warnings: Vec<Warning>) -> Result<Found> {
-        let Scene { name, grid, solids, built_up, sources, attribution, .. } = scene;
-        let unit = meters_per_unit(&grid);
+        let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
+        let unit = grid.meters_per_unit();
         let size = Tiles::size(args, &grid, unit)?;
-        let (faults, heights, rectangles) = match &solids {
+        let heights = solids.building_heights();
+        let (faults, rectangles) = match &solids {
             Solids::Vector { footprints, faults, .. } => {
-                let heights = footprints.iter().filter_map(Footprint::height_m).collect();
                 let rectangles = footprints.iter().filter(|f| f.is_rectangle()).count();
-                (Some(*faults), heights, Some(Rectangles { rectangles, footprints: footprints.len() }))
+                (Some(*faults), Some(Rectangles { rectangles, footprints: footprints.len() }))
             }
-            Solids::Raster { .. } => (None, Vec::new(), None),
+            Solids::Raster { .. } => (None, None),
         };
         let footprints: Option<(Vec<Footprint>, Frame)> = match &solids {
             Solids::Vector { footprints, frame, .. } if size.is_some() => Some((footprints.clone(), *frame)),
@@ -138,8 +139,8 @@ impl Found {
         #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
         let (n_known, n_built) = ((counts.building + counts.open) as f64, counts.building as f64);
         let area_km2 = n_known * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
-        let estimate = BuiltUp::estimated(n_built / n_known, &heights, area_km2);
-        let scene = Named { name, built_up, sources, attribution };
+        let estimate = BuiltUp::estimated(n_built / n_known, &field.heights_in_data(&heights), area_km2);
+        let scene = Named { name, built_up, sources, attribution, height_gap };
         let rasters =
             std::iter::once(PathBuf::from(&args.scene.scene)).filter(|path| is_raster(path) && path.is_file());
         let vertical =
@@ -157,7 +158,7 @@ impl Found {
             command,
             method: None,
             scene_name: self.scene.name.clone(),
-            meters_per_unit: meters_per_unit(&grid),
+            meters_per_unit: grid.meters_per_unit(),
             grid,
             sources: self.scene.sources.clone(),
             seed: self.scene.built_up.map(|_| args.scene.seed),
@@ -169,7 +170,7 @@ impl Found {
     /// Edge lengths of the grid \[m\].
     fn size_m(&self) -> [f64; 2] {
         let grid = self.field.grid();
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         [(grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit]
     }
 
@@ -228,7 +229,9 @@ impl Found {
         if let Some(zones) = &self.zones {
             let attribution = args.words.credit(self.scene.attribution.as_ref());
             let (field, title) = (&self.field, args.words.title.as_deref());
-            ZoneFiles { zones, field, facts, title, attribution, size: args.words.size }.add(&mut batch, outputs)?;
+            let limits = limits_in_words(self.scene.height_gap.as_ref(), field, &self.warnings);
+            ZoneFiles { zones, field, facts, title, attribution, limits, size: args.words.size }
+                .add(&mut batch, outputs)?;
         }
         for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Json) {
             batch.add(path, pretty(document).as_bytes())?;
@@ -266,7 +269,7 @@ impl Found {
 
     fn text_of_grid(&self) -> String {
         let (grid, counts) = (self.field.grid(), &self.counts);
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         let [width, height] = self.size_m();
         let range = |r: Option<(i32, i32)>| {
             r.map_or("unknown".to_string(), |(a, b)| {

@@ -59,7 +59,7 @@ impl Tiles {
                 .with_hint("give `--terrain FILE` or `--ground Z`"));
         }
         let tiles = match footprints {
-            Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field.grid(), size),
+            Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size),
             None => BuiltUpTiles::of_cells(field, size),
         };
         let tiles = tiles.ok_or_else(|| Error::internal(901, "a checked scene has tiles"))?;

@@ -36,9 +36,9 @@ pub(in crate::cli) struct PlaceArgs {
     /// At least so high above the roof or ground directly below [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "0", allow_hyphen_values = true)]
     pub(super) clearance: f64,
-    /// What to make large: p_los or margin (of the worst receiver), over the receivers of `--receivers` in range, or of those
-    /// only in (street), (crossroad), (courtyard), (rooftop), (area); p_los(weights); with `--minimize height` a share to
-    /// reach, such as p_los>=0.8
+    /// What to make large: p_los, the share seen of all receivers of `--receivers`, in range or not, or margin, of the worst
+    /// receiver in range; of those only in (street), (crossroad), (courtyard), (rooftop), (area); p_los(weights); with
+    /// `--minimize height` a share to reach, such as p_los>=0.8
     #[arg(long, value_name = "GOAL", default_value = "p_los")]
     pub(super) goal: String,
     /// Polygons (.geojson) whose receivers count for the goals p_los(area) and margin(area)

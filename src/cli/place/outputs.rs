@@ -149,14 +149,17 @@ fn wanted(report: &PlaceReport, goal: Goal) -> String {
 /// All of them, at any distance.
 fn all_wanted(report: &PlaceReport, goal: Goal) -> String {
     let weight = if goal.whom == Whom::Weights { "the weight of " } else { "" };
-    let range = if report.radius_m.is_some() { ", in range or not" } else { "" };
-    format!("{weight}all {}{range}", wanted(report, goal))
+    format!("{weight}all {}{}", wanted(report, goal), in_range_or_not(report))
+}
+
+/// Whom a share is a share of, where a range says who may be seen.
+fn in_range_or_not(report: &PlaceReport) -> &'static str {
+    if report.radius_m.is_some() { ", in range or not" } else { "" }
 }
 
 /// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.
 pub(super) fn in_words(report: &PlaceReport, goal: Goal) -> Vec<String> {
-    let range = if report.radius_m.is_some() { " in range" } else { "" };
-    let receivers = wanted(report, goal) + range;
+    let receivers = wanted(report, goal) + in_range_or_not(report);
     let mut lines = vec![match &report.winner {
         Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner, &receivers)),
         Err(reason) => format!("no winner among {} candidates: {reason}", report.n_candidates),

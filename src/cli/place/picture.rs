@@ -1,7 +1,6 @@
 //! The picture of a search: where to hover, as colors over the city.
 
 use super::super::map::mark;
-use super::super::plan::meters_per_unit;
 use super::super::receivers::cell_names;
 use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
@@ -17,16 +16,11 @@ use crate::report::PlaceFacts;
 
 pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Result<Vec<u8>> {
     let grid = job.scene.field.grid();
-    let unit = meters_per_unit(grid);
+    let unit = grid.meters_per_unit();
     let values = job.values(places, f32::NAN);
     let place_of = |cell: usize| {
         let (x, y) = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
-        let (east, north) = places.grid.cells_from_world(x, y);
-        let is_inside =
-            east >= 0.0 && north >= 0.0 && east < places.grid.n_cols() as f64 && north < places.grid.n_rows() as f64;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
-        let place = || (places.grid.n_rows() - 1 - north as usize) * places.grid.n_cols() + east as usize;
-        is_inside.then(place)
+        places.grid.cell_at(x, y).map(|(row, col)| row * places.grid.n_cols() + col)
     };
     let of_cells: Vec<f32> = (0..grid.n_cells()).map(|cell| place_of(cell).map_or(f32::NAN, |p| values[p])).collect();
     let outlines = outlines(job);
@@ -44,7 +38,12 @@ pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Resu
         .collect();
     let title = job.args.words.title_or(|| unbreakable(&format!("Where to hover over {}", job.scene.name)));
     let caption = caption(job);
-    let none = if job.goal.at_least.is_some() { "Share not reached, or no candidate" } else { "No candidate" };
+    let none = match (job.goal.at_least.is_some(), job.scene.field.outside_data().is_some()) {
+        (false, false) => "No candidate",
+        (false, true) => "No candidate, or no data",
+        (true, false) => "Share not reached, or no candidate",
+        (true, true) => "Share not reached, no candidate, or no data",
+    };
     let picture = MapPicture {
         title: &title,
         caption: &caption,

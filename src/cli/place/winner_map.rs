@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::super::map::{height_words, mark, undrawable};
-use super::super::plan::meters_per_unit;
 use super::super::receivers::{cell_names, setting_line};
 use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
@@ -48,7 +47,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
 
 fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>> {
     let grid = job.scene.field.grid();
-    let unit = meters_per_unit(grid);
+    let unit = grid.meters_per_unit();
     let facts: Vec<SiteFacts> = maps.sites.iter().map(|site| SiteFacts::of(site, None)).collect();
     let labels: Vec<String> = facts.iter().map(|site| format!("UAV {}", site.id)).collect();
     let heights: Vec<String> = facts.iter().map(height_words).collect();

@@ -6,7 +6,6 @@ use super::args::PlosArgs;
 use super::real::{Group, Real, Sight};
 use super::sweep::Sweeps;
 use crate::accuracy::{CONFIDENCE, FACTORS, Paired, Simpler, paired_difference};
-use crate::cli::plan::meters_per_unit;
 use crate::error::Result;
 use crate::height_field::{HeightField, Station};
 use crate::los_probability::estimate::Count;
@@ -26,7 +25,7 @@ pub(super) fn coarsest_within(
     let mut compared: Vec<Vec<Station>> = Vec::with_capacity(groups.len());
     let mut are_all = true;
     for group in &groups {
-        let (mut uavs, _) = real.positions(args, sweeps, group)?;
+        let (mut uavs, _) = real.positions(args, &sweeps.far, group)?;
         are_all &= uavs.len() <= COMPARED;
         uavs.truncate(COMPARED);
         compared.push(uavs);
@@ -42,7 +41,7 @@ pub(super) fn coarsest_within(
     let grid = real.field.grid();
     let mut facts = PlosToleranceFacts {
         tolerance,
-        cell_m: grid.cell_width() * meters_per_unit(grid),
+        cell_m: grid.cell_width() * grid.meters_per_unit(),
         taken: Simpler::SAME,
         positions: compared.iter().map(Vec::len).sum(),
         tried: Vec::new(),

@@ -53,6 +53,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
         .filter(|w| w.built_up().is_none())
         .map(PathBuf::from)
         .chain(args.scene.terrain.clone())
+        .chain(args.scene.data_area_file())
         .chain(curves.iter().map(|(_, path)| path.clone()))
         .collect();
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
@@ -178,9 +179,18 @@ fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&SceneWord]) -> Result
         "positions",
         "block",
         "max_memory",
+        "base",
+        "data_area",
+        "height_unit",
+        "levels_field",
+        "layer",
+        "theta_band",
     ];
     if let Some(flag) = of_files.iter().find(|f| is_typed(f)).filter(|_| !has_file) {
         return refuse(flag, "without a city in a file");
+    }
+    if is_typed("theta_band") && (args.distance.is_some() || args.radius.is_some()) {
+        return refuse("theta_band", "without `--theta`");
     }
     if is_typed("size") {
         return refuse("size", "here: a city is as large as the links over it");

@@ -6,9 +6,7 @@ use super::args::PlosArgs;
 use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
-use crate::cli::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, limits_in_words, meters_per_unit, read_scene, receiver_height,
-};
+use crate::cli::plan::{FIELD_BYTES_PER_CELL, check_memory, limits_in_words, read_scene, receiver_height};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice};
@@ -17,11 +15,11 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::{Band, RealCity, resampled};
 use crate::los_probability::setting::{Placement, Users};
-use crate::placement::WholeDiscs;
+use crate::placement::{MOST_CUT, WholeDiscs};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::report::{PlosRow, PlosValue, RealCityFacts};
-use crate::scene::{BuiltUp, Footprint, Solids, Source};
+use crate::scene::{BuiltUp, Source};
 use crate::zones::{Zone, ZoneMap};
 
 /// Values that share their UAV positions and their users.
@@ -90,17 +88,14 @@ impl Real {
     ) -> Result<Real> {
         let scene = read_scene(args, warnings)?;
         let grid = scene.grid.clone();
-        let heights: Vec<f64> = match &scene.solids {
-            Solids::Vector { footprints, .. } => footprints.iter().filter_map(Footprint::height_m).collect(),
-            Solids::Raster { .. } => Vec::new(),
-        };
+        let heights = scene.solids.building_heights();
         check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
         let field = HeightField::build(&grid, scene.solids, warnings);
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
-        let unit = meters_per_unit(&grid);
+        let unit = grid.meters_per_unit();
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
-        let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, heights, area_km2);
+        let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, field.heights_in_data(&heights), area_km2);
         let limits = limits_in_words(scene.height_gap.as_ref(), &field, warnings);
         Ok(Real {
             word: args.scene.to_string(),
@@ -126,7 +121,7 @@ impl Real {
         choice: MethodChoice,
     ) -> Result<(Vec<PlosRow>, RealCityFacts)> {
         let grid = self.field.grid();
-        let unit = meters_per_unit(grid);
+        let unit = grid.meters_per_unit();
         for frame in [self.field.prisms_frame(), self.field.columns_frame()].into_iter().flatten() {
             let extent =
                 ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
@@ -161,19 +156,24 @@ impl Real {
         for group in Group::all(sweeps) {
             let city = self.city(args, (field, zones), group.users, &sight)?;
             n_blocks = city.n_blocks();
-            let (uavs, cut) = self.positions(args, sweeps, &group)?;
-            n_cut += cut;
-            let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
-            let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
-            n_positions += uavs.len();
-            n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
-            let uavs: Vec<Station> =
-                uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
-            let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| sight.count(&city, uav)).collect();
             let blocks = city.blocks_with_users();
-            let estimates = resampled(&counts, &blocks, sight.n_bands(), args.ci, args.scene.seed);
-            let row = |(far, e): (&Far, Estimate)| self.row(args, (group, *far), e);
-            rows.extend(sweeps.far.iter().zip(estimates).map(row));
+            // Where the UAVs may be depends on the radius: each has its own, and none depends on the others asked for.
+            let is_alone = |far: &Far| matches!(far, Far::Radius(_));
+            for part in sweeps.far.chunk_by(|a, b| !is_alone(a) && !is_alone(b)) {
+                let (uavs, cut) = self.positions(args, part, &group)?;
+                n_cut += cut;
+                let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
+                let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
+                n_positions += uavs.len();
+                n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
+                let uavs: Vec<Station> =
+                    uavs.into_iter().filter(|uav| !(args.uav_clear_of_roof && city.is_inside(uav))).collect();
+                let bands = bands(part, theta_band);
+                let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| city.count(uav, &bands)).collect();
+                let estimates = resampled(&counts, &blocks, bands.len(), args.ci, args.scene.seed);
+                let row = |(far, e): (&Far, Estimate)| self.row(args, (group, *far), e);
+                rows.extend(part.iter().zip(estimates).map(row));
+            }
         }
         let facts = RealCityFacts {
             city: self.word.clone(),
@@ -203,7 +203,7 @@ impl Real {
         sight: &Sight,
     ) -> Result<RealCity<'a>> {
         let rx_height = receiver_height(args.rx_height)?;
-        let city = RealCity::new(field, sight.method, rx_height, meters_per_unit(field.grid()), sight.block_m);
+        let city = RealCity::new(field, sight.method, rx_height, field.grid().meters_per_unit(), sight.block_m);
         Ok(match self.cells_of(users, zones)? {
             Some(cells) => city.with_users(&cells),
             None => city,
@@ -255,7 +255,7 @@ impl Real {
     }
 
     /// Evenly spread positions over the data of the city, and how many were left out because a disc around them is cut.
-    pub(super) fn positions(&self, args: &PlosArgs, sweeps: &Sweeps, group: &Group) -> Result<(Vec<Station>, usize)> {
+    pub(super) fn positions(&self, args: &PlosArgs, far: &[Far], group: &Group) -> Result<(Vec<Station>, usize)> {
         let Group { placement, height, .. } = *group;
         let grid = self.field.grid();
         let above = height_steps(height)
@@ -276,8 +276,8 @@ impl Real {
             } && self.field.is_known_at(x, y);
             (ground != VOID && is_wanted).then(|| Station { place, z: i64::from(ground) + i64::from(above) })
         };
-        let unit = meters_per_unit(grid);
-        let widest = sweeps.far.iter().filter_map(|far| match far {
+        let unit = grid.meters_per_unit();
+        let widest = far.iter().filter_map(|far| match far {
             Far::Radius(radius) => Some(*radius / unit),
             _ => None,
         });
@@ -287,13 +287,17 @@ impl Real {
         // A zone that no place of so many is in is too small to be met by chance.
         let most = n.saturating_mul(10_000);
         let mut n_cut = 0;
-        let is_whole = |station: &Station| {
-            let is_whole = whole.as_ref().is_none_or(|discs| discs.contains(station.place.x, station.place.y));
-            n_cut += usize::from(!is_whole);
-            is_whole
-        };
-        let drawn = Points::new(args.scene.seed, 0).take(most).filter_map(station);
-        let found: Vec<Station> = drawn.filter(is_whole).take(n).collect();
+        let mut found: Vec<Station> = Vec::with_capacity(n.min(most));
+        for station in Points::new(args.scene.seed, 0).take(most).filter_map(station) {
+            if whole.as_ref().is_none_or(|discs| discs.contains(station.place.x, station.place.y)) {
+                found.push(station);
+            } else {
+                n_cut += 1;
+            }
+            if found.len() == n || n_cut > MOST_CUT * n {
+                break;
+            }
+        }
         if found.is_empty() && n_cut > 0 {
             let text = format!("cannot place UAVs over {}: no disc of the largest radius lies in its data", self.word);
             return Err(Error::site(216, text).with_hint("a smaller `--radius`, or a larger `--extent`"));

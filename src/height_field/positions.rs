@@ -1,0 +1,182 @@
+//! Positions of a scene on the lattices of its solids.
+
+use super::HeightField;
+use crate::quantity::{Frame, LatticePoint, STEPS_PER_UNIT};
+use crate::raster::{CellLattice, GeoRef};
+
+/// A position in the plane on the lattices of both solids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// World x \[CRS units\].
+    pub x: f64,
+    /// World y \[CRS units\].
+    pub y: f64,
+    pub(super) on_prisms: (i64, i64),
+    pub(super) on_columns: (i64, i64),
+}
+
+impl Place {
+    /// A world position on the lattice of the cells of a grid, in a scene without prisms.
+    pub fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
+        Place { x, y, on_prisms: (0, 0), on_columns: cell_frame(grid).lattice_from_world(x, y) }
+    }
+}
+
+/// An end of a link: a place and a height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Where in the plane.
+    pub place: Place,
+    /// Height \[1/1024 m above the datum\].
+    pub z: i64,
+}
+
+impl Station {
+    /// The end on the lattice of the prisms.
+    #[inline]
+    pub fn on_prisms(&self) -> LatticePoint {
+        LatticePoint { x: self.place.on_prisms.0, y: self.place.on_prisms.1, z: self.z }
+    }
+
+    /// The end on the lattice of the columns.
+    #[inline]
+    pub fn on_columns(&self) -> LatticePoint {
+        LatticePoint { x: self.place.on_columns.0, y: self.place.on_columns.1, z: self.z }
+    }
+}
+
+/// Lattice positions of the cell centers of the receivers' grid.
+#[derive(Debug, Clone)]
+pub struct GridPositions {
+    xs: Vec<(f64, i64, i64)>,
+    ys: Vec<(f64, i64, i64)>,
+    /// The lattice on which distances are told: that of the prisms, if there are any, else that of the columns.
+    frame: Frame,
+    has_prisms: bool,
+}
+
+impl GridPositions {
+    /// Those of the cells of a grid in a scene without prisms.
+    pub fn on_cells(grid: &GeoRef) -> Self {
+        let xs = (0..grid.n_cols()).map(|col| Place::on_cells(grid, grid.world_from_cell(0, col).0, grid.y_min()));
+        let ys = (0..grid.n_rows()).map(|row| Place::on_cells(grid, grid.x_min(), grid.world_from_cell(row, 0).1));
+        GridPositions {
+            xs: xs.map(|place| (place.x, 0, place.on_columns.0)).collect(),
+            ys: ys.map(|place| (place.y, 0, place.on_columns.1)).collect(),
+            frame: cell_frame(grid),
+            has_prisms: false,
+        }
+    }
+
+    /// Number of rows and of columns.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ys.len(), self.xs.len())
+    }
+
+    /// Length of a lattice step along x and y \[CRS units\].
+    pub fn step_lengths(&self) -> (f64, f64) {
+        let steps = f64::from(STEPS_PER_UNIT);
+        (self.frame.unit_x / steps, self.frame.unit_y / steps)
+    }
+
+    /// Lattice steps to the east and north from a place to the center of a cell.
+    #[inline]
+    pub fn steps_from(&self, place: &Place, row: usize, col: usize) -> (i64, i64) {
+        let (x, y) = (self.xs[col], self.ys[row]);
+        match self.has_prisms {
+            true => (x.1 - place.on_prisms.0, y.1 - place.on_prisms.1),
+            false => (x.2 - place.on_columns.0, y.2 - place.on_columns.1),
+        }
+    }
+
+    /// Positions of the columns of cells on the columns' lattice, west to east.
+    pub fn columns_xs(&self) -> impl Iterator<Item = i64> {
+        self.xs.iter().map(|x| x.2)
+    }
+
+    /// Positions of the rows of cells on the columns' lattice, north to south.
+    pub fn columns_ys(&self) -> impl Iterator<Item = i64> {
+        self.ys.iter().map(|y| y.2)
+    }
+
+    /// The center of a cell.
+    #[inline]
+    pub fn center(&self, row: usize, col: usize) -> Place {
+        let ((x, prisms_x, columns_x), (y, prisms_y, columns_y)) = (self.xs[col], self.ys[row]);
+        Place { x, y, on_prisms: (prisms_x, prisms_y), on_columns: (columns_x, columns_y) }
+    }
+
+    /// Positions of the columns of cells on the prisms' lattice, west to east.
+    pub fn prisms_xs(&self) -> impl Iterator<Item = i64> {
+        self.xs.iter().map(|x| x.1)
+    }
+
+    /// Positions of the rows of cells on the prisms' lattice, north to south.
+    pub fn prisms_ys(&self) -> impl Iterator<Item = i64> {
+        self.ys.iter().map(|y| y.1)
+    }
+}
+
+impl HeightField {
+    /// A world position on the lattices: rounded to that of the prisms, if there are any, and from there to that of the columns.
+    pub fn place(&self, x: f64, y: f64) -> Place {
+        let on_prisms = self.prisms_frame().map(|frame| frame.lattice_from_world(x, y));
+        let on_columns = match on_prisms {
+            Some(position) => self.on_columns(position),
+            None => self.columns_frame().map_or((0, 0), |frame| frame.lattice_from_world(x, y)),
+        };
+        Place { x, y, on_prisms: on_prisms.unwrap_or((0, 0)), on_columns }
+    }
+
+    /// A position of the prisms' lattice on that of the columns.
+    fn on_columns(&self, (x, y): (i64, i64)) -> (i64, i64) {
+        let (Some(prisms), Some(columns)) = (self.prisms_frame(), self.columns_frame()) else { return (0, 0) };
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let (x, y) = prisms.world_from_lattice(x as f64, y as f64);
+        columns.lattice_from_world(x, y)
+    }
+
+    /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
+    /// there are any, else the columns.
+    pub fn neighbor(&self, place: &Place, (east, north): (i64, i64)) -> Place {
+        let Some(frame) = self.prisms_frame().or(self.columns_frame()) else { return *place };
+        let steps = f64::from(STEPS_PER_UNIT);
+        #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+        let (dx, dy) = (east as f64 / steps * frame.unit_x, north as f64 / steps * frame.unit_y);
+        let mut moved = self.place(place.x + dx, place.y + dy);
+        // Rounding the sum could make no step of one, or two.
+        let by = |(x, y): (i64, i64)| (x + east, y + north);
+        match &self.prisms {
+            Some(_) => {
+                moved.on_prisms = by(place.on_prisms);
+                moved.on_columns = self.on_columns(moved.on_prisms);
+            }
+            None => moved.on_columns = by(place.on_columns),
+        }
+        moved
+    }
+
+    /// The cell centers of the receivers' grid on the lattices.
+    pub fn positions(&self) -> GridPositions {
+        self.positions_on(&self.grid)
+    }
+
+    /// The cell centers of any grid on the lattices.
+    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
+        let xs = (0..grid.n_cols()).map(|col| {
+            let place = self.place(grid.world_from_cell(0, col).0, grid.y_min());
+            (place.x, place.on_prisms.0, place.on_columns.0)
+        });
+        let ys = (0..grid.n_rows()).map(|row| {
+            let place = self.place(grid.x_min(), grid.world_from_cell(row, 0).1);
+            (place.y, place.on_prisms.1, place.on_columns.1)
+        });
+        let frame = self.prisms_frame().or(self.columns_frame()).unwrap_or_else(|| cell_frame(grid));
+        GridPositions { xs: xs.collect(), ys: ys.collect(), frame, has_prisms: self.prisms.is_some() }
+    }
+}
+
+/// The lattice of the columns over the cells of a grid, in a raster scene.
+pub fn cell_frame(georef: &GeoRef) -> Frame {
+    CellLattice::of_cells(georef).frame
+}

@@ -1,0 +1,122 @@
+//! A building of a vector scene.
+
+use crate::quantity::{Frame, meters};
+
+/// A building: polygons on the lattice and a flat top; solid from below the ground.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Footprint {
+    /// The feature's id, or its number in the file.
+    pub id: String,
+    /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
+    pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    /// Top \[1/1024 m above the datum\].
+    pub top: i32,
+    /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
+    /// allows.
+    pub base: Option<i32>,
+}
+
+/// How high a building is, and where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuildingHeight {
+    /// East \[CRS units\], of its centroid.
+    pub x: f64,
+    /// North \[CRS units\], of its centroid.
+    pub y: f64,
+    /// Above the ground that it stands on \[m\].
+    pub height_m: f64,
+}
+
+impl Footprint {
+    /// Height above the ground that it stands on \[m\], if that is known.
+    pub fn height_m(&self) -> Option<f64> {
+        self.base.map(|base| meters(self.top) - meters(base))
+    }
+
+    /// Where it begins, for models of it: at the ground that it stands on, and where none is known at the datum.
+    pub fn bottom(&self) -> i32 {
+        self.base.unwrap_or(self.top.min(0))
+    }
+
+    /// Whether the outline is one rectangle: four corners, each within a degree of a right angle; vertices on its sides
+    /// count for nothing.
+    pub fn is_rectangle(&self) -> bool {
+        let [polygon] = self.polygons.as_slice() else { return false };
+        let [ring] = polygon.as_slice() else { return false };
+        let edge = |a: [i32; 2], b: [i32; 2]| [0, 1].map(|k| f64::from(b[k]) - f64::from(a[k]));
+        let n = ring.len();
+        // The turn at each vertex: its sine and cosine.
+        let turns = (0..n).map(|k| {
+            let (a, b) = (edge(ring[(k + n - 1) % n], ring[k]), edge(ring[k], ring[(k + 1) % n]));
+            let lengths = a[0].hypot(a[1]) * b[0].hypot(b[1]);
+            ((a[0] * b[1] - a[1] * b[0]) / lengths, (a[0] * b[0] + a[1] * b[1]) / lengths)
+        });
+        const DEGREE: f64 = 0.017_452_406;
+        let corners: Vec<(f64, f64)> = turns.filter(|(sin, cos)| sin.abs() > DEGREE || *cos < 0.0).collect();
+        let turns_alike = corners.iter().all(|c| c.0 > 0.0) || corners.iter().all(|c| c.0 < 0.0);
+        corners.len() == 4 && turns_alike && corners.iter().all(|c| c.1.abs() <= DEGREE)
+    }
+
+    /// Its height and where it stands, on the lattice of `frame`; `None` without area or a known ground.
+    pub(super) fn building_height(&self, frame: Frame) -> Option<BuildingHeight> {
+        let ([x, y], denominator) = self.centroid()?;
+        #[expect(clippy::cast_precision_loss, reason = "to some hundredths of a step")]
+        let (x, y) = frame.world_from_lattice(x as f64 / denominator as f64, y as f64 / denominator as f64);
+        self.height_m().map(|height_m| BuildingHeight { x, y, height_m })
+    }
+
+    /// The centroid as numerators and one denominator above 0, in lattice steps; `None` without area.
+    pub fn centroid(&self) -> Option<([i128; 2], i128)> {
+        let mut sums = [0_i128; 3];
+        for rings in &self.polygons {
+            for (k, ring) in rings.iter().enumerate() {
+                let of_ring = moments(ring);
+                // Whatever their winding, shells add and holes take away.
+                let adds = (of_ring[2] > 0) == (k == 0);
+                for (sum, moment) in sums.iter_mut().zip(of_ring) {
+                    *sum += if adds { moment } else { -moment };
+                }
+            }
+        }
+        let [x, y, doubled_area] = sums;
+        (doubled_area > 0).then_some(([x, y], 3 * doubled_area))
+    }
+}
+
+/// Sums over the edges of a ring: six times its first moments along x and y, and twice its area, with the sign of its
+/// winding.
+fn moments(ring: &[[i32; 2]]) -> [i128; 3] {
+    let mut sums = [0_i128; 3];
+    for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+        let [[ax, ay], [bx, by]] = [a, b].map(|p| p.map(i128::from));
+        let cross = ax * by - bx * ay;
+        sums[0] += (ax + bx) * cross;
+        sums[1] += (ay + by) * cross;
+        sums[2] += cross;
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centroid_of_a_footprint_is_that_of_its_area() {
+        let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
+        let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
+            Footprint { id: String::new(), polygons, top: 1, base: Some(0) }
+                .centroid()
+                .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
+        };
+        // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.
+        assert_eq!(of(vec![vec![square(0, 6)]]), Some((36, 36)));
+        let turned: Vec<[i32; 2]> = square(0, 6).into_iter().rev().collect();
+        assert_eq!(of(vec![vec![turned]]), Some((36, 36)));
+        let hole: Vec<[i32; 2]> = vec![[0, 2], [2, 2], [2, 4], [0, 4]];
+        assert_eq!(of(vec![vec![square(0, 6), hole]]), Some((39, 36)));
+        // Two squares of 2 and 4 at 0 and 10: x = (4·1 + 16·12)/20, y = (4·1 + 16·2)/20.
+        assert_eq!(of(vec![vec![square(0, 2)], vec![square(10, 4)]]), Some((12 * 196 / 20, 12 * 36 / 20)));
+        assert_eq!(of(vec![]), None);
+    }
+}
