@@ -1,11 +1,14 @@
 //! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files or two parts
-//! of a mask, so that no temporary file is left. Work in pieces stops between two of them, and what is done by then is written.
+//! of a mask, or where that takes long soon after. A second one ends it at once. Temporary files are removed either way. Work
+//! in pieces stops between two of them, and what is done by then is written.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use super::messages;
 use crate::error::{Error, ErrorClass, Result};
+use crate::export::abandon_files;
 use crate::quantity::counted;
 
 /// What an interrupt does.
@@ -15,9 +18,12 @@ enum Phase {
     Working,
     /// It is noted, and the work stops after the piece at hand; a second one ends the program.
     InPieces,
-    /// It is noted, and ends the program between two files or parts of one.
+    /// It is noted, and ends the program between two files or parts of one, or after [`GRACE`]; a second one ends it at once.
     Writing,
 }
+
+/// How long a file that is being written may take to its end.
+const GRACE: Duration = Duration::from_millis(600);
 
 /// What is being done.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Working);
@@ -35,6 +41,11 @@ fn interrupted() -> Error {
     Error::new(ErrorClass::Interrupted, 130, text)
 }
 
+/// Some files of a run may have their names already.
+fn while_writing() -> Error {
+    Error::new(ErrorClass::Interrupted, 130, "interrupted; what was written is whole, the rest is not there")
+}
+
 fn enter(phase: Phase) {
     *PHASE.lock().unwrap_or_else(PoisonError::into_inner) = phase;
 }
@@ -49,15 +60,26 @@ pub(super) fn listen() {
         let is_first = !STOP.swap(true, Ordering::AcqRel);
         match *phase {
             Phase::InPieces if is_first => messages::note("interrupted: what is done will be written; again: nothing"),
-            Phase::Writing => {}
-            Phase::Working | Phase::InPieces => {
-                messages::error(&interrupted());
-                std::process::exit(i32::from(ErrorClass::Interrupted.exit_code()));
+            // A thread of its own, so that this one hears the next signal.
+            Phase::Writing if is_first => {
+                std::thread::spawn(|| {
+                    std::thread::sleep(GRACE);
+                    end(&while_writing());
+                });
             }
+            Phase::Writing => end(&while_writing()),
+            Phase::Working | Phase::InPieces => end(&interrupted()),
         }
     };
     // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
     let _ = ctrlc::set_handler(handler);
+}
+
+/// Ends the program without a temporary file.
+fn end(error: &Error) -> ! {
+    abandon_files();
+    messages::error(error);
+    std::process::exit(i32::from(ErrorClass::Interrupted.exit_code()));
 }
 
 /// From here on [`wants_to_stop`] says when to begin no further piece.

@@ -1,13 +1,8 @@
-//! Files of a run: their formats, the refusal to replace, and the atomic batch.
+//! Files of a run: their formats, and what is checked of them before any work.
 
-use std::collections::HashMap;
-use std::ffi::OsString;
-use std::fs::File;
-use std::hash::{BuildHasher, Hasher};
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use crate::digest::Sha256;
+use super::temporary::Hold;
 use crate::error::{Error, Result, io_words};
 
 /// A file format, told by the extension.
@@ -201,7 +196,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
 /// # Errors
 /// E401.
 pub(crate) fn check_folder(path: &Path) -> Result<()> {
-    let folder = folder_of(path);
+    let folder = folder_of(&followed(path));
     let refuse =
         |why: &str| Error::file(401, format!("cannot write {}: folder {} {why}", path.display(), folder.display()));
     match std::fs::metadata(&folder) {
@@ -210,7 +205,7 @@ pub(crate) fn check_folder(path: &Path) -> Result<()> {
         _ => {}
     }
     // Who may write where is known to the system alone: it is asked for a file, which is gone at once.
-    let probe = tempfile::Builder::new().prefix(".").suffix(".part").tempfile_in(&folder);
+    let probe = Hold::of(&folder);
     probe.map(|_| ()).map_err(|cause| refuse(&format!("cannot be written: {}", io_words(&cause))))
 }
 
@@ -238,132 +233,38 @@ pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
     path.with_file_name(format!("{stem}_{mesh}.ply"))
 }
 
-fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
-    if !overwrite && path.exists() {
+/// Refuses what is there, unless it may be replaced, and what is no file.
+pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
+    let found = std::fs::metadata(path);
+    if found.as_ref().is_ok_and(|found| !found.is_file()) {
+        let text = format!("cannot write {}: it is a pipe or a device, wanted a file", path.display());
+        return Err(Error::usage(105, text).with_hint("where a command offers `-o -`, that writes to standard output"));
+    }
+    if !overwrite && found.is_ok() {
         return Err(Error::usage(106, format!("cannot write {}: it exists", path.display()))
             .with_hint("`--overwrite` replaces it"));
     }
     Ok(())
 }
 
-/// Puts a file that was begun on the disk.
-pub(super) fn complete(path: &Path, file: BufWriter<File>) -> Result<()> {
-    let file = file.into_inner().map_err(|e| cannot_write(path, e.error()))?;
-    file.sync_all().map_err(|e| cannot_write(path, &e))
-}
-
 pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
     Error::file(401, format!("cannot write {}: {}", path.display(), io_words(cause)))
 }
 
-fn folder_of(path: &Path) -> PathBuf {
+pub(super) fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
         _ => PathBuf::from("."),
     }
 }
 
-/// No sidecar is larger \[bytes\].
-const LARGEST_SIDECAR: usize = 1 << 20;
-
-/// Files that appear together: each is written under a temporary name, and all are renamed by [`Batch::commit`].
-/// Dropped without it, the temporary files are removed.
-#[derive(Debug, Default)]
-pub struct Batch {
-    files: Vec<(PathBuf, PathBuf)>,
-    /// Of files small enough to be a sidecar that two outputs have in common.
-    digests: HashMap<PathBuf, Option<[u8; 32]>>,
-    overwrite: bool,
-}
-
-impl Batch {
-    /// An empty batch that replaces existing files only if `overwrite`.
-    pub fn new(overwrite: bool) -> Self {
-        Batch { files: Vec::new(), digests: HashMap::new(), overwrite }
+/// Where a file is written: behind a symbolic link what it points to, which need not be there.
+pub(super) fn followed(path: &Path) -> PathBuf {
+    const MOST_LINKS: usize = 40;
+    let mut place = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(target) = std::fs::read_link(&place) else { break };
+        place = folder_of(&place).join(target);
     }
-
-    /// Adds a file: writes its bytes under a temporary name in the same folder. A file that two outputs have in common,
-    /// such as the `.prj` beside `a.asc` and `a.png`, is written once.
-    ///
-    /// # Errors
-    /// Usage error if the file exists and may not be replaced (E106) or two outputs want it differently (E105);
-    /// E401 if writing fails.
-    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
-        // Only sidecars are ever common to two outputs, and they are small.
-        let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| Sha256::digest(bytes));
-        match self.digests.get(path) {
-            Some(Some(before)) if Some(*before) == digest => Ok(()),
-            _ => self.add_written(path, digest, |file| file.write_all(bytes).map_err(|e| cannot_write(path, &e))),
-        }
-    }
-
-    /// Adds a file that `write` writes, without holding it in memory.
-    ///
-    /// # Errors
-    /// As [`Batch::add`]; and those of `write`.
-    pub fn add_streamed(&mut self, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
-        self.add_written(path, None, write)
-    }
-
-    fn add_written(
-        &mut self,
-        path: &Path,
-        digest: Option<[u8; 32]>,
-        write: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
-    ) -> Result<()> {
-        let mut file = self.begin_with(path, digest)?;
-        write(&mut file)?;
-        complete(path, file)
-    }
-
-    /// Begins a file under a temporary name; [`complete`] has to follow once it is written, before [`Batch::commit`].
-    pub(super) fn begin(&mut self, path: &Path) -> Result<BufWriter<File>> {
-        self.begin_with(path, None)
-    }
-
-    fn begin_with(&mut self, path: &Path, digest: Option<[u8; 32]>) -> Result<BufWriter<File>> {
-        refuse_to_replace(path, self.overwrite)?;
-        if self.digests.insert(path.to_path_buf(), digest).is_some() {
-            let text = format!("cannot write {}: two outputs of this run need it", path.display());
-            return Err(Error::usage(105, text).with_hint("give them different names"));
-        }
-        let mut name = OsString::from(".");
-        name.push(path.file_name().unwrap_or_default());
-        // Unlike those of other programs that write the same file, also where each is process 1 of its own machine.
-        let random = std::hash::RandomState::new().build_hasher().finish();
-        name.push(format!(".{random:016x}.part"));
-        let temporary = folder_of(path).join(name);
-        self.files.push((temporary.clone(), path.to_path_buf()));
-        let file = File::create_new(&temporary).map_err(|e| cannot_write(path, &e))?;
-        Ok(BufWriter::with_capacity(1 << 16, file))
-    }
-
-    /// Gives every file its final name, and returns these in the order in which the files were added.
-    ///
-    /// What tells of a file stands beside it before the file does, so that a file that is there is complete; but where both
-    /// are replaced it comes after the file, so that no old file is told of as new.
-    ///
-    /// # Errors
-    /// E401 if a rename fails.
-    pub fn commit(mut self) -> Result<Vec<PathBuf>> {
-        let written = self.files.iter().map(|(_, path)| path.clone()).collect();
-        // The last of the list is renamed first. Renamed files leave it, so that what is left after a failure is removed when
-        // the batch is dropped.
-        let (replaced, new): (Vec<_>, Vec<_>) = self.files.drain(..).partition(|(_, path)| path.exists());
-        // A sidecar is added after its file: new ones are renamed from the end, replaced ones from the beginning.
-        self.files = replaced.into_iter().rev().chain(new).collect();
-        while let Some((temporary, path)) = self.files.last() {
-            std::fs::rename(temporary, path).map_err(|e| cannot_write(path, &e))?;
-            self.files.pop();
-        }
-        Ok(written)
-    }
-}
-
-impl Drop for Batch {
-    fn drop(&mut self) {
-        for (temporary, _) in &self.files {
-            let _ = std::fs::remove_file(temporary);
-        }
-    }
+    place
 }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use super::Batch;
-use super::files::{cannot_write, complete};
+use super::batch::complete;
+use super::files::cannot_write;
 use super::map::{MaskValues, add_described};
 use crate::error::Result;
 use crate::raster::{ClassStrips, GeoRef};

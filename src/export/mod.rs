@@ -3,8 +3,9 @@
 //! Every file is written under a temporary name beside its final one and renamed when all files of the run are complete,
 //! so that an error, a full disk or Ctrl-C leaves nothing half written.
 
-mod compare;
+mod batch;
 mod city_mesh;
+mod compare;
 mod files;
 mod flatgeobuf;
 mod kmz;
@@ -15,12 +16,14 @@ mod mitsuba;
 mod ns3_boxes;
 mod single_band;
 mod table;
+mod temporary;
 mod zones;
 
 pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
+pub use batch::Batch;
 pub use city_mesh::{CityMesh, Mesh, city_mesh};
 pub use compare::{Comparison, add_comparison};
-pub use files::{Batch, Format, OutputRules, check_outputs};
+pub use files::{Format, OutputRules, check_outputs};
 pub(crate) use files::{check_folder, sidecars};
 pub use kmz::encode_kmz;
 pub(crate) use map::with_suffix;
@@ -29,4 +32,5 @@ pub use mask_strips::MaskStrips;
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;
 pub use table::encode_table;
+pub(crate) use temporary::abandon_files;
 pub use zones::add_zones;

@@ -1,4 +1,4 @@
-//! Paths that are no Unicode: a byte 0xFF in the names of inputs and outputs.
+//! Odd paths: a byte 0xFF in the names of inputs and outputs, links, two slashes at the beginning.
 
 use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt;
@@ -99,4 +99,50 @@ fn outputs_may_have_names_that_are_no_unicode() {
         }
     }
     run(&folder, &format!("map city.geojson {two} -o ?c-{{site}}.tif -o ?c-{{site}}?.csv")).refused(2);
+}
+
+/// A link is followed, whether what it points to is there or not; the link stays one.
+#[test]
+fn an_output_goes_to_what_a_link_points_to() {
+    let folder = scenes();
+    std::fs::create_dir(folder.join("there")).expect("a folder");
+    for (target, is_there) in [("there/old.csv", true), ("there/new.csv", false)] {
+        if is_there {
+            folder.write(target, "old");
+        }
+        let _ = std::fs::remove_file(folder.join("link.csv"));
+        std::os::unix::fs::symlink(target, folder.join("link.csv")).expect("a link");
+        let line = "map dsm.asc --ground 0 --uav 2,2,50 -q -o link.csv";
+        if is_there {
+            folder.type_in(line).refused(2);
+            assert_eq!(folder.text(target), "old");
+        }
+        folder.type_in(&format!("{line} --overwrite")).done();
+        assert!(folder.join("link.csv").is_symlink() && folder.text(target).starts_with("site,"), "{target}");
+    }
+    assert_eq!(std::fs::read_dir(folder.join("there")).expect("a folder").count(), 2, "nothing else is there");
+}
+
+#[test]
+fn two_slashes_at_the_beginning_of_a_path_are_one() {
+    let folder = Folder::new();
+    write_geopackage(&folder.join("v.gpkg"), &[("city", &city())]);
+    let path = folder.join("v.gpkg");
+    let path = path.to_str().expect("a path in Unicode");
+    folder.type_in(&format!("info /{path} --json")).done();
+}
+
+/// What a killed run left beside an output is gone after the next run that writes there; what a living one writes stays.
+#[test]
+fn what_a_killed_run_left_is_removed_by_the_next() {
+    let folder = scenes();
+    let left = [".old.tif.0123456789abcdef.part", ".skyshed.0123456789abcdef.part", ".map.png.00000000000000aa.part"];
+    left.iter().for_each(|name| folder.write(name, "half"));
+    let alive = [".other.tif.fedcba9876543210.part", ".skyshed.fedcba9876543210.part"];
+    alive.iter().for_each(|name| folder.write(name, "half"));
+    let lock = std::fs::File::open(folder.join(alive[1])).expect("a file");
+    lock.try_lock().expect("a lock");
+    folder.type_in("map dsm.asc --ground 0 --uav 2,2,50 -q -o a.csv").done();
+    let hidden: Vec<String> = folder.files().into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(hidden, alive);
 }
