@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::plan::{FIELD_BYTES_PER_CELL, check_memory, input_paths, read_scene};
+use super::memory::check_memory;
+use super::plan::{FIELD_BYTES_PER_CELL, input_paths, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};

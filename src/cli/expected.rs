@@ -1,6 +1,7 @@
 //! What a run will take, told before it starts.
 
-use super::plan::{FIELD_BYTES_PER_CELL, memory_words};
+use super::memory::memory_words;
+use super::plan::FIELD_BYTES_PER_CELL;
 use crate::los::Method;
 
 /// What a run will take, as far as can be told before it.

@@ -10,10 +10,11 @@ use super::map_drawing::draws_each;
 use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
 use super::map_streamed::{StreamedRun, too_large};
+use super::memory::check_memory;
 use super::messages::WarningsOfRuns;
 use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, ready, receiver_height, warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, ready, receiver_height, warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
 use super::tables::{UavsAsked, UavsFound};
@@ -192,6 +193,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
         .saturating_add(if args.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
         .saturating_add(curve_plan.bytes_per_cell())
+        .saturating_add(encoding_bytes_per_cell(&outputs, &layers, uavs.len()))
         .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
     let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
     check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
@@ -363,6 +365,26 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[(PathBuf, Format)], overwrit
         }
     }
     Ok(())
+}
+
+/// What the largest of the outputs takes for each cell while it is made, of maps of `n_sites` UAVs.
+fn encoding_bytes_per_cell(outputs: &[(PathBuf, Format)], layers: &[Layer], n_sites: usize) -> usize {
+    /// Of a picture: heights, relief, colors.
+    const PICTURE: usize = 9;
+    /// Of the layers that hold all UAVs together.
+    const OF_ALL: usize = 8;
+    let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
+    let n_of_all = layers.iter().filter(|layer| matches!(layer, Layer::Count | Layer::Which)).count();
+    let of_format = |format: Format| match format {
+        Format::Png | Format::Svg | Format::Pdf | Format::Kmz => PICTURE,
+        // Masks as numbers of 4 bytes; measures are numbers already.
+        Format::Exr => n_sites.saturating_mul(4).saturating_add(OF_ALL * n_of_all),
+        // All in one array for each layer.
+        Format::Npz => n_sites.saturating_mul(1 + 4 * n_measures).saturating_add(OF_ALL * n_of_all),
+        Format::AsciiGrid | Format::Bil => 4,
+        _ => 0,
+    };
+    outputs.iter().map(|(_, format)| of_format(*format)).max().unwrap_or(0)
 }
 
 /// What finding the connected parts of a class takes: the number of each cell's part, and the edges around it.

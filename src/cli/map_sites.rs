@@ -12,11 +12,12 @@ use std::time::Instant;
 use super::args::MapArgs;
 use super::map::{Given, GivenScene, run_one, uavs_asked};
 use super::map_streamed::{check_streamed, on_disk, too_large};
+use super::memory::check_memory;
 use super::messages::WarningsOfRuns;
 use super::os_words::split;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, built, check_memory, checked_radius, input_paths, is_raster_scene, raster_options,
-    ready, warn_of_raster,
+    FIELD_BYTES_PER_CELL, Ready, built, checked_radius, input_paths, is_raster_scene, raster_options, ready,
+    warn_of_raster,
 };
 use super::tables::UavsFound;
 use super::{interrupt, messages};

@@ -5,12 +5,10 @@ use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
 use super::map_drawing::MapDrawing;
+use super::memory::{available_memory, memory_words};
 use super::messages::WarningsOfRuns;
 use super::outside::warn_of_uavs_outside;
-use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, available_memory, is_raster_scene, memory_words, raster_options, warn_of_flat_earth,
-    warn_of_raster,
-};
+use super::plan::{FIELD_BYTES_PER_CELL, Ready, is_raster_scene, raster_options, warn_of_flat_earth, warn_of_raster};
 use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
 use super::tables::UavsFound;
 use super::words::{picture_provenance, pretty};

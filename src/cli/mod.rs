@@ -18,6 +18,7 @@ mod map_drawing;
 mod map_files;
 mod map_sites;
 mod map_streamed;
+mod memory;
 mod messages;
 mod method_looks;
 mod os_words;
@@ -80,13 +81,23 @@ fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
     repairs::write(cli.command.scene(), words)
 }
 
-/// Runs `work` with the given number of threads; all cores without one.
+/// Threads for each core beyond which more are of no use.
+const MOST_THREADS_PER_CORE: usize = 4;
+
+/// Runs `work` with the given number of threads, or as many as the environment says (`RAYON_NUM_THREADS`), but no more than
+/// are of use; one for each core where nothing is said.
+///
+/// # Errors
+/// E503 if the system gives no thread.
 fn in_pool(threads: Option<u16>, work: impl FnOnce() -> Result<()> + Send) -> Result<()> {
-    let Some(threads) = threads else { return work() };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build()
-        .map_err(|e| Error::internal(903, format!("cannot start {threads} threads: {e}")))?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let of_environment = || std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok().filter(|n| *n > 0);
+    let wanted = threads.map(usize::from).or_else(of_environment).unwrap_or(cores);
+    let n_threads = wanted.min(MOST_THREADS_PER_CORE * cores);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| {
+        let text = format!("cannot start {n_threads} threads: {e}");
+        Error::limit(503, text).with_hint("fewer with `-j N`, or allow this user more processes (`ulimit -u`)")
+    })?;
     pool.install(work)
 }
 

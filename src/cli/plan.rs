@@ -1,12 +1,12 @@
 //! What was typed, resolved: the scene read and built, sites placed, numbers checked.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::args::{Base, Command, HeightUnitArg, Missing, Nodata, SceneArgs};
 use super::info::results_in;
+use super::memory::check_memory;
 use super::repairs::keep;
 use super::words::title_of;
 use crate::coverage::Uav;
@@ -244,56 +244,6 @@ fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Resul
         Some(name) => Err(Error::usage(116, format!("`--{}` has no meaning for {what}", name.replace('_', "-")))),
         None => Ok(()),
     }
-}
-
-/// Refuses work that does not fit in memory, before anything of its size is made: `more` bytes per cell beside the `held`
-/// ones, all together within `most`.
-pub(super) fn check_memory(
-    name: &impl fmt::Display,
-    grid: &GeoRef,
-    (held, more): (usize, usize),
-    most: Option<u64>,
-) -> Result<()> {
-    let mut probe: Vec<u8> = Vec::new();
-    let more = grid.n_cells().saturating_mul(more);
-    let bytes = grid.n_cells().saturating_mul(held).saturating_add(more);
-    let refuse = |limit: String| {
-        let text = format!(
-            "cannot map {name}: {}×{} cells need at least {} of memory, {limit}",
-            grid.n_cols(),
-            grid.n_rows(),
-            memory_words(bytes as u64)
-        );
-        Err(Error::limit(501, text).with_hint("choose larger cells, a smaller extent, or fewer sites and layers"))
-    };
-    match most {
-        Some(most) if bytes as u64 > most => {
-            return refuse(format!("more than the {} that `--max-memory` allows", memory_words(most)));
-        }
-        _ => {}
-    }
-    let too_much = available_memory().is_some_and(|available| more as u64 > available);
-    if too_much || probe.try_reserve_exact(more).is_err() {
-        return refuse("more than there is".into());
-    }
-    // What is looked at cannot be optimized away.
-    std::hint::black_box(&mut probe);
-    Ok(())
-}
-
-/// A number of bytes for reading.
-pub(super) fn memory_words(bytes: u64) -> String {
-    #[expect(clippy::cast_precision_loss, reason = "told to one decimal")]
-    let mebibytes = bytes as f64 / f64::powi(2.0, 20);
-    if mebibytes < 1000.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
-}
-
-/// Memory that the system can still give \[bytes\], where it says so: an allocator may promise more than there is.
-pub(super) fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }
 
 /// Bytes that a cell takes in a height field and in what is drawn from it.

@@ -6,7 +6,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
-use super::plan::{FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, ready, receiver_height};
+use super::memory::check_memory;
+use super::plan::{FIELD_BYTES_PER_CELL, Ready, checked_radius, ready, receiver_height};
 use super::receivers::{Asked, check_receivers};
 use super::sample_plot::plot;
 use super::words::pretty;

@@ -8,10 +8,9 @@ use super::write::{Chart, write};
 use super::{ChartArgs, in_turns, peers, refuse_typed, show, threads};
 use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
+use crate::cli::memory::check_memory;
 use crate::cli::outside::{place_uav, warn_of_uavs_outside};
-use crate::cli::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, ready, receiver_height, warn_of_flat_earth,
-};
+use crate::cli::plan::{FIELD_BYTES_PER_CELL, Ready, checked_radius, ready, receiver_height, warn_of_flat_earth};
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::tables::UavsAsked;
 use crate::cli::{interrupt, messages};

@@ -16,13 +16,14 @@ use write::Writer;
 
 use super::outside::{place_uav, warn_of_uavs_outside};
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
+    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
     warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::tables::UavsAsked;
 use super::words::pretty;
 use super::{interrupt, messages};
+use crate::cli::memory::check_memory;
 use crate::coverage::{CellGroups, Control, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, encode_table};

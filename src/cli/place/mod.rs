@@ -17,12 +17,13 @@ use std::time::Instant;
 use super::expected::Expected;
 use super::messages;
 use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, check_memory, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
+    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
     warn_of_flat_earth,
 };
 use super::receivers::{Asked, check_receivers};
 use super::sample::SampleJob;
 use super::words::pretty;
+use crate::cli::memory::check_memory;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules, check_outputs, encode_table};

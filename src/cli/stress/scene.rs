@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use super::{FORMATS, StressArgs, answer};
 use crate::cli::map_drawing::MapDrawing;
+use crate::cli::memory::check_memory;
 use crate::cli::outside::{place_uav, warn_of_uavs_outside};
 use crate::cli::plan::{
-    FIELD_BYTES_PER_CELL, check_memory, checked_radius, input_paths, parse_uav, ready, receiver_height,
-    warn_of_flat_earth,
+    FIELD_BYTES_PER_CELL, checked_radius, input_paths, parse_uav, ready, receiver_height, warn_of_flat_earth,
 };
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::{picture_provenance, pretty};
