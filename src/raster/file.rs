@@ -3,7 +3,9 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
 
+use super::mosaic::Nesting;
 use super::{AsciiGrid, CellWindow, GeoRef, GeoTiff, Mosaic, Raster, VerticalCrs};
 use crate::error::{Error, Result, Warning, io_words};
 
@@ -31,18 +33,18 @@ impl RasterFile {
         if path.is_dir() {
             return Mosaic::open_folder(path, warnings).map(RasterFile::Mosaic);
         }
-        RasterFile::open_within(path, &[], warnings)
+        RasterFile::open_within(path, Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0) }, warnings)
     }
 
-    /// Opens a raster file that is part of virtual rasters, outermost first.
-    pub(super) fn open_within(path: &Path, ancestors: &[PathBuf], warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+    /// Opens a raster file that is part of virtual rasters.
+    pub(super) fn open_within(path: &Path, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
         let (mut file, len) = open_file(path)?;
         let mut head = Vec::new();
         file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(path, &e))?;
         match kind_of(&head) {
             Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
             Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
-            Kind::VirtualRaster => Mosaic::open_vrt(path, ancestors, warnings).map(RasterFile::Mosaic),
+            Kind::VirtualRaster => Mosaic::open_vrt(path, nesting, warnings).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
                 let shown = path.display();
                 let text = format!(
@@ -230,13 +232,19 @@ fn leading_text(head: &[u8]) -> Option<&str> {
 }
 
 /// Opens a file for reading and returns it with its length \[bytes\]; the error names the path.
-pub(super) fn open_file(path: &Path) -> Result<(File, u64)> {
+pub(crate) fn open_file(path: &Path) -> Result<(File, u64)> {
     let fail = |cause: std::io::Error| cannot_read(path, &cause);
-    let file = File::open(path).map_err(fail)?;
-    let metadata = file.metadata().map_err(fail)?;
+    // Opening a pipe waits for who writes into it.
+    let metadata = std::fs::metadata(path).map_err(fail)?;
     if metadata.is_dir() {
         return Err(fail(std::io::ErrorKind::IsADirectory.into()));
     }
+    if !metadata.is_file() {
+        let text =
+            format!("cannot read {}: it is a pipe or a device, wanted a file: it is read in any order", path.display());
+        return Err(Error::file(301, text).with_hint("save it as a file first"));
+    }
+    let file = File::open(path).map_err(fail)?;
     Ok((file, metadata.len()))
 }
 

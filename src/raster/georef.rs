@@ -34,8 +34,8 @@ pub struct CellWindow {
 impl GeoRef {
     /// A grid from its north-west corner `(x_min, y_max)`, its cell size and its shape, all lengths in units of the CRS.
     ///
-    /// Returns `None` unless all numbers are finite, the cell size is positive, there is at least one cell, and the
-    /// number of cells fits in `usize`.
+    /// Returns `None` unless all numbers are finite, a cell is 10^-9 to 10^12 units wide and high and does not vanish in
+    /// the rounding of the coordinates, there is at least one cell, and the number of cells fits in `usize`.
     pub fn new(
         (x_min, y_max): (f64, f64),
         (cell_width, cell_height): (f64, f64),
@@ -43,9 +43,15 @@ impl GeoRef {
         crs: Option<Crs>,
     ) -> Option<Self> {
         let finite = [x_min, y_max, cell_width, cell_height].iter().all(|v| v.is_finite());
-        let positive = cell_width > 0.0 && cell_height > 0.0;
+        let sensible = [cell_width, cell_height].iter().all(|side| (1e-9..=1e12).contains(side));
         let countable = n_rows.checked_mul(n_cols).is_some_and(|n| n > 0);
-        (finite && positive && countable).then_some(GeoRef {
+        // A thousandth of a cell must still be told from none at either end.
+        let told_apart = |from: f64, cell: f64, n: usize| {
+            let to = from + cell * n as f64;
+            from.abs().max(to.abs()) * f64::EPSILON < 1e-3 * cell.abs()
+        };
+        let told_apart = told_apart(x_min, cell_width, n_cols) && told_apart(y_max, -cell_height, n_rows);
+        (finite && sensible && countable && told_apart).then_some(GeoRef {
             x_min,
             y_max,
             cell_width,

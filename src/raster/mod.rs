@@ -46,7 +46,7 @@ pub use crs::{
 };
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
-pub(crate) use file::{cannot_read, reserve_cells};
+pub(crate) use file::{cannot_read, open_file, reserve_cells};
 pub use georef::{CellWindow, GeoRef};
 pub(crate) use geotiff::xml_text;
 pub use geotiff::{

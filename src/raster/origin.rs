@@ -8,6 +8,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
 use super::RasterFile;
+use super::file::open_file;
 
 /// Longest text that is looked at \[bytes\].
 const MOST_BYTES: u64 = 64 << 20;
@@ -19,7 +20,7 @@ const BEGINNING: &str = "{\"schema\":\"skyshed/";
 /// the files of others, damaged ones, and formats that hold none.
 pub fn origin_of(path: &Path) -> Option<String> {
     let mut head = [0; 4];
-    File::open(path).ok()?.read_exact(&mut head).ok()?;
+    open_file(path).ok()?.0.read_exact(&mut head).ok()?;
     let text = match &head {
         b"\x89PNG" => of_png(path),
         b"v/1\x01" => of_exr(path),

@@ -1,7 +1,8 @@
 //! A raster of 32-bit integers in tiles on disk, of which windows are read.
 //!
 //! The file has no name: it is gone when the store is dropped, and when the program is killed. Rows within a tile follow
-//! each other, so that a window reads nothing but stretches of the tiles that it touches.
+//! each other, so that a window reads nothing but stretches of the tiles that it touches. Cells without a height are stored as
+//! zeros, and a tile of these alone is a hole in the file: it takes no room.
 
 use std::fs::File;
 use std::io::Write;
@@ -11,6 +12,7 @@ use rayon::prelude::*;
 
 use super::CellWindow;
 use crate::error::{Error, Result, io_words};
+use crate::quantity::VOID;
 
 /// Rows and columns of a tile \[cells\].
 const TILE: usize = 256;
@@ -33,7 +35,7 @@ pub struct TileStore {
 pub struct TileStoreWriter {
     store: TileStore,
     folder: String,
-    /// The rows of tile row `tile_row` so far; others are 0.
+    /// The rows of tile row `tile_row` so far.
     band: Vec<i32>,
     tile_row: usize,
     bytes: Vec<u8>,
@@ -47,10 +49,11 @@ impl TileStoreWriter {
     pub fn create(folder: &Path, (n_rows, n_cols): (usize, usize)) -> Result<Self> {
         let folder_words = folder.display().to_string();
         let file = tempfile::tempfile_in(folder).map_err(|e| scratch_error(&folder_words, &e))?;
+        file.set_len(TileStore::bytes_on_disk((n_rows, n_cols))).map_err(|e| scratch_error(&folder_words, &e))?;
         Ok(TileStoreWriter {
             store: TileStore { file, n_rows, n_cols },
             folder: folder_words,
-            band: vec![0; TILE * n_cols],
+            band: vec![VOID; TILE * n_cols],
             tile_row: 0,
             bytes: Vec::new(),
         })
@@ -96,13 +99,21 @@ impl TileStoreWriter {
             for (row, bytes) in bytes.chunks_exact_mut(TILE * BYTES).enumerate() {
                 let cells = &band[row * n_cols + cols.start..row * n_cols + cols.end];
                 for (bytes, cell) in bytes.chunks_exact_mut(BYTES).zip(cells) {
-                    bytes.copy_from_slice(&cell.to_le_bytes());
+                    bytes.copy_from_slice(&(cell ^ VOID).to_le_bytes());
                 }
             }
         });
         let start = self.tile_row as u64 * self.bytes.len() as u64;
-        let written = self.store.file.seek(SeekFrom::Start(start)).and_then(|_| self.store.file.write_all(&self.bytes));
-        written.map_err(|e| scratch_error(&self.folder, &e))
+        let mut write = || -> std::io::Result<()> {
+            for (tile, bytes) in self.bytes.chunks_exact(TILE * TILE * BYTES).enumerate() {
+                if bytes.iter().any(|byte| *byte != 0) {
+                    self.store.file.seek(SeekFrom::Start(start + (tile * TILE * TILE * BYTES) as u64))?;
+                    self.store.file.write_all(bytes)?;
+                }
+            }
+            Ok(())
+        };
+        write().map_err(|e| scratch_error(&self.folder, &e))
     }
 }
 
@@ -156,7 +167,7 @@ impl TileStore {
             for (row, bytes) in band.chunks_exact_mut(n_cols).zip(bytes.chunks_exact(TILE * BYTES)) {
                 let cells = &mut row[cols.start - window.col..cols.end - window.col];
                 for (cell, bytes) in cells.iter_mut().zip(bytes[within * BYTES..].as_chunks::<BYTES>().0) {
-                    *cell = i32::from_le_bytes(*bytes);
+                    *cell = i32::from_le_bytes(*bytes) ^ VOID;
                 }
             }
         }
@@ -216,5 +227,25 @@ mod tests {
                 assert_eq!(cells, expected);
             }
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn cells_without_a_height_take_no_room_on_the_disk() {
+        use std::os::unix::fs::MetadataExt;
+        let (n_rows, n_cols) = (1024, 1024);
+        let mut writer = TileStoreWriter::create(&std::env::temp_dir(), (n_rows, n_cols)).unwrap();
+        let mut cells = vec![VOID; n_cols];
+        for row in 0..n_rows {
+            // One cell of one tile has a height.
+            cells[700] = if row == 300 { 7 } else { VOID };
+            writer.put_row(row, &cells).unwrap();
+        }
+        let store = writer.finish().unwrap();
+        let on_disk = 512 * store.file.metadata().unwrap().blocks();
+        assert!(on_disk <= 2 * (TILE * TILE * BYTES) as u64, "{on_disk} bytes for one tile");
+        let mut found = Vec::new();
+        store.read(CellWindow { row: 0, col: 0, n_rows, n_cols }, &mut found).unwrap();
+        assert!(found.iter().enumerate().all(|(k, z)| *z == if k == 300 * n_cols + 700 { 7 } else { VOID }));
     }
 }

@@ -38,6 +38,9 @@ pub(crate) enum Swatch {
     Uav,
 }
 
+/// Names longer than this are shortened \[px\].
+const WIDEST_NAME: f64 = 460.0;
+
 /// Makes a legend entry: a swatch, a name, and a line of detail.
 pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
     const SIDE: f64 = 50.0;
@@ -65,6 +68,7 @@ pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
         drawing.rect(place, &outline);
     }
     let left = SIDE + 15.0;
+    let name = &lettering::shortened(name, NAME, WIDEST_NAME);
     let (name_y, detail_y) = if detail.is_empty() { (38.0, 0.0) } else { (25.0, 52.0) };
     drawing.text(left, name_y, NAME, name);
     if !detail.is_empty() {
@@ -108,8 +112,11 @@ pub(crate) fn north_arrow() -> Block {
     Block { width: 38.0, height: 76.0, drawing }
 }
 
-/// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten.
+/// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten; 1 where `wanted` is no length.
 pub(crate) fn round_length(wanted: f64) -> f64 {
+    if !(1e-300..=1e300).contains(&wanted) {
+        return 1.0;
+    }
     let mut power = 1.0;
     while power * 10.0 <= wanted {
         power *= 10.0;
@@ -199,9 +206,13 @@ pub(crate) fn stack(blocks: &[Block], gap: f64) -> Block {
     Block { width, height: y, drawing }
 }
 
+/// Text of more lines than about this is shortened.
+const MOST_LINES: f64 = 60.0;
+
 /// Sets wrapped lines of text as a block.
 pub(crate) fn paragraph(text: &str, style: Type, max_width: f64) -> Block {
-    let lines = lettering::wrap(text, style.size, style.weight, max_width);
+    let text = lettering::shortened(text, style, MOST_LINES * max_width);
+    let lines = lettering::wrap(&text, style.size, style.weight, max_width);
     let leading = (style.size * 1.3).round();
     let mut drawing = Drawing::default();
     let mut width = 0.0_f64;
@@ -282,9 +293,9 @@ pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f
     Block { width: (right + left).max(name_width), height: top + BAR + 36.0, drawing }
 }
 
-/// Returns about `wanted` round values between `low` and `high` (`low` < `high`) with their texts.
+/// Returns about `wanted` round values, at least two, between `low` and `high` (`low` < `high`) with their texts.
 pub(crate) fn ticks(low: f64, high: f64, wanted: f64) -> Vec<(f64, String)> {
-    let step = round_length((high - low) / wanted);
+    let step = round_length((high - low) / wanted.max(2.0));
     let mut decimals = 0;
     let mut digit = step;
     while decimals < 12 && (digit - digit.round()).abs() > 1e-6 * digit {

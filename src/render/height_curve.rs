@@ -262,7 +262,7 @@ fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
             let detail = format!("{} at {} m", p_words(curve), number(curve.marked_m, 2));
             let words = std::iter::once(curve.label.to_string()).chain(two_lines.then_some(detail)).collect();
             let y = window.y(curve.p_los(plot.heights_m[1]));
-            SideLabel { y, words, stroke: line_style(index).1 }
+            SideLabel::new(y, words, line_style(index).1)
         })
         .collect();
     labels.sort_by(|a, b| a.y.total_cmp(&b.y));
@@ -338,6 +338,17 @@ mod tests {
         let curves = vec![CURVE; 30];
         let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curves are valid");
         assert!(svg.contains(">+ 6 more<") && svg.matches(">UAV 1<").count() == MOST_LABELS);
+    }
+
+    #[test]
+    fn a_long_name_is_shortened_and_leaves_the_plot_its_room() {
+        let name = "n".repeat(10_000);
+        let curves = [HeightCurveLine { label: &name, ..CURVE }; 2];
+        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curves are valid");
+        assert!(svg.contains("nnn…<") && !svg.contains(&name));
+        let ends = svg.split("points=\"0,684 ").nth(1).and_then(|line| line.split('"').next()).expect("a curve");
+        let right: f64 = ends.split([' ', ',']).rev().nth(1).and_then(|x| x.parse().ok()).expect("its end");
+        assert!(right > 1000.0, "{right}");
     }
 
     #[test]

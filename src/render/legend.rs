@@ -85,6 +85,9 @@ pub(crate) fn with_legend(mut grid: Grid, entries: &[Entry<'_>]) -> Block {
     grid.block
 }
 
+/// Labels and details of more lines than about this are shortened.
+const MOST_LINES: f64 = 3.0;
+
 /// Draws an entry: a sample of the line, its label, and its detail below in smaller type.
 fn block(entry: &Entry<'_>) -> Block {
     let mut drawing = Drawing::default();
@@ -104,7 +107,8 @@ fn block(entry: &Entry<'_>) -> Block {
     let (mut height, mut width) = (0.0, 0.0_f64);
     for (text, kind, leading) in [(entry.line.label, LABEL, 32.0), (entry.line.detail.unwrap_or_default(), SMALL, 27.0)]
     {
-        for line in lettering::wrap(text, kind.size, kind.weight, WIDEST) {
+        let text = lettering::shortened(text, kind, MOST_LINES * WIDEST);
+        for line in lettering::wrap(&text, kind.size, kind.weight, WIDEST) {
             drawing.text(WORDS, height + 25.0 - if kind.size < LABEL.size { 4.0 } else { 0.0 }, kind, &line);
             width = width.max(lettering::width(&line, kind.size, kind.weight));
             height += leading;

@@ -10,6 +10,8 @@ use std::sync::{Arc, OnceLock};
 
 use resvg::usvg::fontdb;
 
+use super::sheet::Type;
+
 static REGULAR: &[u8] = include_bytes!("fonts/SkyshedSans-Regular.otf");
 static SEMI_BOLD: &[u8] = include_bytes!("fonts/SkyshedSans-SemiBold.otf");
 
@@ -71,6 +73,24 @@ pub(crate) fn wrap(text: &str, size: f64, weight: Weight, max_width: f64) -> Vec
         lines.push(line);
     }
     lines
+}
+
+/// `text` with its end left out where it is wider than `max_width` \[px\]: names may be of any length, pictures are not.
+pub(crate) fn shortened(text: &str, style: Type, max_width: f64) -> String {
+    let width = |text: &str| width(text, style.size, style.weight);
+    if width(text) <= max_width {
+        return text.to_string();
+    }
+    let mut short = String::new();
+    let mut left = max_width - width("…");
+    for c in text.chars() {
+        left -= width(c.encode_utf8(&mut [0; 4]));
+        if left < 0.0 {
+            break;
+        }
+        short.push(c);
+    }
+    short + "…"
 }
 
 /// Escapes text for SVG; characters that XML forbids become spaces.

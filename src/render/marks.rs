@@ -191,9 +191,14 @@ pub(crate) struct Label {
     words: [String; 2],
 }
 
+/// Names and details wider than this are shortened \[letter sizes\].
+const WIDEST: f64 = 18.0;
+
 impl Label {
     /// Measures a label of a name and a detail, either of which may be empty.
     pub(crate) fn new(words: &[String; 2], size: f64) -> Self {
+        let styles = [NAME, Type { weight: Weight::Regular, ..NAME }].map(|style| Type { size, ..style });
+        let words = &[0, 1].map(|k| lettering::shortened(&words[k], styles[k], WIDEST * size));
         let name_width = lettering::width(&words[0], size, Weight::SemiBold);
         let detail_width = lettering::width(&words[1], size, Weight::Regular);
         let gap = if words.iter().any(String::is_empty) { 0.0 } else { 0.36 * size };

@@ -12,13 +12,23 @@ pub(crate) const LEADER: f64 = 78.0;
 pub(crate) struct SideLabel {
     /// Where the curve ends \[px\].
     pub(crate) y: f64,
-    /// A name, and maybe a detail below it.
-    pub(crate) words: Vec<String>,
+    /// A name, and maybe a detail below it; no wider than [`WIDEST`].
+    words: Vec<String>,
     /// The attributes of the line from the curve to the label.
     pub(crate) stroke: String,
 }
 
+/// Labels wider than this are shortened \[px\].
+const WIDEST: f64 = 380.0;
+
 impl SideLabel {
+    /// A label of a name and maybe a detail below it.
+    pub(crate) fn new(y: f64, words: Vec<String>, stroke: String) -> Self {
+        let style = |k: usize| if k == 0 { NAME } else { DETAIL };
+        let words = words.iter().enumerate().map(|(k, words)| lettering::shortened(words, style(k), WIDEST)).collect();
+        SideLabel { y, words, stroke }
+    }
+
     fn height(&self) -> f64 {
         if self.words.len() > 1 { 59.0 } else { 31.0 }
     }
@@ -89,7 +99,7 @@ mod tests {
         for (n, n_words) in [(2, 2), (8, 2), (12, 2), (24, 1)] {
             let label = |k: usize| {
                 let y = if k.is_multiple_of(3) { 0.0 } else { 700.0 };
-                SideLabel { y, words: vec!["UAV".to_string(); n_words], stroke: String::new() }
+                SideLabel::new(y, vec!["UAV".to_string(); n_words], String::new())
             };
             let mut labels: Vec<SideLabel> = (0..n).map(label).collect();
             labels.sort_by(|a, b| a.y.total_cmp(&b.y));

@@ -3,6 +3,7 @@
 use image::RgbaImage;
 
 use super::furniture::{self, Block, DETAIL, NAME, TITLE};
+use super::lettering;
 use super::marks::{Mark, draw_marks};
 use super::sheet::{Drawing, Sheet, Type, pixels};
 
@@ -53,8 +54,9 @@ impl Maps {
 
     /// A map with a title, a line below that, and marks.
     pub(crate) fn panel(&self, (title, detail): (&str, &str), image: RgbaImage, marks: &[Mark<'_>]) -> Panel {
+        let title = lettering::shortened(title, NAME, 2.0 * self.width());
         let words =
-            [furniture::paragraph(title, NAME, self.width()), furniture::paragraph(detail, DETAIL, self.width())];
+            [furniture::paragraph(&title, NAME, self.width()), furniture::paragraph(detail, DETAIL, self.width())];
         let marks = draw_marks(marks, self.size, self.px_per_cell(), self.cell_m);
         Panel { words: furniture::stack(&words, 2.0), image, marks }
     }

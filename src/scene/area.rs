@@ -116,7 +116,8 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
     check_placeable(&name, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
-        let id = feature.id.or_else(|| feature.properties.iter().find(|(n, _)| n == "id").and_then(|(_, v)| v.text()));
+        let id =
+            feature.id.or_else(|| feature.properties.iter().find(|(n, _)| **n == *"id").and_then(|(_, v)| v.text()));
         let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| {
             let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);

@@ -103,6 +103,9 @@ impl Buildings {
                 return Err(Error::file(302, text));
             }
             let footprint = says.footprint(number);
+            if feature.has_other_parts {
+                log.note(Fault::NotAnArea, Culprit::of(&footprint));
+            }
             if says.is_no_building() {
                 log.note(Fault::NotABuilding, Culprit::of(&footprint));
                 continue;
@@ -169,7 +172,7 @@ fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOpt
             Some(Likeness::Storeys) => &mut like_storeys,
             None => &mut others,
         };
-        if list.len() < MOST && !list.contains(&name.as_str()) {
+        if list.len() < MOST && !list.contains(&&**name) {
             list.push(name);
         }
     }
@@ -361,7 +364,7 @@ mod tests {
 
     #[test]
     fn storeys_under_the_roof_are_added_and_rings_are_opened() {
-        let word = |name: &str, text: &str| (name.to_string(), Property::Text(text.into()));
+        let word = |name: &str, text: &str| (name.into(), Property::Text(text.into()));
         let feature = Feature {
             properties: vec![word("building:levels", "4"), word("roof:levels", "1"), word("building:part", "yes")],
             ..Feature::default()

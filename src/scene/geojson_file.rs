@@ -81,7 +81,11 @@ pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
 /// If it names one that is not known.
 pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
-    let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else { return Ok(None) };
+    let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
+        let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
+        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input_name(path));
+        return Err(Error::file(310, text).with_hint("say it with `--crs EPSG:n`"));
+    };
     Crs::parse(name).map(Some).map_err(|e| {
         Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input_name(path)))
             .with_hint("override it with `--crs EPSG:n`")
@@ -108,20 +112,24 @@ pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
 
 /// A feature with its areas; the error says what is wrong with its positions.
 fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> {
-    let mut polygons = Vec::new();
+    let (mut polygons, mut has_other_parts) = (Vec::new(), false);
     if let Some(geometry) = &feature.geometry {
-        collect_polygons(&geometry.value, &mut polygons)?;
+        collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
     }
     let id = feature.id.map(|id| match id {
         geojson::feature::Id::String(text) => text,
         geojson::feature::Id::Number(number) => number.to_string(),
     });
     let properties = feature.properties.into_iter().flatten();
-    let properties = properties.map(|(name, value)| (name, Property::of_json(&value))).collect();
-    Ok(vector::Feature { id, properties, polygons, heights: None })
+    let properties = properties.map(|(name, value)| (name.into(), Property::of_json(&value))).collect();
+    Ok(vector::Feature { id, properties, polygons, has_other_parts, heights: None })
 }
 
-fn collect_polygons(geometry: &GeometryValue, polygons: &mut Vec<Polygon>) -> std::result::Result<(), String> {
+fn collect_polygons(
+    geometry: &GeometryValue,
+    polygons: &mut Vec<Polygon>,
+    has_other_parts: &mut bool,
+) -> std::result::Result<(), String> {
     let plane = |p: &geojson::Position| match p.as_slice() {
         [x, y, ..] => Ok([*x, *y]),
         [_] => Err("found a position with one number".to_string()),
@@ -136,9 +144,12 @@ fn collect_polygons(geometry: &GeometryValue, polygons: &mut Vec<Polygon>) -> st
         GeometryValue::Polygon { coordinates } => add(coordinates),
         GeometryValue::MultiPolygon { coordinates } => coordinates.iter().try_for_each(add),
         GeometryValue::GeometryCollection { geometries } => {
-            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons))
+            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons, has_other_parts))
         }
-        _ => Ok(()),
+        _ => {
+            *has_other_parts = true;
+            Ok(())
+        }
     }
 }
 

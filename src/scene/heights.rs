@@ -46,12 +46,24 @@ pub(super) struct StoredHeights {
 
 impl<'a> HeightFile<'a> {
     /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
+    ///
+    /// # Errors
+    /// Those of the file; E310 if what it says of its system is not understood and nothing overrides it.
     pub(super) fn open(path: &'a Path, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
         let before = warnings.len();
         let file = RasterFile::open(path, warnings)?;
         let georef = file.georef().clone();
         let georef = match crs {
-            None => georef,
+            None => {
+                // A system that is cut off may be one of feet: its cells are not taken for meters.
+                let said = warnings[before..].iter().find(|warning| warning.code() == "W326");
+                if let (Some(said), None) = (said, georef.crs()) {
+                    let text =
+                        format!("cannot place {}: {}", path.display(), said.text().trim_end_matches(": ignored"));
+                    return Err(Error::file(310, text).with_hint("override it with `--crs EPSG:n`"));
+                }
+                georef
+            }
             Some(crs) => {
                 let said: Vec<Warning> = warnings.drain(before..).collect();
                 warnings.extend(said.into_iter().filter(|w| !["W325", "W326", "W331"].contains(&w.code().as_str())));

@@ -38,6 +38,7 @@ mod bad_inputs; // every bad file gets its documented answer
 mod walkthrough; // every command of docs/walkthrough.md runs
 mod inputs; // any file given to `info`: UAVs, tracks, own outputs, strangers
 mod vertical; // what heights are above, and in which unit
+mod small_files; // small files that would take much time or memory
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals

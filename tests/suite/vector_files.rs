@@ -90,7 +90,7 @@ pub(crate) fn write_shapefile(path: &Path, city: &[Building]) {
     std::fs::write(path.with_extension("cpg"), "UTF-8").unwrap();
 }
 
-struct Shape<'a>(&'a Building);
+pub(crate) struct Shape<'a>(pub(crate) &'a Building);
 
 impl GeozeroGeometry for Shape<'_> {
     fn process_geom<P: GeomProcessor>(&self, to: &mut P) -> GeozeroResult<()> {

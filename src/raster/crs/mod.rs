@@ -107,17 +107,21 @@ impl Crs {
             return Ok(crs);
         }
         let name = if horizontal.name().is_empty() { text } else { horizontal.name() }.to_string();
-        Ok(Crs { epsg: None, name, kind: kind_of(&horizontal), definition: Definition::Proj(text.to_string()) })
+        let kind = checked_unit(kind_of(&horizontal), text)?;
+        Ok(Crs { epsg: None, name, kind, definition: Definition::Proj(text.to_string()) })
     }
 
     fn from_wkt(text: &str) -> Result<Crs> {
+        if !wkt::is_whole(text) {
+            return Err(unreadable(text, "it ends before its brackets and quotes do"));
+        }
         let node = wkt::horizontal_node(text).ok_or_else(|| unreadable(text, "it has no horizontal part"))?;
         if let Some(code) = wkt::epsg_of(node)
             && let Ok(crs) = Crs::from_epsg(code)
         {
             return Ok(crs);
         }
-        let name = wkt::name_of(node).unwrap_or("unnamed").to_string();
+        let name = wkt::name_of(node).ok_or_else(|| unreadable(text, "it has no name"))?.to_string();
         let parsed = proj_wkt::parse_crs(&wkt::for_proj_wkt(node)).ok().and_then(east_north);
         if let Some(horizontal) = &parsed {
             let base = if horizontal.is_projected() { wkt::base_name_of(node) } else { Some(name.as_str()) };
@@ -125,10 +129,9 @@ impl Crs {
                 return Ok(crs);
             }
         }
-        let kind = match &parsed {
-            Some(horizontal) => kind_of(horizontal),
-            None => wkt::kind_of(node),
-        };
+        // As it is written: where the unit is 0 the parser takes another one.
+        let written = checked_unit(wkt::kind_of(node), text)?;
+        let kind = parsed.as_ref().map_or(written, kind_of);
         Ok(Crs { epsg: None, name, kind, definition: Definition::Wkt(node.to_string()) })
     }
 
@@ -138,7 +141,7 @@ impl Crs {
     pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographic: bool) -> Crs {
         let kind = match meters_per_unit {
             _ if geographic => CrsKind::Geographic,
-            Some(meters) if meters.is_finite() && meters > 0.0 => CrsKind::Projected { meters_per_unit: meters },
+            Some(meters) if SENSIBLE_UNITS_M.contains(&meters) => CrsKind::Projected { meters_per_unit: meters },
             _ => CrsKind::Other,
         };
         let name = if name.trim().is_empty() { "unnamed" } else { name.trim() };
@@ -287,6 +290,19 @@ fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Re
 /// E310 as for [`Transformation`].
 pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
     Transformation::new(from, to, xy)?.apply(xy)
+}
+
+/// Lengths that a unit of coordinates may have \[m\].
+const SENSIBLE_UNITS_M: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
+
+/// Refuses a unit of coordinates that nobody measures in.
+fn checked_unit(kind: CrsKind, text: &str) -> Result<CrsKind> {
+    match kind {
+        CrsKind::Projected { meters_per_unit } if !SENSIBLE_UNITS_M.contains(&meters_per_unit) => {
+            Err(unreadable(text, &format!("its unit is {meters_per_unit:e} m, wanted 0.001 to 100000 m")))
+        }
+        kind => Ok(kind),
+    }
 }
 
 fn unreadable(text: &str, why: &str) -> Error {

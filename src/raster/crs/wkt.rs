@@ -13,6 +13,23 @@ pub(super) fn horizontal_node(text: &str) -> Option<&str> {
     nodes(text, usize::MAX).into_iter().find(|node| KEYWORDS.iter().any(|k| keyword(node).eq_ignore_ascii_case(k)))
 }
 
+/// Whether all brackets and quotes of a text are closed.
+pub(super) fn is_whole(text: &str) -> bool {
+    let (mut depth, mut is_quoted) = (0_usize, false);
+    for c in text.chars() {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            '[' | '(' if !is_quoted => depth += 1,
+            ']' | ')' if !is_quoted => match depth.checked_sub(1) {
+                Some(less) => depth = less,
+                None => return false,
+            },
+            _ => {}
+        }
+    }
+    depth == 0 && !is_quoted
+}
+
 /// The EPSG code in the node's own `AUTHORITY` or `ID`.
 pub(super) fn epsg_of(node: &str) -> Option<u32> {
     let own = children(node).into_iter().find(|c| ["AUTHORITY", "ID"].contains(&keyword(c).to_uppercase().as_str()))?;
@@ -53,11 +70,8 @@ pub(super) fn kind_of(node: &str) -> CrsKind {
         .rfind(|c| ["UNIT", "LENGTHUNIT", "AXIS"].contains(&keyword(c).to_uppercase().as_str()));
     let wkt1 = children(node).into_iter().find(|c| keyword(c).eq_ignore_ascii_case("UNIT"));
     match wkt1.or(own).and_then(unit) {
-        Some(meters_per_unit)
-            if keyword_here.starts_with("PROJ") && meters_per_unit.is_finite() && meters_per_unit > 0.0 =>
-        {
-            CrsKind::Projected { meters_per_unit }
-        }
+        // Whether it is one that anybody measures in is asked where the text is at hand.
+        Some(meters_per_unit) if keyword_here.starts_with("PROJ") => CrsKind::Projected { meters_per_unit },
         _ => CrsKind::Other,
     }
 }

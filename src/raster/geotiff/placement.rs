@@ -71,7 +71,8 @@ pub(super) fn read_placement(
     });
     let Affine { a, b, c, d, e, f } = affine;
     let irregular = || {
-        let text = format!("cells of {a} x {e} at {c}, {f}, wanted finite numbers and cells of some size");
+        let text =
+            format!("cells of {a} x {e} at {c}, {f}, wanted finite numbers and cells that do not vanish beside them");
         source.error(307, text).with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`")
     };
     if ![a, b, c, d, e, f].iter().all(|number| number.is_finite()) {

@@ -1,12 +1,13 @@
 //! A folder of tiles on one grid.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
 
 use super::covered::n_covered_cells;
 use super::numbers::Rule;
 use super::placed::covered_area;
 use super::tile::{Header, read_headers, told_once};
-use super::{Kind, MAX_SIDE, Mosaic, Piece};
+use super::{Kind, MAX_SIDE, Mosaic, Nesting, Piece};
 use crate::error::{Error, Result, Warning};
 use crate::raster::{Crs, GeoRef, cannot_read};
 
@@ -21,7 +22,8 @@ impl Mosaic {
     /// reference system or unit of height: the error names them.
     pub fn open_folder(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mosaic> {
         let paths = tile_files(path)?;
-        let mut headers = read_headers(&paths, &[])?;
+        let n_opened = AtomicUsize::new(0);
+        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened })?;
         warnings.extend(told_once(headers.iter_mut(), &[]));
         warn_of_bands(path, &headers, warnings);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };

@@ -28,6 +28,7 @@ mod vrt;
 mod vrt_source;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
 
 use numbers::Rule;
 use tile::Tile;
@@ -45,6 +46,15 @@ const BAND_CELLS: usize = 1 << 24;
 const MAX_DEPTH: usize = 4;
 /// Most columns or rows, as in GDAL.
 const MAX_SIDE: f64 = 2_147_483_647.0;
+
+/// Where a file stands among virtual rasters that are in each other.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Nesting<'a> {
+    /// Those that it is in, outermost first.
+    pub(super) ancestors: &'a [PathBuf],
+    /// Files that were opened for all but the outermost.
+    pub(super) n_opened: &'a AtomicUsize,
+}
 
 /// A raster made of many, the headers of its tiles read and checked.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::Mosaic;
+use super::{Mosaic, Nesting};
 use crate::error::{Error, Result, Warning};
 use crate::raster::voids::{Stored, is_nodata};
 use crate::raster::{AsciiGrid, CellWindow, GeoRef, GeoTiff, RasterFile, VerticalCrs};
@@ -43,15 +43,15 @@ pub(super) struct Header {
 
 /// Reads the headers of all tiles, in parallel; the error is that of the first bad one.
 ///
-/// `ancestors` are the virtual rasters that the tiles are in, outermost first.
-pub(super) fn read_headers(paths: &[PathBuf], ancestors: &[PathBuf]) -> Result<Vec<Header>> {
-    let headers: Vec<Result<Header>> = paths.par_iter().map(|path| read_header(path, ancestors)).collect();
+/// `nesting` is that of the virtual raster that the tiles are in.
+pub(super) fn read_headers(paths: &[PathBuf], nesting: Nesting<'_>) -> Result<Vec<Header>> {
+    let headers: Vec<Result<Header>> = paths.par_iter().map(|path| read_header(path, nesting)).collect();
     headers.into_iter().collect()
 }
 
-fn read_header(path: &Path, ancestors: &[PathBuf]) -> Result<Header> {
+fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
     let mut warnings = Vec::new();
-    let file = RasterFile::open_within(path, ancestors, &mut warnings)?;
+    let file = RasterFile::open_within(path, nesting, &mut warnings)?;
     let georef = file.georef().clone();
     let meters_per_height_unit = file.meters_per_height_unit();
     let vertical = file.vertical().cloned();

@@ -7,13 +7,14 @@
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::covered::n_covered_cells;
 use super::tile::{Header, read_headers, told_once};
 use super::vrt_source::Source;
-use super::{Kind, MAX_DEPTH, MAX_SIDE, Mosaic, Piece};
+use super::{Kind, MAX_DEPTH, MAX_SIDE, Mosaic, Nesting, Piece};
 use crate::error::{Error, Result, Warning};
 use crate::raster::file::open_file;
 use crate::raster::geotiff::meters_per_named_unit;
@@ -22,6 +23,8 @@ use crate::raster::{Crs, GeoRef, cannot_read};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
 const MAX_XML_BYTES: u64 = 256 << 20;
+/// Most sources of virtual rasters that are in others.
+const MOST_NESTED_FILES: usize = 10_000;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
 const MAX_SHEAR_CELLS: f64 = 1e-3;
 
@@ -41,17 +44,18 @@ struct Described {
 impl Mosaic {
     /// Opens a virtual raster and reads the headers of its tiles, no cell.
     ///
-    /// `ancestors` are the virtual rasters that it is in, outermost first.
+    /// `nesting` is that of the file.
     ///
     /// # Errors
     /// If the file is no XML of a virtual raster, or one that resamples or computes; if a tile cannot be opened, is of
     /// another size or in another reference system than the virtual raster says, or is the virtual raster itself.
     pub(in crate::raster) fn open_vrt(
         path: &Path,
-        ancestors: &[PathBuf],
+        nesting: Nesting<'_>,
         warnings: &mut Vec<Warning>,
     ) -> Result<Mosaic> {
         let this = std::fs::canonicalize(path).map_err(|e| cannot_read(path, &e))?;
+        let Nesting { ancestors, n_opened } = nesting;
         if ancestors.contains(&this) {
             let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());
             return Err(Error::file(302, text));
@@ -65,7 +69,16 @@ impl Mosaic {
         let xml = read_xml(path)?;
         let described = describe(path, &xml, warnings)?;
         let (paths, tile_of) = distinct(&described.sources);
-        let mut headers = read_headers(&paths, &ancestors)
+        // A file that many name which many name is opened for each.
+        let is_nested = ancestors.len() > 1;
+        if is_nested && n_opened.fetch_add(paths.len(), Ordering::Relaxed) + paths.len() > MOST_NESTED_FILES {
+            let text = format!(
+                "cannot read `{}`: virtual rasters in each other with more than {MOST_NESTED_FILES} sources",
+                path.display()
+            );
+            return Err(Error::limit(502, text).with_hint(translate_hint(path)));
+        }
+        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, n_opened })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
         warnings.extend(told_once(headers.iter_mut(), &["W325", "W326", "W327", "W331", "W332"]));
@@ -206,7 +219,50 @@ pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
     node.text().unwrap_or_default().trim()
 }
 
+/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
+const MOST_ATTRIBUTES: usize = 500;
+
+/// Refuses elements with more attributes than any virtual raster has, and more namespaces.
+fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
+    let mut rest = xml;
+    let mut n_namespaces = 0;
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start..];
+        let outside = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((begin, end)) = outside.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
+            rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
+            continue;
+        }
+        // Parts outside of quotes: of `a="b" c='d'>` the parts `a=`, ` c=` and `>`.
+        let (mut n_attributes, mut quote) = (0, None);
+        let end = rest.find(|c| match (quote, c) {
+            (Some(open), c) if c == open => {
+                quote = None;
+                false
+            }
+            (None, '"' | '\'') => {
+                n_attributes += 1;
+                quote = Some(c);
+                false
+            }
+            (quote, c) => quote.is_none() && c == '>',
+        });
+        let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
+        n_namespaces += tag.matches("xmlns").count();
+        if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
+            let text = format!(
+                "cannot read `{}`: more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster",
+                path.display()
+            );
+            return Err(Error::limit(502, text));
+        }
+        rest = after;
+    }
+    Ok(())
+}
+
 fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Described> {
+    refuse_crowds(path, xml)?;
     // Without document types there are no entities to blow up.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(xml, options).map_err(|e| {

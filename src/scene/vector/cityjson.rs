@@ -13,7 +13,7 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use super::rings::doubled_area;
-use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use super::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use crate::error::{Error, Result};
 
 /// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
@@ -54,6 +54,7 @@ pub(super) fn features(path: &Path, document: &Value) -> Result<FeatureSet> {
         features.push(Feature {
             id: Some(id.clone()),
             properties: object.get("attributes").and_then(Value::as_object).map(properties).unwrap_or_default(),
+            has_other_parts: false,
             heights: shape.heights,
             polygons: shape.polygons,
         });
@@ -196,8 +197,8 @@ fn is_wall(ring: &[[f64; 3]]) -> bool {
     seen_along(0, 1) <= LEAST_FLATNESS * seen_along(1, 2).hypot(seen_along(0, 2))
 }
 
-fn properties(attributes: &Map<String, Value>) -> Vec<(String, Property)> {
-    attributes.iter().map(|(name, value)| (name.clone(), Property::of_json(value))).collect()
+fn properties(attributes: &Map<String, Value>) -> Properties {
+    attributes.iter().map(|(name, value)| (name.as_str().into(), Property::of_json(value))).collect()
 }
 
 #[cfg(test)]

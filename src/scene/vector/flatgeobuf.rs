@@ -11,29 +11,32 @@
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::Arc;
 
 use flatgeobuf::{
-    ColumnType, Feature as Table, Geometry, GeometryType, Header, size_prefixed_root_as_feature,
+    Column, ColumnType, Feature as Table, Geometry, GeometryType, Header, size_prefixed_root_as_feature,
     size_prefixed_root_as_header,
 };
 
 use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
 use crate::error::{Error, Result};
-use crate::raster::{Crs, cannot_read};
+use crate::raster::{Crs, cannot_read, open_file};
 
 /// Bytes of a box in the index: four coordinates and an offset.
 const BOX_BYTES: u64 = 40;
 
 /// Bytes of a point: two coordinates.
-const POINT_BYTES: u64 = 16;
+const POINT_BYTES: usize = 16;
+
+/// Fewest bytes of a part or ring: the offset or the number that tells it.
+const PART_BYTES: usize = 4;
 
 /// How deep geometries may nest.
 const MOST_NESTED: usize = 16;
 
 /// Reads the features of a file, with `bounds` only those whose boxes meet them where the file has an index.
 pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
-    let file = File::open(path).map_err(|e| cannot_read(path, &e))?;
-    let length = file.metadata().map_err(|e| cannot_read(path, &e))?.len();
+    let (file, length) = open_file(path)?;
     let mut source = Source { path, file: BufReader::new(file), at: 0, length };
     let magic = source.take(8)?;
     if &magic[..3] != b"fgb" || &magic[4..7] != b"fgb" || magic[3] > 3 {
@@ -47,19 +50,20 @@ pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> 
         (Some(bounds), 1..) => Some(index.offsets(&mut source, bounds)?),
         _ => None,
     };
+    let names = names_of(header.columns().into_iter().flatten(), head.len())
+        .map_err(|found| malformed(path, &found, "FlatGeobuf"))?;
     let mut features = Vec::new();
-    let mut n_points = 0;
+    let mut n_bytes = 0;
     let mut add = |source: &mut Source<'_>, number: u64| {
         let bytes = source.prefixed()?;
         let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "FlatGeobuf");
-        let table = size_prefixed_root_as_feature(&bytes).map_err(|e| wrong(e.to_string()))?;
-        let feature = feature_of(&header, table).map_err(wrong)?;
-        // Places in the file that are named many times would make much of little.
-        n_points += feature.polygons.iter().flatten().map(|ring| ring.len() as u64).sum::<u64>();
-        if n_points > length / POINT_BYTES {
-            return Err(wrong(format!("with it more points, {n_points}, than {length} bytes hold")));
+        // An index that names a feature many times would make much of little.
+        n_bytes += bytes.len() as u64;
+        if n_bytes > length {
+            return Err(wrong(format!("with it more than the {length} bytes of the file")));
         }
-        features.push(feature);
+        let table = size_prefixed_root_as_feature(&bytes).map_err(|e| wrong(e.to_string()))?;
+        features.push(feature_of(&header, &names, table, bytes.len()).map_err(wrong)?);
         Ok(())
     };
     match wanted {
@@ -182,19 +186,44 @@ fn crs(path: &Path, header: &Header<'_>) -> Result<Option<Crs>> {
     }
 }
 
-fn feature_of(header: &Header<'_>, table: Table<'_>) -> std::result::Result<Feature, String> {
+/// The names of columns that are told in so many bytes; more than these hold are the same ones told many times.
+fn names_of<'a>(
+    columns: impl Iterator<Item = Column<'a>>,
+    n_bytes: usize,
+) -> std::result::Result<Vec<Arc<str>>, String> {
+    let mut left = n_bytes;
+    let name = |column: Column<'_>| {
+        left = left
+            .checked_sub(column.name().len())
+            .ok_or_else(|| format!("columns with longer names than {n_bytes} bytes hold"))?;
+        Ok(Arc::from(column.name()))
+    };
+    columns.map(name).collect()
+}
+
+/// A feature that is told in `n_bytes`, of columns with `names` unless it has its own.
+fn feature_of(
+    header: &Header<'_>,
+    names: &[Arc<str>],
+    table: Table<'_>,
+    n_bytes: usize,
+) -> std::result::Result<Feature, String> {
     let mut feature = Feature::default();
+    let mut room = Room { n_bytes, points: n_bytes / POINT_BYTES, parts: n_bytes / PART_BYTES, has_other_parts: false };
     if let Some(geometry) = table.geometry() {
         let kind = match header.geometry_type() {
             GeometryType::Unknown => geometry.type_(),
             kind => kind,
         };
-        add_polygons(&geometry, kind, &mut feature.polygons, 0)?;
+        add_polygons(&geometry, kind, (&mut feature.polygons, &mut room), 0)?;
     }
+    feature.has_other_parts = room.has_other_parts;
     let columns = match (table.columns(), header.columns()) {
         (Some(columns), _) | (None, Some(columns)) => columns,
         (None, None) => return Ok(feature),
     };
+    let own = table.columns().map(|columns| names_of(columns.iter(), n_bytes)).transpose()?;
+    let names = own.as_deref().unwrap_or(names);
     let bytes = table.properties().map(|p| p.bytes()).unwrap_or_default();
     let mut rest = bytes;
     while !rest.is_empty() {
@@ -204,22 +233,43 @@ fn feature_of(header: &Header<'_>, table: Table<'_>) -> std::result::Result<Feat
         }
         let column = columns.get(number);
         let value = value(column.type_(), &mut rest)?;
-        feature.properties.push((column.name().to_string(), value));
+        feature.properties.push((names[number].clone(), value));
     }
     Ok(feature)
+}
+
+/// What the bytes of a feature have room for: a place in them that is named many times would make much of little.
+struct Room {
+    n_bytes: usize,
+    points: usize,
+    parts: usize,
+    /// Whether the feature has points or lines.
+    has_other_parts: bool,
+}
+
+impl Room {
+    fn take(left: &mut usize, n: usize, (what, n_bytes): (&str, usize)) -> std::result::Result<(), String> {
+        *left = left.checked_sub(n).ok_or_else(|| format!("more {what} than {n_bytes} bytes hold"))?;
+        Ok(())
+    }
 }
 
 fn add_polygons(
     geometry: &Geometry<'_>,
     kind: GeometryType,
-    polygons: &mut Vec<Polygon>,
+    (polygons, room): (&mut Vec<Polygon>, &mut Room),
     depth: usize,
 ) -> std::result::Result<(), String> {
+    Room::take(&mut room.parts, 1, ("parts", room.n_bytes))?;
     if depth > MOST_NESTED {
         return Err(format!("its geometry nests more than {MOST_NESTED} collections"));
     }
     match kind {
         GeometryType::Polygon | GeometryType::Triangle => {
+            let n_points = geometry.xy().map_or(0, |xy| xy.len() / 2);
+            Room::take(&mut room.points, n_points, ("points", room.n_bytes))?;
+            let n_rings = geometry.ends().map_or(0, |ends| ends.len());
+            Room::take(&mut room.parts, n_rings, ("rings", room.n_bytes))?;
             let numbers: Vec<f64> = geometry.xy().map(|xy| xy.iter().collect()).unwrap_or_default();
             let points: Vec<[f64; 2]> = numbers.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
             let ends: Vec<usize> = geometry.ends().map(|e| e.iter().map(|n| n as usize).collect()).unwrap_or_default();
@@ -247,13 +297,16 @@ fn add_polygons(
                     (_, GeometryType::Triangle) => GeometryType::Triangle,
                     _ => GeometryType::Polygon,
                 };
-                add_polygons(part, kind, polygons, depth + 1)
+                add_polygons(part, kind, (&mut *polygons, &mut *room), depth + 1)
             })
         }
         GeometryType::Curve | GeometryType::CurvePolygon | GeometryType::MultiSurface | GeometryType::Surface => {
             Err("it is a curve; straighten it first: `ogr2ogr -nlt CONVERT_TO_LINEAR`".into())
         }
-        _ => Ok(()),
+        _ => {
+            room.has_other_parts = true;
+            Ok(())
+        }
     }
 }
 

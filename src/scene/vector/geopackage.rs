@@ -8,27 +8,33 @@
 
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
+use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::wkb::polygons_of;
 use super::{Feature, FeatureSet, Property, crs_of, malformed};
 use crate::error::{Error, Result};
-use crate::raster::{Crs, cannot_read};
+use crate::raster::{Crs, cannot_read, open_file};
 
 /// Bytes of the header of an SQLite database.
 const SQLITE_HEADER_BYTES: u64 = 100;
 
 /// Reads the features of a table, of the only one where no `layer` is named.
 pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
-    let length = std::fs::metadata(path).map_err(|e| cannot_read(path, &e))?.len();
+    let (_, length) = open_file(path)?;
     refuse_open_changes(path)?;
     refuse_cut_off(path, length)?;
     let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(uri(path), flags).map_err(broken)?;
+    // What a column computes may not be larger than what the file holds.
+    let longest = i32::try_from(length.max(LEAST_VALUE)).unwrap_or(i32::MAX);
+    database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
     database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
+    refuse_views(path, &database).map_err(broken)??;
     let layers = layers(&database).map_err(broken)?;
     let layer = chosen(path, layer, &layers)?;
     let table = Table::of(&database, layer).map_err(broken)?;
@@ -40,6 +46,23 @@ pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
     let features = table.features(path, &database, length)?;
     let crs = crs(path, &database, table.srs);
     Ok(FeatureSet { crs, attribution: None, name_limit: None, features })
+}
+
+/// The longest value that any file may hold \[bytes\].
+const LEAST_VALUE: u64 = 1 << 20;
+
+/// How often the bytes of a file may be read as values.
+const READS_PER_BYTE: u64 = 2;
+
+/// The tables that say what the others are must be tables: a view can compute without end.
+fn refuse_views(path: &Path, database: &Connection) -> rusqlite::Result<Result<()>> {
+    let query = "SELECT name FROM sqlite_master WHERE rootpage = 0
+        AND lower(name) IN ('gpkg_contents', 'gpkg_geometry_columns', 'gpkg_spatial_ref_sys')";
+    let found: Option<String> = database.query_row(query, [], |row| row.get(0)).optional()?;
+    Ok(match found {
+        Some(name) => Err(malformed(path, &format!("`{name}`, which is no plain table"), "a GeoPackage")),
+        None => Ok(()),
+    })
 }
 
 /// A database that another program holds open keeps its last changes in a file beside it.
@@ -86,7 +109,9 @@ fn uri(path: &Path) -> String {
             plain => char::from(*plain).to_string(),
         })
         .collect();
-    format!("file:{escaped}?immutable=1")
+    // Two slashes at the beginning would name a host.
+    let root = if escaped.starts_with('/') { "//" } else { "" };
+    format!("file:{root}{escaped}?immutable=1")
 }
 
 /// The tables of features, in the order of the file.
@@ -148,9 +173,9 @@ impl<'a> Table<'a> {
         while let Some(row) = rows.next().map_err(broken)? {
             let number = features.len() + 1;
             let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage");
-            // Damaged pages may lead in circles: a row takes at least a byte, and its geometry stands in the file.
-            n_bytes += 1 + self.geometry_bytes(row, &columns);
-            if n_bytes > file_bytes {
+            // Damaged pages may lead in circles, and columns may have long values that stand in no row.
+            n_bytes += 1 + bytes_of(row, columns.len());
+            if n_bytes > READS_PER_BYTE * file_bytes {
                 return Err(wrong(format!("with it more than the {file_bytes} bytes of the file")));
             }
             features.push(self.feature(row, &columns).map_err(wrong)?);
@@ -159,10 +184,9 @@ impl<'a> Table<'a> {
     }
 
     /// The names of the columns. Statements name them too, but panic where a damaged name is no UTF-8.
-    fn columns(&self, database: &Connection) -> rusqlite::Result<Vec<String>> {
+    fn columns(&self, database: &Connection) -> rusqlite::Result<Vec<Arc<str>>> {
         let mut query = database.prepare("SELECT name FROM pragma_table_info(?1)")?;
-        let name =
-            |row: &Row<'_>| Ok(String::from_utf8_lossy(row.get_ref(0)?.as_bytes().unwrap_or_default()).into_owned());
+        let name = |row: &Row<'_>| Ok(String::from_utf8_lossy(row.get_ref(0)?.as_bytes().unwrap_or_default()).into());
         query.query_map([self.name], name)?.collect()
     }
 
@@ -170,25 +194,20 @@ impl<'a> Table<'a> {
         column.eq_ignore_ascii_case(&self.geometry)
     }
 
-    fn geometry_bytes(&self, row: &Row<'_>, columns: &[String]) -> u64 {
-        let at = columns.iter().position(|name| self.is_geometry(name));
-        match at.map(|k| row.get_ref(k)) {
-            Some(Ok(ValueRef::Blob(blob))) => blob.len() as u64,
-            _ => 0,
-        }
-    }
-
-    fn feature(&self, row: &Row<'_>, columns: &[String]) -> std::result::Result<Feature, String> {
+    fn feature(&self, row: &Row<'_>, columns: &[Arc<str>]) -> std::result::Result<Feature, String> {
         let mut feature = Feature::default();
         for (k, name) in columns.iter().enumerate() {
             let value = row.get_ref(k).map_err(|e| e.to_string())?;
             if self.is_geometry(name) {
                 if let ValueRef::Blob(blob) = value {
-                    polygons_of(geometry(blob)?, &mut feature.polygons)?;
+                    feature.has_other_parts = polygons_of(geometry(blob)?, &mut feature.polygons)?;
                 }
                 continue;
             }
-            feature.properties.push((name.clone(), property(value)));
+            // A row need not hold what it has no value of.
+            if value != ValueRef::Null {
+                feature.properties.push((name.clone(), property(value)));
+            }
         }
         if feature.property("id", None).is_none() {
             let key = self.key.as_ref().and_then(|key| feature.property(key, None));
@@ -196,6 +215,16 @@ impl<'a> Table<'a> {
         }
         Ok(feature)
     }
+}
+
+/// The bytes that the values of a row take at least.
+fn bytes_of(row: &Row<'_>, n_columns: usize) -> u64 {
+    let of_value = |k| match row.get_ref(k) {
+        Ok(ValueRef::Null) | Err(_) => 0,
+        Ok(ValueRef::Blob(bytes) | ValueRef::Text(bytes)) => 1 + bytes.len() as u64,
+        Ok(_) => 1,
+    };
+    (0..n_columns).map(of_value).sum()
 }
 
 /// The well-known binary inside a geometry of a GeoPackage.

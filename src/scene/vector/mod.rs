@@ -13,6 +13,7 @@ mod wkb;
 
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::raster::{Crs, cannot_read};
@@ -38,13 +39,18 @@ pub(super) struct FeatureSet {
 pub(super) struct Feature {
     /// What the file calls it, if anything.
     pub(super) id: Option<String>,
-    /// Properties by name.
-    pub(super) properties: Vec<(String, Property)>,
+    /// What is said of it.
+    pub(super) properties: Properties,
     /// Its areas; empty where it is none.
     pub(super) polygons: Vec<Polygon>,
+    /// Whether it has points or lines beside its areas.
+    pub(super) has_other_parts: bool,
     /// Lowest and highest point of a solid \[m above the datum\].
     pub(super) heights: Option<[f64; 2]>,
 }
+
+/// Properties by name; formats with columns share the names.
+pub(super) type Properties = Vec<(Arc<str>, Property)>;
 
 /// The value of a property.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,7 +128,7 @@ pub(super) fn read_features(path: &Path, selection: Selection<'_>) -> Result<Fea
 impl Feature {
     /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
     pub(super) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
-        let find = |name: &str| self.properties.iter().find(|(n, _)| n == name).map(|(_, value)| value);
+        let find = |name: &str| self.properties.iter().find(|(n, _)| **n == *name).map(|(_, value)| value);
         let found = find(name).or_else(|| {
             let cut: String = name.chars().take(name_limit?).collect();
             // GDAL writes an underscore for a colon, too.

@@ -13,11 +13,14 @@ use shapefile::record::traits::HasXY;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
 use super::rings::assembled;
-use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed, read_bytes};
+use super::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed, read_bytes};
 use crate::error::{Error, Result};
 
 /// Most characters of a column's name in a `.dbf`.
 const NAME_LIMIT: usize = 10;
+
+/// Bytes of a point: two coordinates.
+const POINT_BYTES: usize = 16;
 
 /// Bytes of the header of `.shp` and `.shx`.
 const HEADER_BYTES: usize = 100;
@@ -37,12 +40,20 @@ pub(super) fn read(path: &Path) -> Result<FeatureSet> {
     })?;
     check_index(path, &shx, shp.len())?;
     let broken = |e: shapefile::Error| malformed(path, &e.to_string(), "a shapefile");
+    let n_bytes = shp.len();
     let mut reader = ShapeReader::with_shx(Cursor::new(shp), Cursor::new(shx)).map_err(broken)?;
     let n_indexed = reader.shape_count().map_err(broken)?;
-    let mut shapes = Vec::new();
+    let (mut shapes, mut n_points) = (Vec::new(), 0);
     for (number, shape) in reader.iter_shapes().enumerate() {
         let shape = shape.map_err(|e| malformed(path, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
-        shapes.push(polygons_of(path, shape)?);
+        let polygons = polygons_of(path, shape)?;
+        // An index that names a shape many times would make much of little.
+        n_points += polygons.iter().flatten().map(Vec::len).sum::<usize>();
+        if n_points > n_bytes / POINT_BYTES {
+            let found = format!("feature {}: with it more points than {n_bytes} bytes hold", number + 1);
+            return Err(malformed(path, &found, "a shapefile"));
+        }
+        shapes.push(polygons);
     }
     let rows = table(path, dbf)?;
     if shapes.len() != n_indexed || shapes.len() != rows.len() {
@@ -114,7 +125,7 @@ fn rings_of<P: HasXY>(polygon: &GenericPolygon<P>) -> Vec<Polygon> {
 }
 
 /// The rows of the table, each by column name.
-fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Vec<(String, Property)>>> {
+fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Properties>> {
     let table = path.with_extension("dbf");
     let code_page = sidecar(path, "cpg")?.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_string());
     let encoding = code_page.and_then(|name| DynEncoding::from_name(&name));
@@ -133,8 +144,8 @@ fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Vec<(String, Property)>>> {
 }
 
 /// The values of a row, sorted by name: the crate keeps them in no order.
-fn properties(row: Record) -> Vec<(String, Property)> {
-    let mut properties: Vec<_> = row.into_iter().map(|(name, value)| (name, property(value))).collect();
+fn properties(row: Record) -> Properties {
+    let mut properties: Properties = row.into_iter().map(|(name, value)| (name.into(), property(value))).collect();
     properties.sort_by(|a, b| a.0.cmp(&b.0));
     properties
 }

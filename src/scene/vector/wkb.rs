@@ -8,17 +8,19 @@ use super::Polygon;
 /// How deep collections may nest; a multipolygon in a collection is two.
 const MOST_NESTED: usize = 16;
 
-/// Adds the polygons of a geometry to `polygons`; points, lines and curves have none.
+/// Adds the polygons of a geometry to `polygons`, and says whether it has points or lines too.
 ///
 /// The error says what is wrong.
-pub(super) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<(), String> {
-    let mut reader = Reader { bytes, little_endian: true };
-    reader.geometry(polygons, 0)
+pub(super) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<bool, String> {
+    let mut reader = Reader { bytes, little_endian: true, has_other_parts: false };
+    reader.geometry(polygons, 0)?;
+    Ok(reader.has_other_parts)
 }
 
 struct Reader<'a> {
     bytes: &'a [u8],
     little_endian: bool,
+    has_other_parts: bool,
 }
 
 impl Reader<'_> {
@@ -76,8 +78,12 @@ impl Reader<'_> {
                 let n = self.count(5)?;
                 (0..n).try_for_each(|_| self.geometry(polygons, depth + 1))
             }
-            1 => self.skip(8 * dimensions),
+            1 => {
+                self.has_other_parts = true;
+                self.skip(8 * dimensions)
+            }
             2 => {
+                self.has_other_parts = true;
                 let n = self.count(8 * dimensions)?;
                 self.skip(n * 8 * dimensions)
             }

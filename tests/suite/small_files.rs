@@ -1,0 +1,232 @@
+//! Small files that would take much time or memory: each is refused, or read at the cost that its size stands for. Every run
+//! may take 1 GB of memory and some seconds, which the system enforces.
+
+#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use flatgeobuf::geozero::{ColumnValue, PropertyProcessor};
+use flatgeobuf::{ColumnType, FgbCrs, FgbWriter, FgbWriterOptions, GeometryType};
+use rusqlite::Connection;
+
+use crate::program::Folder;
+use crate::vector_files::{Building, EAST, NORTH, Shape, city, write_geopackage};
+
+/// Asserts that a line is refused with an exit code and words.
+fn refused(folder: &Folder, line: &str, (code, words): (i32, &str)) {
+    let answer = folder.type_in(line);
+    let lines = answer.refused(code).join("\n");
+    assert!(lines.contains(words), "{line}: {lines}");
+    assert!(lines.len() < 2000, "{line}: {} bytes are said", lines.len());
+}
+
+#[test]
+fn long_names_of_columns_are_held_once() {
+    let folder = Folder::new();
+    let crs = FgbCrs { code: 25832, ..FgbCrs::default() };
+    let options = FgbWriterOptions { write_index: false, crs, ..FgbWriterOptions::default() };
+    let mut writer = FgbWriter::create_with_options("city", GeometryType::MultiPolygon, options).unwrap();
+    // 10 names of 30 kB and 4000 values of each: 1.2 GB, were every value given its name.
+    let names: Vec<String> = (0..10).map(|k| format!("{k}{}", "n".repeat(30_000))).collect();
+    names.iter().for_each(|name| writer.add_column(name, ColumnType::Bool, |_, _| {}));
+    writer.add_column("height", ColumnType::Double, |_, _| {});
+    for k in 0..4000 {
+        let (x, y) = (EAST + 10.0 * f64::from(k % 64), NORTH + 10.0 * f64::from(k / 64));
+        let square = vec![[x, y], [x + 5.0, y], [x + 5.0, y + 5.0], [x, y + 5.0], [x, y]];
+        let building = Building { height: "9", polygons: vec![vec![square]] };
+        writer
+            .add_feature_geom(Shape(&building), |feature| {
+                for (k, name) in names.iter().enumerate() {
+                    feature.property(k, name, &ColumnValue::Bool(true)).unwrap();
+                }
+                feature.property(names.len(), "height", &ColumnValue::Double(9.0)).unwrap();
+            })
+            .unwrap();
+    }
+    writer.write(std::fs::File::create(folder.join("long.fgb")).unwrap()).unwrap();
+    let buildings = folder.type_in("info long.fgb --json").done().json()["buildings"].clone();
+    assert_eq!(buildings, 4000);
+}
+
+/// A GeoPackage of one building, changed by statements.
+fn geopackage(folder: &Folder, name: &str, statements: &str) {
+    let city = city();
+    write_geopackage(&folder.join(name), &[("city", &city[..1])]);
+    Connection::open(folder.join(name)).unwrap().execute_batch(statements).unwrap();
+}
+
+#[test]
+fn what_a_geopackage_computes_is_not_read() {
+    let folder = Folder::new();
+    let rows = "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n WHERE k < 20000)
+        INSERT INTO city (geom, height) SELECT city.geom, city.height FROM n, city LIMIT 20000;";
+    // A value that stands in no row but is that of each: 20 GB of text, were it read.
+    let long = format!("{rows} ALTER TABLE city ADD COLUMN note TEXT DEFAULT '{}';", "n".repeat(1_000_000));
+    geopackage(&folder, "default.gpkg", &long);
+    refused(&folder, "info default.gpkg", (3, "E302"));
+    let many: String = (0..1900).map(|k| format!("ALTER TABLE city ADD COLUMN c{k} INTEGER DEFAULT 1;")).collect();
+    geopackage(&folder, "many.gpkg", &format!("{rows}{many}"));
+    refused(&folder, "info many.gpkg", (3, "E302"));
+    // Columns without values cost nothing.
+    let empty = many.replace(" DEFAULT 1", "");
+    let few = rows.replace("20000", "200");
+    geopackage(&folder, "empty.gpkg", &format!("{few}{empty}"));
+    folder.type_in("info empty.gpkg --json").done();
+    let blob = "ALTER TABLE city ADD COLUMN big BLOB GENERATED ALWAYS AS (zeroblob(900000000)) VIRTUAL;";
+    geopackage(&folder, "blob.gpkg", blob);
+    refused(&folder, "info blob.gpkg", (3, "E302"));
+    let endless = "DROP TABLE gpkg_contents; CREATE VIEW gpkg_contents AS WITH RECURSIVE n(k) AS
+        (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT 'city' AS table_name, 'features' AS data_type FROM n WHERE k < 0;";
+    geopackage(&folder, "endless.gpkg", endless);
+    refused(&folder, "info endless.gpkg", (3, "no plain table"));
+}
+
+/// A virtual raster of 4 × 4 cells with all sources over each other.
+fn virtual_raster(sources: &[String]) -> String {
+    let source = |name: &String| {
+        format!(
+            "<SimpleSource><SourceFilename relativeToVRT=\"1\">{name}</SourceFilename><SourceBand>1</SourceBand>\
+             <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"4\" ySize=\"4\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"4\" ySize=\"4\"/>\
+             </SimpleSource>"
+        )
+    };
+    let sources: String = sources.iter().map(source).collect();
+    format!(
+        "<VRTDataset rasterXSize=\"4\" rasterYSize=\"4\"><SRS>EPSG:25832</SRS>\
+         <GeoTransform>0, 1, 0, 4, 0, -1</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">{sources}\
+         </VRTRasterBand></VRTDataset>"
+    )
+}
+
+const GRID: &str = "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 1 1 1\n1 1 1 1\n1 1 1 1\n1 1 1 1\n";
+
+#[test]
+fn virtual_rasters_are_read_at_the_cost_of_their_size() {
+    let folder = Folder::new();
+    let plain = virtual_raster(&["a.asc".to_string()]);
+    folder.write("a.asc", GRID);
+    folder.write("plain.vrt", &plain);
+    folder.type_in("info plain.vrt --json").done();
+    // The parser compares each attribute and each namespace with all others.
+    let attributes: String = (0..100_000).map(|k| format!(" a{k}=\"<>'\"")).collect();
+    folder.write("attributes.vrt", &plain.replacen("<VRTDataset", &format!("<VRTDataset{attributes}"), 1));
+    refused(&folder, "info attributes.vrt", (5, "more than 500 attributes"));
+    let namespaces: String = (0..20_000).map(|k| format!("<x xmlns:n{k}=\"u{k}\"/>")).collect();
+    folder.write("namespaces.vrt", &plain.replacen("<SRS>", &format!("{namespaces}<SRS>"), 1));
+    refused(&folder, "info namespaces.vrt", (5, "namespaces"));
+    // What looks like attributes in a comment is none.
+    let quotes = "\"'".repeat(100_000);
+    folder.write("comment.vrt", &plain.replacen("<SRS>", &format!("<!-- {quotes} --><SRS>"), 1));
+    folder.type_in("info comment.vrt --json").done();
+    // Three levels of 40 files that name the 40 files below are opened 64 000 times.
+    for k in 0..40 {
+        folder.write(&format!("0_{k}.asc"), GRID);
+        for level in 1..4 {
+            let extension = if level == 1 { "asc" } else { "vrt" };
+            let below: Vec<String> = (0..40).map(|j| format!("{}_{j}.{extension}", level - 1)).collect();
+            folder.write(&format!("{level}_{k}.vrt"), &virtual_raster(&below));
+        }
+    }
+    refused(&folder, "info 3_0.vrt", (5, "more than 10000 sources"));
+    folder.type_in("info 2_0.vrt --json").done();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_called_one_and_not_waited_for() {
+    let folder = Folder::new();
+    let made = std::process::Command::new("mkfifo").arg(folder.join("pipe.asc")).status().unwrap();
+    assert!(made.success());
+    folder.write("of_pipe.vrt", &virtual_raster(&["pipe.asc".to_string()]));
+    for scene in ["of_pipe.vrt", "pipe.asc"] {
+        refused(&folder, &format!("info {scene}"), (3, "a pipe or a device"));
+    }
+    // As an output it is refused, not replaced.
+    folder.write("a.asc", GRID);
+    refused(&folder, "map a.asc --uav 2,2,9 -o pipe.asc --overwrite", (2, "a pipe or a device"));
+    use std::os::unix::fs::FileTypeExt;
+    assert!(std::fs::metadata(folder.join("pipe.asc")).unwrap().file_type().is_fifo());
+}
+
+#[test]
+fn grids_whose_cells_vanish_are_refused() {
+    let folder = Folder::new();
+    for (corner, cell) in [("0", "1e-307"), ("0", "1e300"), ("1e15", "0.001"), ("0", "1e-12")] {
+        let text = GRID
+            .replace("cellsize 1", &format!("cellsize {cell}"))
+            .replace("xllcorner 0", &format!("xllcorner {corner}"));
+        folder.write("a.asc", &text);
+        refused(&folder, "info a.asc", (3, "error[E30"));
+        refused(&folder, "map a.asc --uav 2,2,9 --json", (3, "error[E30"));
+    }
+    refused(&folder, "map itu:urban --cell 1e-300 --uav 2,2,9 --json", (5, "error[E502]"));
+}
+
+/// UTM zone 32 with feet, as Esri writes it.
+const FEET: &str = r#"PROJCS["feet",GEOGCS["GCS",DATUM["D",SPHEROID["S",6378137.0,298.257222101]],PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0],UNIT["Foot_US",0.3048006096012192]]"#;
+
+#[test]
+fn a_reference_system_that_is_cut_or_absurd_is_refused() {
+    let folder = Folder::new();
+    folder.write("a.asc", GRID);
+    let cell = |prj: &str| {
+        folder.write("a.prj", prj);
+        folder.type_in("info a.asc --json")
+    };
+    let found = cell(FEET).done().json()["cell_m"][0].as_f64().unwrap();
+    assert!((found - 0.304_800_609_6).abs() < 1e-9, "{found}");
+    // Cut at any place it is no system of meters.
+    for end in [FEET.len() - 1, FEET.find(",0.3048").unwrap(), FEET.rfind("UNIT").unwrap(), FEET.find("PARAM").unwrap()]
+    {
+        let lines = cell(&FEET[..end]);
+        assert!(lines.refused(3)[0].contains("E310"), "cut at {end}: {lines:?}");
+    }
+    for unit in ["1e308", "1e-300", "0", "-1"] {
+        let lines = cell(&FEET.replace("0.3048006096012192", unit));
+        assert_eq!(lines.code(), 3, "{unit}: {lines:?}");
+    }
+    for nonsense in ["PROJCS[]", "PROJCS[\"\"]"] {
+        assert!(cell(nonsense).refused(3)[0].contains("E310"), "{nonsense}");
+    }
+}
+
+#[test]
+fn names_of_any_length_leave_a_picture_its_room() {
+    let folder = Folder::new();
+    let long = "n".repeat(100);
+    folder.write("uavs.csv", &format!("id,x,y,h\n{long}1,20,20,50\n{long}2,60,60,50\n"));
+    let line = "map itu:urban --size 100 --uavs uavs.csv --layers count,which -o a.svg -o a.png --height-curve c.svg";
+    folder.type_in(line).done();
+    folder.type_in("compare itu:urban --size 100 --uavs uavs.csv -o k.svg -o k.png").done();
+    for name in ["a.svg", "c.svg", "k.svg"] {
+        let text = folder.text(name);
+        let width: f64 = text.split("width=\"").nth(1).and_then(|w| w.split('"').next()).unwrap().parse().unwrap();
+        assert!(width < 4000.0 && text.contains('…'), "{name}: {width}");
+    }
+}
+
+#[test]
+fn what_a_file_says_beside_its_areas_is_told() {
+    let folder = Folder::new();
+    let ring = "[[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0]]]";
+    let area = format!(r#"{{"type": "Polygon", "coordinates": {ring}}}"#);
+    let file = |crs: &str, geometry: &str| {
+        let feature = format!(r#"{{"type": "Feature", "properties": {{"height": 9}}, "geometry": {geometry}}}"#);
+        folder.write("a.geojson", &format!(r#"{{"type": "FeatureCollection", {crs} "features": [{feature}]}}"#));
+        folder.type_in("info a.geojson --json")
+    };
+    let named = r#""crs": {"type": "name", "properties": {"name": "EPSG:25832"}},"#;
+    let point = format!(
+        r#"{{"type": "GeometryCollection", "geometries": [{area}, {{"type": "Point", "coordinates": [1, 1]}}]}}"#
+    );
+    assert!(!file(named, &area).done().warnings().contains(&"W350"));
+    assert!(file(named, &point).done().warnings().contains(&"W350"), "a point in a collection is told");
+    let link = r#""crs": {"type": "link", "properties": {"href": "http://example.com/crs/42"}},"#;
+    assert!(file(link, &area).refused(3)[0].contains("its `crs` is of type `link`"));
+}
+
+#[test]
+fn threads_are_as_many_as_are_of_use() {
+    let folder = Folder::new();
+    let line = "map itu:urban --size 100 --uav 20,20,50 --json -q";
+    let digest = |line: &str| folder.type_in(line).done().json()["digest"].clone();
+    assert_eq!(digest(&format!("{line} -j 65535")), digest(line));
+}
