@@ -223,7 +223,7 @@ impl Curves<'_> {
         for (curve, site) in self.curves.iter().zip(&self.report.sites).take(MOST_SITES) {
             let asked = curve.uav().height_amsl_m() - meters(curve.ground().unwrap_or(0));
             let base = if curve.ground().is_some() { "ground" } else { "the datum" };
-            let place = format!("({}, {})", tidy(site.site.x), tidy(site.site.y));
+            let place = site.site.position().in_words();
             let p_los = match site.site.tally.p_los() {
                 Some(p) => format!("P_LoS = {p:.4} at {} m above {base}; {}", tidy(asked), reaches(curve)),
                 None => format!("P_LoS undefined: {}", site.site.tally.reason()),

@@ -291,7 +291,6 @@ impl MapDrawing<'_> {
     }
 
     fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
-        let place = |s: &SiteFacts| format!("({}, {})", tidy(s.x), tidy(s.y));
         let in_range = if self.report.radius_m.is_some() { " in range" } else { "" };
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
@@ -304,7 +303,13 @@ impl MapDrawing<'_> {
         let mut lines: Vec<String> = Vec::new();
         const MOST_SITES: usize = 4;
         for s in self.report.sites.iter().take(MOST_SITES) {
-            lines.push(format!("UAV {}: {} at {}, {}", s.id, height_words(s), place(s), share(&s.tally)));
+            lines.push(format!(
+                "UAV {}: {} at {}, {}",
+                s.id,
+                height_words(s),
+                s.position().in_words(),
+                share(&s.tally)
+            ));
         }
         if self.report.sites.len() > MOST_SITES {
             lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));

@@ -29,9 +29,9 @@ impl Range {
         let (step_x, step_y) = positions.step_lengths();
         // In steps along x: whole where the radius is a whole number of them but for rounding.
         let (limit, ratio) = (whole(radius / step_x), step_y / step_x);
-        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let steps_to = positions.steps_from(place);
         let squared = |row: usize, col: usize| {
-            let (dx, dy) = positions.steps_from(place, row, col);
+            let (dx, dy) = steps_to(row, col);
             let (dx, dy) = (dx as f64, dy as f64 * ratio);
             dx * dx + dy * dy
         };

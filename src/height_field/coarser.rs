@@ -203,6 +203,19 @@ mod tests {
         assert!(field.coarser(0, Pooling::Mean).is_none() && field.rasterized().is_none());
     }
 
+    /// A cell without data blocks by the ground that is known there, but is no part of a mean beside cells with data.
+    #[test]
+    fn a_mean_leaves_out_cells_without_data_unless_all_are() {
+        let grid = GeoRef::new((0.0, 2.0), (1.0, 1.0), (2, 4), None).expect("a valid grid");
+        let mut voids = BitGrid::full(2, 4);
+        voids.set(0, 0, false);
+        let surface = Raster::new(grid.clone(), vec![20, 0, 3, 5, 0, 0, 3, 5]);
+        let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 0, voids: Some(voids) };
+        let field = HeightField::build(&grid, solids, &mut Vec::new());
+        let tops = |pooling| field.coarser(2, pooling).expect("a raster").columns().expect("columns").tops().to_vec();
+        assert_eq!((tops(Pooling::Mean), tops(Pooling::Maximum)), (vec![20, 4], vec![20, 5]));
+    }
+
     #[test]
     fn a_cell_that_blocks_everything_still_does() {
         let field = raster(1, 2, vec![BLOCKS_ALL, 0], Ground::Surface);

@@ -323,4 +323,15 @@ mod tests {
         assert!(from_zero.count() > 0 && from_zero.count() < 250_000);
         assert!([[-7, 3], [70, 41]].iter().all(|origin| around(*origin) == from_zero));
     }
+
+    /// 100 m are 328 feet: between walls 300 feet apart no such disc fits, one of 100 feet would.
+    #[test]
+    fn a_scene_in_feet_is_closed_by_a_hundred_meters() {
+        let between = |epsg: u32| {
+            let crs = crate::raster::Crs::from_epsg(epsg).expect("a known system");
+            let receivers = GeoRef::new((0.0, 1000.0), (2.0, 2.0), (500, 500), Some(crs)).expect("a valid grid");
+            known(&[house(0, 200, 300), house(600, 200, 300)], &receivers).contains(500 - 350 / 2, 450 / 2)
+        };
+        assert!(between(2263) && !between(25832));
+    }
 }

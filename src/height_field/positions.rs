@@ -45,27 +45,62 @@ impl Station {
     }
 }
 
-/// Lattice positions of the cell centers of the receivers' grid.
+/// The lattice on which distances are told: whole steps to a cell of the receivers, so that cells at equal distances on all
+/// sides stay so, whatever their size is. In a raster scene it is that of the columns, in a vector scene no coarser than
+/// that of the prisms.
+#[derive(Debug, Clone, Copy)]
+struct RangeLattice {
+    frame: Frame,
+    steps_per_cell: f64,
+}
+
+impl RangeLattice {
+    fn of(receivers: &GeoRef, has_prisms: bool) -> Self {
+        let frame = cell_frame(receivers);
+        let cells = if has_prisms { frame.unit_x.max(frame.unit_y).ceil().max(1.0) } else { 1.0 };
+        RangeLattice { frame, steps_per_cell: cells * f64::from(STEPS_PER_UNIT) }
+    }
+
+    /// Length of a step along x and y \[CRS units\].
+    fn step_lengths(&self) -> (f64, f64) {
+        (self.frame.unit_x / self.steps_per_cell, self.frame.unit_y / self.steps_per_cell)
+    }
+
+    /// The lattice position nearest to world `(x, y)`; halves go north-east.
+    fn at(&self, x: f64, y: f64) -> (i64, i64) {
+        #[expect(clippy::cast_possible_truncation, reason = "far outside it saturates, which is out of any range")]
+        let round = |cells: f64| (cells * self.steps_per_cell + 0.5).floor() as i64;
+        (round((x - self.frame.x_origin) / self.frame.unit_x), round((y - self.frame.y_origin) / self.frame.unit_y))
+    }
+}
+
+/// A coordinate of a cell center: of the world, on the lattices of prisms and columns, and of distances.
+type Center = (f64, i64, i64, i64);
+
+/// Lattice positions of the cell centers of a grid.
 #[derive(Debug, Clone)]
 pub struct GridPositions {
-    xs: Vec<(f64, i64, i64)>,
-    ys: Vec<(f64, i64, i64)>,
-    /// The lattice on which distances are told: that of the prisms, if there are any, else that of the columns.
-    frame: Frame,
-    has_prisms: bool,
+    xs: Vec<Center>,
+    ys: Vec<Center>,
+    range: RangeLattice,
 }
 
 impl GridPositions {
     /// Those of the cells of a grid in a scene without prisms.
     pub fn on_cells(grid: &GeoRef) -> Self {
-        let xs = (0..grid.n_cols()).map(|col| Place::on_cells(grid, grid.world_from_cell(0, col).0, grid.y_min()));
-        let ys = (0..grid.n_rows()).map(|row| Place::on_cells(grid, grid.x_min(), grid.world_from_cell(row, 0).1));
-        GridPositions {
-            xs: xs.map(|place| (place.x, 0, place.on_columns.0)).collect(),
-            ys: ys.map(|place| (place.y, 0, place.on_columns.1)).collect(),
-            frame: cell_frame(grid),
-            has_prisms: false,
-        }
+        GridPositions::new(grid, RangeLattice::of(grid, false), |x, y| Place::on_cells(grid, x, y))
+    }
+
+    fn new(grid: &GeoRef, range: RangeLattice, place: impl Fn(f64, f64) -> Place) -> Self {
+        let xs = (0..grid.n_cols()).map(|col| {
+            let place = place(grid.world_from_cell(0, col).0, grid.y_min());
+            (place.x, place.on_prisms.0, place.on_columns.0, range.at(place.x, place.y).0)
+        });
+        let ys = (0..grid.n_rows()).map(|row| {
+            let place = place(grid.x_min(), grid.world_from_cell(row, 0).1);
+            (place.y, place.on_prisms.1, place.on_columns.1, range.at(place.x, place.y).1)
+        });
+        GridPositions { xs: xs.collect(), ys: ys.collect(), range }
     }
 
     /// Number of rows and of columns.
@@ -73,20 +108,15 @@ impl GridPositions {
         (self.ys.len(), self.xs.len())
     }
 
-    /// Length of a lattice step along x and y \[CRS units\].
+    /// Length of a step of distances along x and y \[CRS units\].
     pub fn step_lengths(&self) -> (f64, f64) {
-        let steps = f64::from(STEPS_PER_UNIT);
-        (self.frame.unit_x / steps, self.frame.unit_y / steps)
+        self.range.step_lengths()
     }
 
-    /// Lattice steps to the east and north from a place to the center of a cell.
-    #[inline]
-    pub fn steps_from(&self, place: &Place, row: usize, col: usize) -> (i64, i64) {
-        let (x, y) = (self.xs[col], self.ys[row]);
-        match self.has_prisms {
-            true => (x.1 - place.on_prisms.0, y.1 - place.on_prisms.1),
-            false => (x.2 - place.on_columns.0, y.2 - place.on_columns.1),
-        }
+    /// Steps of distances to the east and north, from a place to the center of the cell in a row and column.
+    pub fn steps_from(&self, place: &Place) -> impl Fn(usize, usize) -> (i64, i64) + Copy {
+        let (x, y) = self.range.at(place.x, place.y);
+        move |row, col| (self.xs[col].3 - x, self.ys[row].3 - y)
     }
 
     /// Positions of the columns of cells on the columns' lattice, west to east.
@@ -102,7 +132,7 @@ impl GridPositions {
     /// The center of a cell.
     #[inline]
     pub fn center(&self, row: usize, col: usize) -> Place {
-        let ((x, prisms_x, columns_x), (y, prisms_y, columns_y)) = (self.xs[col], self.ys[row]);
+        let ((x, prisms_x, columns_x, _), (y, prisms_y, columns_y, _)) = (self.xs[col], self.ys[row]);
         Place { x, y, on_prisms: (prisms_x, prisms_y), on_columns: (columns_x, columns_y) }
     }
 
@@ -163,16 +193,7 @@ impl HeightField {
 
     /// The cell centers of any grid on the lattices.
     pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
-        let xs = (0..grid.n_cols()).map(|col| {
-            let place = self.place(grid.world_from_cell(0, col).0, grid.y_min());
-            (place.x, place.on_prisms.0, place.on_columns.0)
-        });
-        let ys = (0..grid.n_rows()).map(|row| {
-            let place = self.place(grid.x_min(), grid.world_from_cell(row, 0).1);
-            (place.y, place.on_prisms.1, place.on_columns.1)
-        });
-        let frame = self.prisms_frame().or(self.columns_frame()).unwrap_or_else(|| cell_frame(grid));
-        GridPositions { xs: xs.collect(), ys: ys.collect(), frame, has_prisms: self.prisms.is_some() }
+        GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms.is_some()), |x, y| self.place(x, y))
     }
 }
 

@@ -148,14 +148,14 @@ impl<'a> RealCity<'a> {
         let mut counts = vec![Count::default(); self.n_blocks() * parts.len()];
         // Whole lattice steps, so that a city and its mirror image agree on who is at the end of a band.
         let positions = self.field.positions();
-        let step_lengths = positions.step_lengths();
+        let (steps_to, step_lengths) = (positions.steps_from(&uav.place), positions.step_lengths());
         for row in 0..n_rows {
             let wanted = self.receivers.cells.row(row);
             let seen = los.row(row);
             let first_block = self.blocks.first_of_row(row);
             let mut part = 0;
             for col in (0..n_cols).filter(|col| wanted[col / 64] >> (col % 64) & 1 == 1) {
-                let (east, north) = positions.steps_from(&uav.place, row, col);
+                let (east, north) = steps_to(row, col);
                 #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
                 let (dx, dy) = (east as f64 * step_lengths.0, north as f64 * step_lengths.1);
                 let squared = (dx * dx + dy * dy) * self.meters_per_unit * self.meters_per_unit;

@@ -67,7 +67,8 @@ impl PlaceFacts {
         }
     }
 
-    fn position(&self) -> Position {
+    /// Where it is.
+    pub fn position(&self) -> Position {
         Position { x: self.x, y: self.y, lonlat: self.lonlat }
     }
 

@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value};
 
+use crate::quantity::tidy;
+
 /// Where something is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {
@@ -14,6 +16,12 @@ pub struct Position {
 }
 
 impl Position {
+    /// In words: `(x, y)`, or `(x, y; longitude, latitude)`.
+    pub fn in_words(&self) -> String {
+        let degrees = self.lonlat.map_or(String::new(), |[lon, lat]| format!("; {lon}°, {lat}°"));
+        format!("({}, {}{degrees})", tidy(self.x), tidy(self.y))
+    }
+
     /// Tells it in an object of a document.
     pub(super) fn tell(&self, object: &mut Map<String, Value>) {
         object.insert("x".into(), self.x.into());

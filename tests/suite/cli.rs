@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::program::{Folder, program, run_in, wait};
+use crate::support::{Random, slow};
 
 /// Three buildings without heights, with storeys, and with everything; tops measured from the datum too.
 const FOOTPRINTS: &str = r#"{"type": "FeatureCollection", "features": [
@@ -517,6 +518,32 @@ fn an_interrupt_ends_with_130_and_leaves_nothing() {
         assert!(err.ends_with("error[E130]: interrupted; nothing was written\n"), "{err}");
         assert_eq!(folder.files(), [""; 0]);
     }
+}
+
+/// Pictures and arrays of millions of cells take longer than a second to write.
+#[test]
+fn an_interrupt_while_files_are_written_is_heard_within_a_second() {
+    let folder = Folder::new();
+    let words = "map itu:urban --size 3500 --uav 1700,1700,100 -q -o a.npz -o a.png -o a.exr -o a.asc";
+    let words: Vec<&str> = words.split_whitespace().collect();
+    let start = Instant::now();
+    folder.run(&words).done();
+    let whole = start.elapsed();
+    let expected: Vec<(String, Vec<u8>)> = folder.files().into_iter().map(|f| (f.clone(), folder.read(&f))).collect();
+    let mut random = Random(5);
+    let (n_runs, mut n_stopped) = (if slow() { 100 } else { 8 }, 0);
+    for _ in 0..n_runs {
+        folder.files().iter().for_each(|file| std::fs::remove_file(folder.join(file)).expect("it is there"));
+        let share = random.within(0, 1000) as f64 / 1000.0;
+        let (code, err, until_end) = interrupted(&folder, &words, whole.mul_f64(share));
+        n_stopped += usize::from(code == Some(130));
+        assert!(matches!(code, Some(0 | 130)) && until_end < Duration::from_millis(1500), "{until_end:?}: {err}");
+        for file in folder.files() {
+            let known = expected.iter().find(|(name, _)| *name == file);
+            assert!(known.is_some_and(|(_, bytes)| *bytes == folder.read(&file)), "{file} after {share} of a run");
+        }
+    }
+    assert!(n_stopped > n_runs / 4, "only {n_stopped} runs were stopped");
 }
 
 #[test]

@@ -417,6 +417,22 @@ fn an_extent_has_as_many_rows_and_columns_anywhere_on_earth() {
 }
 
 #[test]
+fn voids_of_a_terrain_on_the_grid_of_the_surface_are_told() {
+    let folder = Folder::new();
+    folder.write("s.asc", &grid((0.0, 0.0), 1.0, 4, &[5.0; 16]));
+    let mut terrain = [1.0; 16];
+    (terrain[3], terrain[6]) = (-9999.0, -9999.0);
+    folder.write("t.asc", &grid((0.0, 0.0), 1.0, 4, &terrain));
+    let answer = folder.type_in("info s.asc --terrain t.asc --json -q").done();
+    let document = answer.json();
+    assert_eq!(document["cells"]["nodata"], 2);
+    assert!(document["warnings"].to_string().contains("2 of 16 cells of the terrain have no height"), "{document}");
+    folder.write("t.asc", &grid((0.0, 0.0), 1.0, 4, &[1.0; 16]));
+    let document = folder.type_in("info s.asc --terrain t.asc --json -q").done().json();
+    assert!(!document["warnings"].to_string().contains("W340"), "{document}");
+}
+
+#[test]
 fn ties_of_range_are_in_on_all_sides() {
     let folder = Folder::new();
     for (x, y, cell, reach) in
@@ -433,6 +449,13 @@ fn ties_of_range_are_in_on_all_sides() {
         let line = format!("map s.asc --ground 0 --uav {uav_x},{uav_y},50 --radius {radius} --json -q");
         let document = folder.type_in(&line).done().json();
         assert_eq!(document["sites"][0]["receivers"], wanted, "cells of {cell} m, {radius} m");
+        // Over footprints cells have any size too. A house stands in the corner, out of range.
+        folder.write("c.geojson", &city(&[feature(&json!({"height": 3}), &[square(x, y, 10.0 * cell)])]));
+        let (east, north) = (x + 61.0 * cell, y + 61.0 * cell);
+        let scene = format!("c.geojson --extent {x},{y},{east},{north} --cell {cell}");
+        let line = format!("map {scene} --uav {uav_x},{uav_y},50 --radius {radius} --json -q");
+        let document = folder.type_in(&line).done().json();
+        assert_eq!(document["sites"][0]["receivers"], wanted, "footprints, cells of {cell} m, {radius} m");
     }
 }
 

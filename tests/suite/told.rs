@@ -71,6 +71,14 @@ fn names_and_degrees_go_into_every_file() {
             "{file}"
         );
     }
+    // Pictures tell degrees beside coordinates, and so do charts.
+    folder.type_in(&format!("map {SQUARE} --uavs sites.csv -o degrees.svg --height-curve heights.svg -q")).done();
+    for name in ["degrees.svg", "heights.svg"] {
+        assert!(folder.text(name).contains("; 11.5731°, 48.1395°)"), "{name}");
+    }
+    let line = format!("chart {SQUARE} --cell 6 --uavs sites.csv --time 0 --json -q");
+    let charted = folder.type_in(&line).done().json();
+    assert_eq!((&charted["uavs"][0]["lon"], &charted["uavs"][0]["lat"]), (&11.5731.into(), &48.1395.into()));
     // Saved maps know where their UAVs were.
     folder.type_in(&format!("map {SQUARE} --uavs sites.csv -o both.tif -q")).done();
     let saved = folder.type_in(&format!("compare {SQUARE} --mask both.tif --json -q")).done().json();

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::los_probability::models::Model;
 use crate::quantity::{counted, tidy};
 use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
-use crate::report::{ChartReport, PlosChartReport};
+use crate::report::{ChartReport, PlosChartReport, Position};
 
 /// A picture with its words.
 #[derive(Debug)]
@@ -114,18 +114,18 @@ fn title(args: &ChartArgs, name: &str, is_interrupted: bool) -> String {
     unbreakable(&if is_interrupted { format!("{title} (interrupted)") } else { title })
 }
 
-fn uav_words(uav: &Uav) -> String {
-    let (x, y) = (tidy(uav.station.place.x), tidy(uav.station.place.y));
+fn uav_words((uav, lonlat): &(Uav, Option<[f64; 2]>)) -> String {
+    let at = Position { x: uav.station.place.x, y: uav.station.place.y, lonlat: *lonlat }.in_words();
     match uav.height_agl_m {
-        Some(agl) => format!("UAV {} at ({x}, {y}), {} m above ground", uav.id, tidy(agl)),
-        None => format!("UAV {} at ({x}, {y}), {} m above the datum", uav.id, tidy(uav.height_amsl_m())),
+        Some(agl) => format!("UAV {} at {at}, {} m above ground", uav.id, tidy(agl)),
+        None => format!("UAV {} at {at}, {} m above the datum", uav.id, tidy(uav.height_amsl_m())),
     }
 }
 
 fn caption_of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Vec<String> {
     let truth = &report.truth;
     let (receivers, _) = cell_names(args.receivers, &scene.field);
-    let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(|(uav, _)| uav_words(uav)).collect();
+    let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(uav_words).collect();
     let more = report.uavs.len().saturating_sub(MOST_UAVS);
     let more = if more > 0 { format!("; and {more} more, counts summed") } else { String::new() };
     let p_los = truth.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));

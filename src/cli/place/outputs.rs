@@ -130,7 +130,7 @@ fn value_words(place: &PlaceFacts, receivers: &str) -> String {
 /// Where a place is in words, with its name if it has one.
 fn at_words(place: &PlaceFacts) -> String {
     let name = place.id.as_ref().map_or(String::new(), |id| format!("{id} "));
-    format!("{name}({}, {})", tidy(place.x), tidy(place.y))
+    name + &place.position().in_words()
 }
 
 /// A place in words.

@@ -11,7 +11,6 @@ use crate::cli::args::ReceiversArg;
 use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
-use crate::quantity::tidy;
 use crate::raster::TiffLayout;
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::report::SiteFacts;
@@ -82,14 +81,7 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
         .iter()
         .take(MOST_LINES)
         .map(|site| {
-            format!(
-                "UAV {}: {} at ({}, {}), {}",
-                site.id,
-                height_words(site),
-                tidy(site.x),
-                tidy(site.y),
-                share(&site.tally)
-            )
+            format!("UAV {}: {} at {}, {}", site.id, height_words(site), site.position().in_words(), share(&site.tally))
         })
         .collect();
     if let Some(overlay) = &maps.overlay {
