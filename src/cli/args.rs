@@ -289,7 +289,8 @@ pub(super) struct EngineArgs {
     /// shadow (footprints, rasters of flat blocks) are exact; step:K (a sample every K cells), xdraw and r2 (rasters) are approximate
     #[arg(long, value_name = "METHOD", default_value = "auto")]
     pub(super) method: MethodChoice,
-    /// Most memory that the run may take, such as 800M or 4G; default: what the machine has left. `map` sweeps a raster that
+    /// Most memory that the run may take, such as 800M or 4G; default: what the machine, the container and
+    /// the limit of address space have left. `map` sweeps a raster that
     /// takes more strip by strip
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true)]
     pub(super) max_memory: Option<u64>,
@@ -379,7 +380,7 @@ pub(super) struct OutputArgs {
     /// Replace files that exist
     #[arg(long)]
     pub(super) overwrite: bool,
-    /// Threads to use; default all
+    /// Threads to use, at most four for each core; default one for each core
     #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) threads: Option<u16>,
     /// Say nothing but errors

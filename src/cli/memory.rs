@@ -74,18 +74,25 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
     let left = |line: &str| {
         let mut parts = line.splitn(3, ':');
         let (_, controllers, group) = (parts.next()?, parts.next()?, parts.next()?.trim_start_matches('/'));
-        let (root, names) = match controllers {
-            "" => (root.to_path_buf(), ["memory.max", "memory.current"]),
-            _ if controllers.split(',').any(|name| name == "memory") => {
-                (root.join("memory"), ["memory.limit_in_bytes", "memory.usage_in_bytes"])
-            }
+        let (root, names, files) = match controllers {
+            "" => (root.to_path_buf(), ["memory.max", "memory.current"], ["inactive_file", "active_file"]),
+            _ if controllers.split(',').any(|name| name == "memory") => (
+                root.join("memory"),
+                ["memory.limit_in_bytes", "memory.usage_in_bytes"],
+                ["total_inactive_file", "total_active_file"],
+            ),
             _ => return None,
         };
-        let number =
-            |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).ok()?.trim().parse::<u64>().ok();
+        let text = |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let of_folder = |folder: &Path| {
-            let [limit, used] = names.map(|name| number(folder, name));
-            Some(limit?.saturating_sub(used.unwrap_or(0)))
+            let [limit, used] = names.map(|name| text(folder, name).trim().parse::<u64>().ok());
+            // Files that the system keeps in memory count as used, but make room for who needs it.
+            let of_files = |line: &str| {
+                let (name, bytes) = line.split_once(' ')?;
+                files.contains(&name).then(|| bytes.trim().parse::<u64>().ok())?
+            };
+            let kept: u64 = text(folder, "memory.stat").lines().filter_map(of_files).sum();
+            Some(limit?.saturating_sub(used.unwrap_or(0).saturating_sub(kept)))
         };
         let folder = root.join(group);
         folder.ancestors().take_while(|folder| folder.starts_with(&root)).filter_map(of_folder).min()
@@ -128,13 +135,17 @@ mod tests {
         write("a/memory.max", "1000\n");
         write("a/memory.current", "300\n");
         assert_eq!(of_groups("0::/a/b\n", root.path()), Some(700));
+        // Two files that were read, which is 250 bytes that anyone may have.
+        write("a/memory.stat", "anon 50\nfile 270\ninactive_file 200\nactive_file 50\ninactive_anon 9\n");
+        assert_eq!(of_groups("0::/a/b\n", root.path()), Some(950));
         // In a container the group has the name that it has outside.
         write("memory.max", "500\n");
         write("memory.current", "100\n");
         assert_eq!(of_groups("0::/elsewhere/c\n", root.path()), Some(400));
         // Version 1, beside an empty group of version 2.
         write("memory/d/memory.limit_in_bytes", "900\n");
-        write("memory/d/memory.usage_in_bytes", "1\n");
+        write("memory/d/memory.usage_in_bytes", "11\n");
+        write("memory/d/memory.stat", "inactive_file 1\ntotal_inactive_file 6\ntotal_active_file 4\n");
         assert_eq!(of_groups("12:cpu,cpuacct:/d\n5:memory:/d\n", root.path()), Some(899));
         assert_eq!(of_groups("", root.path()), None);
     }

@@ -237,7 +237,7 @@ pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
 pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     let found = std::fs::metadata(path);
     if found.as_ref().is_ok_and(|found| !found.is_file()) {
-        let text = format!("cannot write {}: it is a pipe or a device, wanted a file", path.display());
+        let text = format!("cannot write {}: it is a folder, a pipe or a device, wanted a file", path.display());
         return Err(Error::usage(105, text).with_hint("where a command offers `-o -`, that writes to standard output"));
     }
     if !overwrite && found.is_ok() {

@@ -141,7 +141,7 @@ fn a_pipe_is_called_one_and_not_waited_for() {
     }
     // As an output it is refused, not replaced.
     folder.write("a.asc", GRID);
-    refused(&folder, "map a.asc --uav 2,2,9 -o pipe.asc --overwrite", (2, "a pipe or a device"));
+    refused(&folder, "map a.asc --uav 2,2,9 -o pipe.asc --overwrite", (2, "a folder, a pipe or a device"));
     use std::os::unix::fs::FileTypeExt;
     assert!(std::fs::metadata(folder.join("pipe.asc")).unwrap().file_type().is_fifo());
 }

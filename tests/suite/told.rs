@@ -119,7 +119,7 @@ fn candidates_keep_their_names() {
     let band = |k: usize, id: &str| format!("sample=\"{k}\" role=\"description\">{id}.los<");
     let items = tif(&folder, "w.tif").tiff().ifd(0).unwrap().tag(42112).unwrap().value.as_str().unwrap().to_string();
     assert!(items.contains(&band(0, chosen[0])) && items.contains(&band(1, chosen[1])), "{items}");
-    // Both shares are of all receivers of the goal, and both say so.
+    // Both shares are of all receivers of the goal, and both say so: 60 × 60 cells without the 10 × 12 of the block.
     let within = format!("place {SQUARE} --candidates sites.csv -k 2 --radius 30 --receivers street -o r.csv");
     let said = folder.type_in(&within).done().err;
     let of_all = ["of 3480 street receivers, in range or not\n", "of all street receivers, in range or not;"];

@@ -233,7 +233,7 @@ fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
             rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
             continue;
         }
-        // Parts outside of quotes: of `a="b" c='d'>` the parts `a=`, ` c=` and `>`.
+        // Each value in quotes is that of an attribute.
         let (mut n_attributes, mut quote) = (0, None);
         let end = rest.find(|c| match (quote, c) {
             (Some(open), c) if c == open => {
