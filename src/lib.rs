@@ -40,6 +40,8 @@ pub mod error;
 
 mod digest;
 
+pub mod overlay;
+
 pub mod raster;
 
 pub mod scene;

@@ -9,7 +9,8 @@ use skyshed::height_field::{ConvexPieces, HeightField, convex_pieces};
 use skyshed::los::MethodChoice;
 use skyshed::quantity::{Frame, Height};
 use skyshed::raster::GeoRef;
-use skyshed::scene::{Footprint, DataArea, FootprintFaults, Ground, Site, Solids, even_odd};
+use skyshed::overlay::even_odd;
+use skyshed::scene::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 
 /// Few heights, so that many are equal.
 const HEIGHTS: [i32; 6] = [0, 1, 3072, 3073, 9728, 20_480];

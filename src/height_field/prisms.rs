@@ -120,27 +120,37 @@ impl Prisms {
     ///
     /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
     pub fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
-        /// What a piece covers around the point: everything, or the directions from `from` counterclockwise to `to`.
+        /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
         struct Sector {
-            bounds: Option<([i64; 2], [i64; 2])>,
+            from: [i64; 2],
+            to: [i64; 2],
             roof: (i32, usize),
         }
-        let sectors: Vec<Sector> = self
-            .touching(x, y)
-            .map(|(i, ring)| Sector { bounds: sector_at(ring, x, y), roof: (self.pieces[i].top, i) })
-            .collect();
+        // The highest roof all around the point, and those above it on some sides.
+        let mut all_around: Option<(i32, usize)> = None;
+        let mut sectors: Vec<Sector> = Vec::new();
+        for (i, ring) in self.touching(x, y) {
+            let roof = (self.pieces[i].top, i);
+            match sector_at(ring, x, y) {
+                None => all_around = all_around.max(Some(roof)),
+                // Of walls on one another the highest counts.
+                Some((from, to)) => match sectors.iter_mut().find(|s| (s.from, s.to) == (from, to)) {
+                    Some(known) => known.roof = known.roof.max(roof),
+                    None => sectors.push(Sector { from, to, roof }),
+                },
+            }
+        }
+        sectors.retain(|sector| Some(sector.roof) > all_around);
         let cross =
             |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]);
         let dot = |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[0]) + i128::from(a[1]) * i128::from(b[1]);
         // Whether a sector covers the directions just counterclockwise of `d`.
-        let covers = |sector: &Sector, d: [i64; 2]| match sector.bounds {
-            None => true,
-            Some((from, to)) => (cross(from, d) == 0 && dot(from, d) > 0) || (cross(from, d) > 0 && cross(d, to) > 0),
+        let covers = |Sector { from, to, .. }: &Sector, d: [i64; 2]| {
+            (cross(*from, d) == 0 && dot(*from, d) > 0) || (cross(*from, d) > 0 && cross(d, *to) > 0)
         };
-        let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max();
+        let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max().max(all_around);
         // What lies around the point changes only where a sector begins or ends.
-        let bounds = sectors.iter().filter_map(|s| s.bounds).flat_map(|(from, to)| [from, to]);
-        bounds.map(highest).min().unwrap_or_else(|| highest([1, 0]))
+        sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).min().unwrap_or(all_around)
     }
 
     /// The height of [`Prisms::solid_at`], [`VOID`] where there is none.
@@ -178,12 +188,22 @@ pub(crate) fn side(a: [i32; 2], b: [i32; 2], x: i64, y: i64) -> i64 {
 /// The directions that a convex ring covers around a position which its closed region contains: `None` for all of them.
 fn sector_at(ring: &[[i32; 2]], x: i64, y: i64) -> Option<([i64; 2], [i64; 2])> {
     let n = ring.len();
-    let at = |k: usize| [i64::from(ring[k % n][0]) - x, i64::from(ring[k % n][1]) - y];
-    if let Some(k) = (0..n).find(|&k| at(k) == [0, 0]) {
+    let to = |k: usize| [i64::from(ring[k % n][0]) - x, i64::from(ring[k % n][1]) - y];
+    let at = |k: usize| shortest(to(k));
+    if let Some(k) = (0..n).find(|&k| to(k) == [0, 0]) {
         return Some((at(k + 1), at(k + n - 1)));
     }
     let k = (0..n).find(|&k| side(ring[k], ring[(k + 1) % n], x, y) == 0)?;
     Some((at(k + 1), at(k)))
+}
+
+/// The shortest vector of integers in a direction, so that equal directions are equal.
+fn shortest(direction: [i64; 2]) -> [i64; 2] {
+    let [mut a, mut divisor] = direction;
+    while a != 0 {
+        (a, divisor) = (divisor % a, a);
+    }
+    direction.map(|v| v / divisor.abs().max(1))
 }
 
 /// Buckets sized so that there is about one for every piece, between 8 m and 256 m.

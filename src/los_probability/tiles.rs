@@ -6,14 +6,11 @@
 //! covers; of a raster it is the share of its known cells that are buildings, and a building is a part of them that hangs
 //! together by cell sides, as high as its cells are on average.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
 use crate::height_field::HeightField;
+use crate::overlay::{Ring, intersection, union, wound};
 use crate::quantity::{Frame, STEPS_PER_UNIT};
-use crate::raster::{BitGrid, GeoRef, labelled_parts};
-use crate::scene::{Footprint, covered_area};
+use crate::raster::{BitGrid, CellLattice, GeoRef, covered_shares, labelled_parts};
+use crate::scene::Footprint;
 
 /// Fewest buildings whose heights give a γ.
 pub const FEWEST_BUILDINGS: u64 = 2;
@@ -100,16 +97,15 @@ impl BuiltUpTiles {
     /// The tiles of the footprints of a vector scene, on the lattice of `frame`; `None` as [`TileSize::shape`]. Of a tile that
     /// reaches beyond the data area, the ground is as much as the share of its cells there.
     ///
-    /// Cost: the union of the footprints of each tile.
+    /// Cost: the union of the footprints, and the tiles that it covers.
     pub fn of_footprints(footprints: &[Footprint], frame: Frame, field: &HeightField, size: TileSize) -> Option<Self> {
         let grid = field.grid();
         let georef = size.georef(grid)?;
         let edges = Edges::on_lattice(&georef, grid, frame);
         let n_cols = georef.n_cols();
         let mut tiles = vec![BuiltUpTile::default(); georef.n_cells()];
-        let mut touching: Vec<Vec<usize>> = vec![Vec::new(); georef.n_cells()];
         let mut buildings_outside = 0;
-        for (k, footprint) in footprints.iter().enumerate() {
+        for footprint in footprints {
             match footprint.centroid().and_then(|centroid| edges.tile_of(centroid)) {
                 Some((row, col)) => {
                     let tile = &mut tiles[row * n_cols + col];
@@ -121,18 +117,22 @@ impl BuiltUpTiles {
                 }
                 None => buildings_outside += 1,
             }
-            let (rows, cols) = edges.touched_by(footprint);
-            for row in rows {
-                cols.clone().for_each(|col| touching[row * n_cols + col].push(k));
-            }
         }
-        tiles.par_iter_mut().enumerate().for_each(|(at, tile)| {
-            let rectangle = edges.rectangle(at / n_cols, at % n_cols);
-            let polygons: Vec<&[Vec<[i32; 2]>]> =
-                touching[at].iter().flat_map(|k| &footprints[*k].polygons).map(Vec::as_slice).collect();
-            let [width, height] = [rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]].map(i64::from);
-            tile.ground = 2 * (width * height).unsigned_abs();
-            tile.built = covered_area(&polygons, rectangle);
+        let lattice = CellLattice::under(&frame, &georef);
+        let steps = f64::from(STEPS_PER_UNIT);
+        let doubled_tile = 2.0 * (size.edge / frame.unit_x * steps) * (size.edge / frame.unit_y * steps);
+        for (at, tile) in tiles.iter_mut().enumerate() {
+            tile.ground = edges.doubled_area(at / n_cols, at % n_cols);
+        }
+        let on_tiles = |ring: &Ring| ring.iter().map(|p| lattice.position(&frame, *p)).collect::<Vec<_>>();
+        let buildings = union(footprints.iter().flat_map(|f| f.polygons.iter().map(wound)).collect());
+        let built = intersection(&buildings.concat(), &[edges.outline()]);
+        let built: Vec<Vec<Vec<[i64; 2]>>> = built.iter().map(|rings| rings.iter().map(on_tiles).collect()).collect();
+        covered_shares(&built, lattice.steps, (georef.n_rows(), n_cols), |row, col, share| {
+            let tile = &mut tiles[row * n_cols + col];
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the tile's area")]
+            let doubled = (share * doubled_tile).round() as u64;
+            tile.built = doubled.min(tile.ground);
         });
         if let Some(outside) = field.outside_data() {
             take_away(&mut tiles, outside, &CellTiles::new(grid, &georef));
@@ -274,25 +274,17 @@ impl Edges {
         is_inside.then(|| (row - 1, col - 1))
     }
 
-    /// Rows and columns of the tiles that a footprint may reach into.
-    fn touched_by(&self, footprint: &Footprint) -> (Range<usize>, Range<usize>) {
-        let points = || footprint.polygons.iter().flatten().flatten();
-        let range = |k: usize| {
-            let of_axis = || points().map(move |p| i64::from(p[k]));
-            of_axis().min().zip(of_axis().max())
-        };
-        let (Some((west, east)), Some((south, north))) = (range(0), range(1)) else { return (0..0, 0..0) };
-        let first_col = self.xs[1..].partition_point(|edge| *edge <= west);
-        let end_col = self.xs[..self.xs.len() - 1].partition_point(|edge| *edge < east);
-        let first_row = self.ys[1..].partition_point(|edge| *edge >= north);
-        let end_row = self.ys[..self.ys.len() - 1].partition_point(|edge| *edge > south);
-        (first_row..end_row.max(first_row), first_col..end_col.max(first_col))
+    /// Twice the area of a tile \[steps²\].
+    fn doubled_area(&self, row: usize, col: usize) -> u64 {
+        2 * ((self.xs[col + 1] - self.xs[col]) * (self.ys[row] - self.ys[row + 1])).unsigned_abs()
     }
 
-    /// West, south, east, north of a tile; the lattice of a scene is within ±2^26.
-    fn rectangle(&self, row: usize, col: usize) -> [i32; 4] {
+    /// The rectangle that all tiles fill; the lattice of a scene is within ±2^26.
+    fn outline(&self) -> Ring {
         let narrow = |v: i64| i32::try_from(v).unwrap_or(if v < 0 { i32::MIN } else { i32::MAX });
-        [self.xs[col], self.ys[row + 1], self.xs[col + 1], self.ys[row]].map(narrow)
+        let [west, east] = [self.xs[0], self.xs[self.xs.len() - 1]].map(narrow);
+        let [north, south] = [self.ys[0], self.ys[self.ys.len() - 1]].map(narrow);
+        vec![[west, south], [east, south], [east, north], [west, north]]
     }
 }
 

@@ -52,6 +52,13 @@ impl CellLattice {
         let frame = Frame { x_origin: grid.x_min(), y_origin: grid.y_min(), unit_x, unit_y };
         CellLattice { frame, steps: [steps_x, steps_y] }
     }
+
+    /// Where a position on the lattice of a scene is on this one.
+    pub fn position(&self, scene: &Frame, position: [i32; 2]) -> [i64; 2] {
+        let (x, y) = scene.world_from_lattice(f64::from(position[0]), f64::from(position[1]));
+        let (x, y) = self.frame.lattice_from_world(x, y);
+        [x, y]
+    }
 }
 
 #[cfg(test)]

@@ -92,25 +92,34 @@ pub fn covered_shares(
     #[expect(clippy::cast_precision_loss, reason = "positions are below 2^29")]
     let cells = |v: i64, step: i64| v as f64 / step as f64;
     let n = usize::try_from(end_col - first_col).unwrap_or(0);
+    // Edges with the sign of their ring, by the row in which they begin.
+    let mut to_come: Vec<(f64, [i64; 2], [i64; 2])> = Vec::new();
+    for (k, ring) in polygons.iter().flat_map(|rings| rings.iter().enumerate()) {
+        let sign = if is_counterclockwise(ring) == (k == 0) { 1.0 } else { -1.0 };
+        to_come.extend(edges(ring).filter(|(a, b)| a[1] != b[1]).map(|(a, b)| (sign, a, b)));
+    }
+    to_come.sort_by_key(|(_, a, b)| std::cmp::Reverse(a[1].min(b[1])));
+    let mut met: Vec<(f64, [i64; 2], [i64; 2])> = Vec::new();
     for row in first_row..end_row {
+        while let Some(edge) = to_come.pop_if(|(_, a, b)| a[1].min(b[1]).div_euclid(step_y) <= row) {
+            met.push(edge);
+        }
+        met.retain(|(_, a, b)| a[1].max(b[1]).div_euclid(step_y) >= row);
         // Of each column, how much of the row's height edges pass in it, and the area to their east within it: signed, so that
         // the sum over all edges of shells and holes is the region's.
         let (mut height, mut area) = (vec![0.0; n + 1], vec![0.0; n + 1]);
         let mut overlaps = false;
-        for (k, ring) in polygons.iter().flat_map(|rings| rings.iter().enumerate()) {
-            let sign = if is_counterclockwise(ring) == (k == 0) { 1.0 } else { -1.0 };
-            for (a, b) in edges(ring) {
-                let ((ax, ay), (bx, by)) =
-                    ((cells(a[0], step_x), cells(a[1], step_y)), (cells(b[0], step_x), cells(b[1], step_y)));
-                let (low, high) = (ay.min(by).max(cells(row, 1)), ay.max(by).min(cells(row + 1, 1)));
-                if low >= high {
-                    continue;
-                }
-                overlaps = true;
-                let x_at = |y: f64| ax + (y - ay) * ((bx - ax) / (by - ay)) - cells(first_col, 1);
-                let up = if by > ay { -sign } else { sign };
-                add_edge((x_at(low), x_at(high)), up * (high - low), &mut height, &mut area);
+        for (sign, a, b) in &met {
+            let ((ax, ay), (bx, by)) =
+                ((cells(a[0], step_x), cells(a[1], step_y)), (cells(b[0], step_x), cells(b[1], step_y)));
+            let (low, high) = (ay.min(by).max(cells(row, 1)), ay.max(by).min(cells(row + 1, 1)));
+            if low >= high {
+                continue;
             }
+            overlaps = true;
+            let x_at = |y: f64| ax + (y - ay) * ((bx - ax) / (by - ay)) - cells(first_col, 1);
+            let up = if by > ay { -sign } else { *sign };
+            add_edge((x_at(low), x_at(high)), up * (high - low), &mut height, &mut area);
         }
         let Ok(from_south) = usize::try_from(row) else { continue };
         if !overlaps || from_south >= n_rows {

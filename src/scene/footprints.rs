@@ -379,6 +379,10 @@ impl Making<'_> {
     ) -> Result<(Vec<Footprint>, Option<HeightGap>)> {
         let of_ground = (self.ground, self.options.base);
         let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
+        if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
+            let text = format!("cannot use {}: feature `{}` has {tangle}", self.path.display(), found.raw.id);
+            return Err(Error::limit(504, text).with_hint("mend or leave out the feature; is it one building?"));
+        }
         let median = median_height(&shaped);
         let words = HeightWords::of(self.options);
         let missing_share = missing_area_share(&shaped);

@@ -36,7 +36,7 @@ pub use footprints::{
     BaseRule, DataAreaChoice, FootprintOptions, HeightGap, MissingHeight, read_footprints, read_footprints_and_repairs,
 };
 pub use mesh::{MeshOptions, read_mesh};
-pub use outline::{Region, covered_area, even_odd, region_of};
+pub use outline::{Region, region_of};
 pub use projection::Projection;
 pub use repairs::Repair;
 pub use sites::{GivenSite, Site, read_sites};

@@ -1,20 +1,16 @@
 //! The outline of a building: onto the lattice, repaired, and the ground under it.
 
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay::Overlay;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::i_float::int::point::IntPoint;
-
 use super::Ground;
 use super::building::RawFootprint;
 use super::footprints::BaseRule;
+use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
 use crate::quantity::{Frame, VOID};
 use crate::raster::{CellLattice, Raster, covered_shares, overlapped_cells};
 
 /// A footprint after rounding and repair.
 pub(super) struct Shaped {
     pub(super) raw: RawFootprint,
-    pub(super) polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    pub(super) polygons: Vec<Polygon>,
     /// Which of the raw polygons were repaired.
     pub(super) repaired: Vec<usize>,
     /// Which of them have no area.
@@ -22,6 +18,8 @@ pub(super) struct Shaped {
     /// Which of them have a hole that lies outside of their shell, or reaches out of it.
     pub(super) stray_holes: Vec<usize>,
     pub(super) too_far: bool,
+    /// Why it could not be repaired.
+    pub(super) tangle: Option<Tangle>,
     /// The ground that it stands on, `None` where none is known.
     pub(super) base: Option<i32>,
 }
@@ -34,14 +32,15 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         degenerate: Vec::new(),
         stray_holes: Vec::new(),
         too_far: false,
+        tangle: None,
         base: None,
         raw,
     };
     let limit = 1_i64 << 26;
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
-        let mut rings: Vec<Vec<[i32; 2]>> = Vec::new();
+        let mut rings: Vec<Ring> = Vec::new();
         for (number, ring) in polygon.iter().enumerate() {
-            let mut points: Vec<[i32; 2]> = Vec::with_capacity(ring.len());
+            let mut points: Ring = Vec::with_capacity(ring.len());
             for &[x, y] in ring {
                 let (x, y) = frame.lattice_from_world(x, y);
                 if x.abs() > limit || y.abs() > limit {
@@ -63,6 +62,10 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
                 // Without a shell there is nothing to take holes out of.
                 break;
             }
+        }
+        shaped.tangle = tangle(&rings);
+        if shaped.tangle.is_some() {
+            return shaped;
         }
         let region = region_of(&rings);
         if region.polygons.is_empty() {
@@ -87,7 +90,7 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
     /// Polygons, shell first, whose edges do not cross.
-    pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
+    pub polygons: Vec<Polygon>,
     /// Whether it is another one than the rings say as they are.
     pub is_repaired: bool,
     /// Whether a hole lies outside of the shell, or reaches out of it: that part is no region.
@@ -99,11 +102,11 @@ pub struct Region {
 ///
 /// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than a step. Coordinates
 /// are within ±2^26.
-pub fn region_of(rings: &[Vec<[i32; 2]>]) -> Region {
+pub fn region_of(rings: &[Ring]) -> Region {
     let polygons = even_odd(rings);
     // A valid polygon comes back with the area of its shell less that of its holes and with as many rings. A hole that is not
     // in the shell would have added its area.
-    let area = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs();
+    let area = |ring: &Ring| doubled_area(ring).abs();
     let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i64>();
     let after: i64 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i64>()).sum();
     let n_rings: usize = polygons.iter().map(Vec::len).sum();
@@ -116,59 +119,8 @@ pub fn region_of(rings: &[Vec<[i32; 2]>]) -> Region {
     // Each ring by itself, wound alike, so that regions add up by their winding numbers.
     let shell = even_odd(std::slice::from_ref(shell)).concat();
     let holes: Vec<_> = holes.iter().flat_map(|hole| even_odd(std::slice::from_ref(hole)).concat()).collect();
-    let less = |a: &[Vec<[i32; 2]>], b: &[Vec<[i32; 2]>]| {
-        let overlaid = Overlay::<i32>::from_subj_and_clip(&contours(a), &contours(b));
-        polygons_of(overlaid, OverlayRule::Difference, FillRule::NonZero)
-    };
-    let has_stray_hole = !less(&holes, &shell).is_empty();
-    Region { polygons: less(&shell, &holes), is_repaired: true, has_stray_hole }
-}
-
-/// The region that rings enclose by the even-odd rule, as polygons (shell first) whose edges do not cross.
-pub fn even_odd(rings: &[Vec<[i32; 2]>]) -> Vec<Vec<Vec<[i32; 2]>>> {
-    polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
-}
-
-fn contours(rings: &[Vec<[i32; 2]>]) -> Vec<Vec<IntPoint<i32>>> {
-    rings.iter().map(|ring| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect()
-}
-
-fn polygons_of(mut overlay: Overlay<i32>, rule: OverlayRule, fill: FillRule) -> Vec<Vec<Vec<[i32; 2]>>> {
-    let ring = |contour: Vec<IntPoint<i32>>| contour.into_iter().map(|p| [p.x, p.y]).collect();
-    overlay.overlay(rule, fill).into_iter().map(|shape| shape.into_iter().map(ring).collect()).collect()
-}
-
-/// Twice the area of what some polygons (shell first, edges that do not cross) cover of a rectangle from its south-west to
-/// its north-east corner; what several of them cover counts once.
-///
-/// Where edges cross off the lattice, the crossing is rounded to it. Coordinates are within ±2^26.
-pub fn covered_area(polygons: &[&[Vec<[i32; 2]>]], [x0, y0, x1, y1]: [i32; 4]) -> u64 {
-    // Wound alike, shells and holes add up to 1 inside each polygon and to 0 outside.
-    let wound = |(k, ring): (usize, &Vec<[i32; 2]>)| {
-        let mut points: Vec<IntPoint<i32>> = ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect();
-        if (doubled_area(ring) > 0) != (k == 0) {
-            points.reverse();
-        }
-        points
-    };
-    let contours: Vec<_> = polygons.iter().flat_map(|rings| rings.iter().enumerate().map(wound)).collect();
-    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| IntPoint { x, y });
-    let clipped = Overlay::<i32>::from_subj_and_clip(&contours, &vec![corners.to_vec()])
-        .overlay(OverlayRule::Intersect, FillRule::NonZero);
-    let area = |contour: &Vec<IntPoint<i32>>| {
-        doubled_area(&contour.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()).unsigned_abs()
-    };
-    clipped.iter().map(|shape| area(&shape[0]) - shape[1..].iter().map(area).sum::<u64>()).sum()
-}
-
-/// Twice the signed area of a ring of lattice points within ±2^26: below 2^55 for any ring that does not wind many
-/// times, and only compared.
-fn doubled_area(ring: &[[i32; 2]]) -> i64 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter()
-        .zip(next)
-        .map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(b[0]) * i64::from(a[1]))
-        .fold(0, i64::wrapping_add)
+    let has_stray_hole = !difference(&holes, &shell).is_empty();
+    Region { polygons: difference(&shell, &holes), is_repaired: true, has_stray_hole }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "reported as a share of area")]
@@ -180,15 +132,10 @@ pub(super) fn polygon_area(polygon: &[Vec<[i32; 2]>]) -> f64 {
 /// The ground that a footprint stands on, by the terrain columns that its area overlaps; `None` if none of them is known.
 ///
 /// OpenStreetMap measures `height` from the lowest point where the building meets the ground.
-fn base_on(polygons: &[Vec<Vec<[i32; 2]>>], frame: &Frame, terrain: &Raster<i32>, rule: BaseRule) -> Option<i32> {
+fn base_on(polygons: &[Polygon], frame: &Frame, terrain: &Raster<i32>, rule: BaseRule) -> Option<i32> {
     let georef = terrain.georef();
     let lattice = CellLattice::under(frame, georef);
-    let on_lattice = |p: &[i32; 2]| {
-        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
-        let (x, y) = lattice.frame.lattice_from_world(x, y);
-        [x, y]
-    };
-    let ring = |ring: &Vec<[i32; 2]>| ring.iter().map(on_lattice).collect::<Vec<_>>();
+    let ring = |ring: &Ring| ring.iter().map(|p| lattice.position(frame, *p)).collect::<Vec<_>>();
     let polygons: Vec<Vec<Vec<[i64; 2]>>> = polygons.iter().map(|rings| rings.iter().map(ring).collect()).collect();
     let shape = (georef.n_rows(), georef.n_cols());
     if rule == BaseRule::Mean {
@@ -237,24 +184,6 @@ mod tests {
         assert!(!is_repaired && !has_stray_hole);
         assert_eq!(polygons.len(), 1);
         assert_eq!(polygons[0].len(), 2);
-    }
-
-    #[test]
-    fn what_several_polygons_cover_counts_once_and_holes_count_as_they_are() {
-        let square = |x: i32, y: i32, s: i32| vec![[x, y], [x + s, y], [x + s, y + s], [x, y + s]];
-        let mut hole = square(2, 2, 4);
-        // The first overlaps the second by 4 × 4; the hole, wound either way, is half covered by a third.
-        for _ in 0..2 {
-            let court = vec![square(0, 0, 8), hole.clone()];
-            let (second, third) = (vec![square(4, 4, 8)], vec![square(2, 2, 2)]);
-            let all: [&[Vec<[i32; 2]>]; 3] = [&court, &second, &third];
-            // 64 − 16 of the first, 64 − (16 − 4 in the hole) of the second, 4 of the third in the hole.
-            assert_eq!(covered_area(&all, [-100, -100, 100, 100]), 2 * (48 + 52 + 4));
-            // Of 5 × 5 in its corner: less 3 × 3 of the hole, which the third covers by 2 × 2 and the second by 1.
-            assert_eq!(covered_area(&all, [0, 0, 5, 5]), 2 * (25 - 9 + 4 + 1));
-            hole.reverse();
-        }
-        assert_eq!(covered_area(&[], [0, 0, 5, 5]), 0);
     }
 
     #[test]

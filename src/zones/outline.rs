@@ -1,12 +1,8 @@
 //! The outlines of what is built, joined to blocks, and the open ground between them and the frame.
 
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay::Overlay;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::i_float::int::point::IntPoint;
-
 use super::cell_outline::rings_around;
 use crate::height_field::HeightField;
+use crate::overlay::{Polygon, Ring, difference, doubled_area, union};
 use crate::quantity::STEPS_PER_UNIT;
 
 /// A free-standing block smaller than this \[m²\] (a kiosk, a shed) does not divide the street that it stands in.
@@ -18,13 +14,10 @@ const STEPS_PER_RASTER: f64 = (1 << 26) as f64;
 /// Blocks are clamped to this far from the origin \[steps\]; the overlay's integers are exact within it.
 const FARTHEST: i64 = 1 << 28;
 
-/// A polygon: its shell counterclockwise, then its holes clockwise.
-type Shape = Vec<Vec<IntPoint<i32>>>;
-
 /// The outlines of a scene on a lattice of equal steps along x and y. Cells need not be square, so their corners are
 /// rounded to it.
 pub(super) struct Outlines {
-    blocks: Vec<Shape>,
+    blocks: Vec<Polygon>,
     /// The extent of the scene \[steps\]: west, south, east, north.
     frame: [i32; 4],
     /// Length of a lattice step \[m\].
@@ -36,7 +29,7 @@ pub(super) struct Outlines {
 /// Open ground: polygons whose edges do not cross, and the frame around them, on the lattice.
 pub(super) struct OpenGround {
     /// Rings, not closed: shells counterclockwise and holes clockwise.
-    pub(super) rings: Vec<Vec<[i32; 2]>>,
+    pub(super) rings: Vec<Ring>,
     /// West, south, east, north \[steps\].
     pub(super) frame: [i32; 4],
     /// Length of a lattice step \[m\].
@@ -54,19 +47,15 @@ impl Outlines {
             let v = v.clamp(-FARTHEST, FARTHEST) as i32;
             v
         };
-        let point = |x: i32, y: i32| IntPoint { x, y };
         match (field.prisms(), field.prisms_frame()) {
             (Some(prisms), Some(lattice)) => {
-                let rings: Vec<Vec<IntPoint<i32>>> = prisms
-                    .pieces()
-                    .iter()
-                    .map(|p| prisms.ring(p).iter().map(|v| point(clamp(v[0].into()), clamp(v[1].into()))).collect())
-                    .collect();
+                let ring = |ring: &[[i32; 2]]| ring.iter().map(|v| v.map(|v| clamp(v.into()))).collect();
+                let pieces: Vec<Polygon> = prisms.pieces().iter().map(|p| vec![ring(prisms.ring(p))]).collect();
                 let (west, south) = lattice.lattice_from_world(grid.x_min(), grid.y_min());
                 let (east, north) = lattice.lattice_from_world(grid.x_max(), grid.y_max());
                 let steps = f64::from(STEPS_PER_UNIT);
                 Outlines {
-                    blocks: joined(&rings),
+                    blocks: union(pieces),
                     frame: [west, south, east, north].map(clamp),
                     step_m: lattice.unit_x / steps,
                     origin: [lattice.x_origin, lattice.y_origin],
@@ -79,12 +68,12 @@ impl Outlines {
                 #[expect(clippy::cast_possible_truncation, reason = "at most 2^26")]
                 let corner = |k: usize, cell: f64| (k as f64 * cell / step_m).round() as i32;
                 let [x_at, y_at] = [grid.cell_width(), grid.cell_height()].map(|cell| move |k: usize| corner(k, cell));
-                let rings: Vec<Vec<IntPoint<i32>>> = rings_around(&field.cells().building)
+                let rings: Vec<Ring> = rings_around(&field.cells().building)
                     .into_iter()
-                    .map(|ring| ring.into_iter().map(|[x, y]| point(x_at(x), y_at(y))).collect())
+                    .map(|ring| ring.into_iter().map(|[x, y]| [x_at(x), y_at(y)]).collect())
                     .collect();
                 Outlines {
-                    blocks: joined(&rings),
+                    blocks: union(vec![rings]),
                     frame: [0, 0, x_at(grid.n_cols()), y_at(grid.n_rows())],
                     step_m,
                     origin: [grid.x_min(), grid.y_min()],
@@ -96,18 +85,13 @@ impl Outlines {
     /// The frame less the blocks that are large enough to divide a street.
     pub(super) fn open_ground(&self) -> OpenGround {
         let step_m2 = self.step_m * self.step_m;
-        let blocks: Vec<Shape> = self
-            .blocks
-            .iter()
-            .filter(|shape| shape.first().is_some_and(|shell| area(shell) * step_m2 >= SMALLEST_BLOCK_M2))
-            .cloned()
-            .collect();
+        #[expect(clippy::cast_precision_loss, reason = "compared with a size that is not exact either")]
+        let area_m2 = |shell: &Ring| doubled_area(shell).abs() as f64 / 2.0 * step_m2;
+        let is_large = |block: &&Polygon| block.first().is_some_and(|shell| area_m2(shell) >= SMALLEST_BLOCK_M2);
+        let blocks: Vec<Ring> = self.blocks.iter().filter(is_large).flatten().cloned().collect();
         let [west, south, east, north] = self.frame;
-        let corners = [[west, south], [east, south], [east, north], [west, north]];
-        let frame: Vec<IntPoint<i32>> = corners.iter().map(|c| IntPoint { x: c[0], y: c[1] }).collect();
-        let open =
-            Overlay::<i32>::from_subj_and_clip(&frame, &blocks).overlay(OverlayRule::Difference, FillRule::NonZero);
-        let rings = open.iter().flatten().map(|ring| ring.iter().map(|p| [p.x, p.y]).collect()).collect();
+        let frame: Ring = vec![[west, south], [east, south], [east, north], [west, north]];
+        let rings = difference(&[frame], &blocks).concat();
         OpenGround { rings, frame: self.frame, step_m: self.step_m, origin: self.origin }
     }
 }
@@ -115,26 +99,7 @@ impl Outlines {
 impl OpenGround {
     /// The same after another pass of the overlay, where rounded crossings made edges cross anew.
     pub(super) fn again(&self) -> OpenGround {
-        let ring = |ring: &Vec<[i32; 2]>| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect();
-        let rings: Vec<Vec<IntPoint<i32>>> = self.rings.iter().map(ring).collect();
-        let shapes = joined(&rings);
-        let rings = shapes.iter().flatten().map(|ring| ring.iter().map(|p| [p.x, p.y]).collect()).collect();
+        let rings = union(vec![self.rings.clone()]).concat();
         OpenGround { rings, ..*self }
     }
-}
-
-/// The union of rings.
-fn joined(rings: &[Vec<IntPoint<i32>>]) -> Vec<Shape> {
-    if rings.is_empty() {
-        return Vec::new();
-    }
-    Overlay::<i32>::from_subj(rings).overlay(OverlayRule::Subject, FillRule::NonZero)
-}
-
-/// Area inside a ring \[steps²\].
-fn area(ring: &[IntPoint<i32>]) -> f64 {
-    let next = ring.iter().cycle().skip(1);
-    let doubled: f64 =
-        ring.iter().zip(next).map(|(a, b)| f64::from(a.x) * f64::from(b.y) - f64::from(b.x) * f64::from(a.y)).sum();
-    doubled.abs() / 2.0
 }

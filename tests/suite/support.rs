@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use skyshed::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
+use skyshed::overlay::even_odd;
 use skyshed::quantity::{LatticePoint, VOID};
-use skyshed::scene::even_odd;
 
 use crate::oracle;
 

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use skyshed::height_field::HeightField;
+use skyshed::overlay::even_odd;
 use skyshed::quantity::Frame;
 use skyshed::raster::{GeoRef, Raster};
 use skyshed::scene::{
     BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, FootprintOptions, Ground, NodataAs, Scene, Solids,
-    SurfaceOptions, even_odd, read_footprints, read_surface,
+    SurfaceOptions, read_footprints, read_surface,
 };
 use skyshed::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 

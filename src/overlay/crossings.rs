@@ -1,0 +1,185 @@
+//! How much the edges of rings cross, found before an overlay pays for it.
+
+use std::fmt;
+
+use super::Ring;
+
+/// Crossings that any region may have, beside [`CROSSINGS_PER_EDGE`].
+const MOST_CROSSINGS: usize = 100_000;
+
+/// Crossings for each edge that any region may have.
+const CROSSINGS_PER_EDGE: usize = 4;
+
+/// Pairs of edges that may be compared, beside [`PAIRS_PER_EDGE`].
+const MOST_PAIRS: usize = 20_000_000;
+
+/// Pairs of edges that may be compared, for each edge.
+const PAIRS_PER_EDGE: usize = 256;
+
+/// Rings whose edges cross too often to be mended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tangle {
+    /// More crossings than this.
+    Crossings(usize),
+    /// More pairs of edges than this lie beside one another.
+    Pairs(usize),
+}
+
+impl fmt::Display for Tangle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Tangle::Crossings(most) => write!(f, "edges that cross one another more than {most} times"),
+            Tangle::Pairs(most) => write!(f, "more than {most} pairs of long edges side by side"),
+        }
+    }
+}
+
+/// Whether the edges of a polygon cross more often than can be mended: 4 times an edge, and 100 000 times.
+///
+/// Two edges cross where they have more in common than an end; equal edges do not. Cost: n log n, and 256 comparisons of
+/// pairs an edge and 20 million, at most.
+pub fn tangle(rings: &[Ring]) -> Option<Tangle> {
+    let n_edges: usize = rings.iter().map(Vec::len).sum();
+    let most = MOST_CROSSINGS + CROSSINGS_PER_EDGE * n_edges;
+    // As many pairs as there are.
+    if n_edges * n_edges.saturating_sub(1) / 2 <= most {
+        return None;
+    }
+    exceeds(&mut edges_of(rings), most)
+}
+
+/// Whether rings cross so often that joining them by halves costs less.
+pub(super) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> bool {
+    let mut edges = edges_of(rings);
+    let most = 1000 + CROSSINGS_PER_EDGE * edges.len();
+    exceeds(&mut edges, most).is_some()
+}
+
+/// An edge from its smaller end.
+type Edge = [[i32; 2]; 2];
+
+fn edges_of<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
+    let of_ring = |ring: &'a Ring| ring.iter().zip(ring.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)]);
+    rings.into_iter().flat_map(of_ring).collect()
+}
+
+/// Counts crossings of edges, or the pairs compared for it, until there are too many.
+///
+/// The plane is cut into strips about as high as an edge, or as many as the root of their number. In each strip edges are
+/// met from west to east, and compared with those before them that reach as far.
+fn exceeds(edges: &mut Vec<Edge>, most: usize) -> Option<Tangle> {
+    edges.sort_unstable();
+    edges.dedup();
+    let n = edges.len();
+    let most_pairs = MOST_PAIRS + PAIRS_PER_EDGE * n;
+    let ys = |edge: &Edge| [edge[0][1].min(edge[1][1]), edge[0][1].max(edge[1][1])].map(i64::from);
+    let south = edges.iter().map(|edge| ys(edge)[0]).min()?;
+    let north = edges.iter().map(|edge| ys(edge)[1]).max()?;
+    let count = i64::try_from(n).ok()?;
+    let mean = edges.iter().map(|edge| ys(edge)[1] - ys(edge)[0]).sum::<i64>() / count;
+    let height = mean.max((north - south) / count.isqrt()) + 1;
+    let strip = |y: i64| usize::try_from((y - south) / height).unwrap_or(0);
+    let mut in_strips: Vec<Vec<&Edge>> = vec![Vec::new(); strip(north) + 1];
+    for edge in &*edges {
+        let [low, high] = ys(edge);
+        in_strips[strip(low)..=strip(high)].iter_mut().for_each(|edges| edges.push(edge));
+    }
+    let (mut n_crossings, mut n_pairs) = (0, 0);
+    for (k, edges) in in_strips.iter().enumerate() {
+        let mut before: Vec<&Edge> = Vec::new();
+        for edge in edges {
+            n_pairs += before.len();
+            if n_pairs > most_pairs {
+                return Some(Tangle::Pairs(most_pairs));
+            }
+            before.retain(|other| other[1][0] >= edge[0][0]);
+            let [low, high] = ys(edge);
+            // Where both lie in several strips, they are compared in the lowest of them.
+            let is_here = |other: &Edge| {
+                let [other_low, other_high] = ys(other);
+                other_low <= high && other_high >= low && strip(other_low.max(low)) == k
+            };
+            n_crossings += before.iter().filter(|other| is_here(other) && cross(other, edge)).count();
+            if n_crossings > most {
+                return Some(Tangle::Crossings(most));
+            }
+            before.push(edge);
+        }
+    }
+    None
+}
+
+/// Whether two edges that differ have more in common than an end.
+fn cross([a, b]: &Edge, [c, d]: &Edge) -> bool {
+    let turn = |p: &[i32; 2], q: &[i32; 2], r: &[i32; 2]| {
+        let d = |p: &[i32; 2], q: &[i32; 2]| [0, 1].map(|k| i64::from(q[k]) - i64::from(p[k]));
+        let ([ux, uy], [vx, vy]) = (d(p, q), d(p, r));
+        (ux * vy - uy * vx).signum()
+    };
+    let (of_c, of_d) = (turn(a, b, c), turn(a, b, d));
+    if of_c == 0 && of_d == 0 {
+        return a.max(c) < b.min(d);
+    }
+    let shares_end = a == c || a == d || b == c || b == d;
+    !shares_end && of_c * of_d <= 0 && turn(c, d, a) * turn(c, d, b) <= 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All crossings, pair by pair.
+    fn counted(edges: &[Edge]) -> usize {
+        let mut edges = edges.to_vec();
+        edges.sort_unstable();
+        edges.dedup();
+        (0..edges.len()).map(|k| edges[..k].iter().filter(|other| cross(other, &edges[k])).count()).sum()
+    }
+
+    #[test]
+    fn edges_cross_where_they_have_more_in_common_than_an_end() {
+        let crossing = |a: [i32; 4], b: [i32; 4]| {
+            let edge = |[x0, y0, x1, y1]: [i32; 4]| [[x0, y0].min([x1, y1]), [x0, y0].max([x1, y1])];
+            cross(&edge(a), &edge(b))
+        };
+        assert!(crossing([0, 0, 9, 9], [0, 9, 9, 0]));
+        assert!(crossing([0, 0, 9, 0], [4, 0, 5, 7]), "one ends on the other");
+        assert!(crossing([0, 0, 9, 0], [4, 0, 12, 0]), "they share a part");
+        assert!(crossing([0, 0, 9, 9], [0, 0, 4, 4]), "one is a part of the other");
+        assert!(!crossing([0, 0, 9, 0], [9, 0, 12, 0]), "one goes on where the other ends");
+        assert!(!crossing([0, 0, 9, 0], [9, 0, 9, 7]));
+        assert!(!crossing([0, 0, 9, 0], [0, 1, 9, 1]));
+        assert!(!crossing([0, 0, 9, 0], [10, 5, 10, -5]));
+    }
+
+    #[test]
+    fn strips_count_what_all_pairs_do() {
+        // Rings of a multiplicative generator, of long and of short edges.
+        let mut state = 1_u64;
+        let mut random = |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            i32::try_from((state >> 33) % n).expect("a small number")
+        };
+        for (n, reach) in [(40, 20), (200, 30), (300, 3000)] {
+            let mut at = [0, 0];
+            let ring: Ring = std::iter::repeat_with(|| {
+                at = [0, 1].map(|k| at[k] + random(2 * reach + 1) - i32::try_from(reach).expect("small"));
+                at
+            })
+            .take(n)
+            .collect();
+            let mut edges: Vec<Edge> = edges_of([&ring]).into_iter().filter(|[a, b]| a != b).collect();
+            let truth = counted(&edges);
+            assert!(truth > 10);
+            assert_eq!(exceeds(&mut edges, truth), None);
+            assert_eq!(exceeds(&mut edges, truth - 1), Some(Tangle::Crossings(truth - 1)));
+        }
+    }
+
+    #[test]
+    fn spikes_that_lie_side_by_side_are_told_before_all_are_compared() {
+        let n = 60_000;
+        let spikes: Ring = (0..n).map(|k| [(k - n / 2) * 2 * (k % 2), if k % 2 == 0 { 0 } else { 1 << 26 }]).collect();
+        assert!(matches!(tangle(&[spikes]), Some(Tangle::Pairs(_))));
+    }
+}

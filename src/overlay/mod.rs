@@ -1,0 +1,125 @@
+//! Regions of the lattice: repaired, joined and cut, in integers (i_overlay).
+//!
+//! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So [`tangle`] counts both
+//! beforehand, and [`union`] joins what lies on one another by halves. Where edges cross off the lattice, the crossing is
+//! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
+
+mod crossings;
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::Overlay;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+
+pub use crossings::{Tangle, tangle};
+
+/// Lattice points around a region or a hole, not closed: the first is not repeated.
+pub type Ring = Vec<[i32; 2]>;
+
+/// A shell and its holes. Those that are made here have edges that do not cross, counterclockwise shells and clockwise
+/// holes.
+pub type Polygon = Vec<Ring>;
+
+/// The region that rings enclose by the even-odd rule.
+pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
+    polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
+}
+
+/// What some rings enclose and others do not. Rings of one side that overlap are wound alike.
+pub fn difference(rings: &[Ring], less: &[Ring]) -> Vec<Polygon> {
+    let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(less));
+    polygons_of(overlay, OverlayRule::Difference, FillRule::NonZero)
+}
+
+/// What both of two sets of rings enclose. Rings of one side that overlap are wound alike.
+pub fn intersection(rings: &[Ring], with: &[Ring]) -> Vec<Polygon> {
+    let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(with));
+    polygons_of(overlay, OverlayRule::Intersect, FillRule::NonZero)
+}
+
+/// The region that any of the polygons covers. Shells are wound alike, and holes the other way.
+///
+/// Cost: n log n for n edges, and the crossings of their outlines; of polygons that lie on one another only few of those.
+pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
+    // Outlines on one another cross far more often than the outline of their union has edges.
+    let is_tangled = polygons.len() > 1 && crossings::are_many(polygons.iter().flatten());
+    if !is_tangled {
+        let rings = contours(polygons.iter().flatten());
+        return polygons_of(Overlay::<i32>::from_subj(&rings), OverlayRule::Subject, FillRule::NonZero);
+    }
+    let bounds = |axis: usize| {
+        let values = || polygons.iter().flatten().flatten().map(move |p| p[axis]);
+        values().max().unwrap_or(0) - values().min().unwrap_or(0)
+    };
+    let axis = usize::from(bounds(1) > bounds(0));
+    let middle = |polygon: &Polygon| polygon.first().map_or(0, |shell| shell.iter().map(|p| i64::from(p[axis])).sum());
+    polygons.sort_by_cached_key(middle);
+    let rest = polygons.split_off(polygons.len() / 2);
+    let halves = [union(polygons), union(rest)].concat();
+    polygons_of(Overlay::<i32>::from_subj(&contours(halves.iter().flatten())), OverlayRule::Subject, FillRule::NonZero)
+}
+
+/// A polygon with its shell counterclockwise and its holes clockwise.
+pub fn wound(polygon: &Polygon) -> Polygon {
+    let ring = |(k, ring): (usize, &Ring)| {
+        let mut ring = ring.clone();
+        if (doubled_area(&ring) > 0) != (k == 0) {
+            ring.reverse();
+        }
+        ring
+    };
+    polygon.iter().enumerate().map(ring).collect()
+}
+
+fn contours<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Vec<IntPoint<i32>>> {
+    rings.into_iter().map(|ring| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect()
+}
+
+fn polygons_of(mut overlay: Overlay<i32>, rule: OverlayRule, fill: FillRule) -> Vec<Polygon> {
+    let ring = |contour: Vec<IntPoint<i32>>| contour.into_iter().map(|p| [p.x, p.y]).collect();
+    overlay.overlay(rule, fill).into_iter().map(|shape| shape.into_iter().map(ring).collect()).collect()
+}
+
+/// Twice the signed area of a ring within ±2^26, positive counterclockwise: below 2^55 for any ring that does not wind many
+/// times.
+pub fn doubled_area(ring: &[[i32; 2]]) -> i64 {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter()
+        .zip(next)
+        .map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(b[0]) * i64::from(a[1]))
+        .fold(0, i64::wrapping_add)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: i32, y: i32, side: i32) -> Polygon {
+        vec![vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]]
+    }
+
+    fn doubled(polygons: &[Polygon]) -> i64 {
+        polygons.iter().flatten().map(|ring| doubled_area(ring)).sum()
+    }
+
+    #[test]
+    fn what_several_polygons_cover_counts_once() {
+        // 8 × 8 with a hole of 4 × 4, which a second half covers by 3 × 3 and one in it by 2 × 2; those two share one square.
+        let mut court = square(0, 0, 8);
+        court.push(vec![[2, 2], [2, 6], [6, 6], [6, 2]]);
+        let united = union(vec![court, square(3, 3, 8), square(2, 2, 2)]);
+        assert_eq!(doubled(&united), 2 * (48 + 64 - (25 - 9) + 4 - 1));
+        assert_eq!(union(Vec::new()), Vec::<Polygon>::new());
+    }
+
+    #[test]
+    fn squares_on_one_another_are_joined_by_halves() {
+        // A staircase of 400 squares of side 400: all that hold the middle cross one another.
+        let stairs: Vec<Polygon> = (0..400).map(|k| square(k, k, 400)).collect();
+        assert!(crossings::are_many(stairs.iter().flatten()));
+        let united = union(stairs.clone());
+        assert_eq!((united.len(), united[0].len(), united[0][0].len()), (1, 1, 4 + 2 * 2 * 399));
+        // Each next square adds a strip of 400 and one of 399.
+        assert_eq!(doubled(&united), 2 * (400 * 400 + 399 * 799));
+    }
+}
