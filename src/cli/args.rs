@@ -128,6 +128,21 @@ impl Command {
         }
     }
 
+    /// Most memory that the run may take.
+    pub(super) fn max_memory(&self) -> Option<u64> {
+        match self {
+            Command::Map(args) => args.engine.max_memory,
+            Command::Link(args) => args.engine.max_memory,
+            Command::City(args) => args.engine.max_memory,
+            Command::Info(args) => args.engine.max_memory,
+            Command::Plos(args) => args.max_memory,
+            Command::Compare(args) => args.engine.max_memory,
+            Command::Place(args) => args.engine.max_memory,
+            Command::Stress(args) => args.engine.max_memory,
+            Command::Chart(args) => args.engine.max_memory,
+        }
+    }
+
     fn scene_mut(&mut self) -> &mut SceneArgs {
         match self {
             Command::Map(args) => &mut args.scene,
@@ -291,7 +306,7 @@ pub(super) struct EngineArgs {
     pub(super) method: MethodChoice,
     /// Most memory that the run may take, such as 800M or 4G; default: what the machine, the container and
     /// the limit of address space have left. `map` sweeps a raster that
-    /// takes more strip by strip
+    /// takes more strip by strip; what cannot do with it is refused, or ended
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true)]
     pub(super) max_memory: Option<u64>,
 }
@@ -517,8 +532,10 @@ pub(super) struct MapArgs {
     /// of range, and no nodata
     #[arg(long)]
     pub(super) gdal_values: bool,
-    /// Folder for the heights of a raster that does not fit in memory (4 bytes a cell, in a file without a name); default:
-    /// the system's folder for temporary files
+    /// Sweep a raster strip by strip from a copy in tiles on disk, also where it fits in memory: the same cells, less memory
+    #[arg(long)]
+    pub(super) strips: bool,
+    /// Folder for that copy (4 bytes a cell, in a file without a name); default: the system's folder for temporary files
     #[arg(long, value_name = "FOLDER")]
     pub(super) scratch: Option<PathBuf>,
     /// Leave what is there already: a UAV is skipped if its files exist and were made by the same run, so that an interrupted

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::memory::check_memory;
-use super::plan::{FIELD_BYTES_PER_CELL, input_paths, read_scene};
+use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use super::plan::{input_paths, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
@@ -53,7 +53,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Raster { .. } => None,
     };
     let Scene { name, grid, solids, built_up, sources, attribution, .. } = scene;
-    check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
+    check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
         command,

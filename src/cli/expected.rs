@@ -1,7 +1,6 @@
 //! What a run will take, told before it starts.
 
-use super::memory::memory_words;
-use super::plan::FIELD_BYTES_PER_CELL;
+use super::memory::{FIELD_BYTES_PER_CELL, memory_words};
 use crate::los::Method;
 
 /// What a run will take, as far as can be told before it.

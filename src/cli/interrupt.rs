@@ -75,11 +75,17 @@ pub(super) fn listen() {
     let _ = ctrlc::set_handler(handler);
 }
 
-/// Ends the program without a temporary file.
+/// Ends the program with an error, from any thread.
+pub(super) fn give_up(error: &Error) -> ! {
+    let _no_file_is_begun = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
+    end(error)
+}
+
+/// Ends the program with an error, without a temporary file.
 fn end(error: &Error) -> ! {
     abandon_files();
     messages::error(error);
-    std::process::exit(i32::from(ErrorClass::Interrupted.exit_code()));
+    std::process::exit(i32::from(error.class().exit_code()));
 }
 
 /// From here on [`wants_to_stop`] says when to begin no further piece.

@@ -38,7 +38,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
         },
     )?;
     args.size.refuse_without_picture(&outputs)?;
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     check_extent(&scene, &site, (x, y))?;
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);

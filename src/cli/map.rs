@@ -9,13 +9,11 @@ use super::height_curve::{CurvePlan, Curves};
 use super::map_drawing::draws_each;
 use super::map_files::{MaskFile, Writer, check_flags, mask_values, written_at_once};
 use super::map_sites::SiteRuns;
-use super::map_streamed::{StreamedRun, too_large};
-use super::memory::check_memory;
+use super::map_streamed::{StreamedRun, reason_for_strips};
+use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use super::messages::WarningsOfRuns;
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, ready, receiver_height, warn_of_flat_earth,
-};
+use super::plan::{Ready, checked_radius, input_paths, is_raster_scene, ready, receiver_height, warn_of_flat_earth};
 use super::receivers::{Asked, check_receivers, warn_of_no_receivers};
 use super::tables::{UavsAsked, UavsFound};
 use super::tolerance::{checked_tolerance, in_words as tolerance_in_words, simplify};
@@ -100,6 +98,9 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
         return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
     }
+    if args.strips && (!is_raster_scene(&args.scene) || args.scene.project.is_some()) {
+        return Err(Error::usage(116, "`--strips` has no meaning but for a raster in its own system"));
+    }
     let names_layout = args.scene.typed.iter().any(|typed| typed == "tif_layout");
     if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
         return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
@@ -115,7 +116,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let layers = layers(&args.layers);
     let mut scene = match given_scene {
         GivenScene::InMemory(scene) => *scene,
-        GivenScene::Typed if too_large(args).is_none() => ready(&args.scene, args.engine.max_memory)?,
+        GivenScene::Typed if reason_for_strips(args).is_none() => ready(&args.scene)?,
         not_in_memory => {
             let (outputs, layers) = (&outputs[..], &layers[..]);
             let run = StreamedRun { args, command, outputs, layers, rx_height, radius_m, start, unit, other_runs };
@@ -195,8 +196,8 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         .saturating_add(curve_plan.bytes_per_cell())
         .saturating_add(encoding_bytes_per_cell(&outputs, &layers, uavs.len()))
         .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
-    let needs = (FIELD_BYTES_PER_CELL, bytes_per_cell);
-    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
+    let needs = bytes_per_cell;
+    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
     let mut mapper = Mapper::new(&scene.field, &options)?;
     let idle = mapper.drop_idle(&uavs);
     if !args.out.quiet {

@@ -11,14 +11,11 @@ use std::time::Instant;
 
 use super::args::MapArgs;
 use super::map::{Given, GivenScene, run_one, uavs_asked};
-use super::map_streamed::{check_streamed, on_disk, too_large};
-use super::memory::check_memory;
+use super::map_streamed::{check_streamed, on_disk, reason_for_strips};
+use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use super::messages::WarningsOfRuns;
 use super::os_words::split;
-use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, built, checked_radius, input_paths, is_raster_scene, raster_options, ready,
-    warn_of_raster,
-};
+use super::plan::{Ready, built, checked_radius, input_paths, is_raster_scene, raster_options, ready, warn_of_raster};
 use super::tables::UavsFound;
 use super::{interrupt, messages};
 use crate::digest::Sha256;
@@ -189,7 +186,7 @@ impl<'a> SiteRuns<'a> {
         if is_raster_scene(scene) && scene.project.is_none() {
             return Ok((None, surface_grid(Path::new(&scene.scene), &raster_options(scene)?)?));
         }
-        let scene = ready(scene, self.args.engine.max_memory)?;
+        let scene = ready(scene)?;
         let grid = scene.field.grid().clone();
         Ok((Some(SiteScenes::Whole(Box::new(scene))), grid))
     }
@@ -201,6 +198,11 @@ impl<'a> SiteRuns<'a> {
         let args = self.args;
         let mut warnings = Vec::new();
         if self.radius_m.is_some() && is_raster_scene(&args.scene) && args.scene.project.is_none() {
+            if args.strips {
+                let text =
+                    "`--strips` has no meaning with `--radius` and a file for each UAV: only what is in range is read";
+                return Err(Error::usage(116, text));
+            }
             let files = std::iter::once(Path::new(&args.scene.scene)).chain(args.scene.terrain.as_deref());
             for file in files {
                 if !RasterFile::open(file, &mut Vec::new())?.reads_parts() {
@@ -210,12 +212,12 @@ impl<'a> SiteRuns<'a> {
             }
             return Ok(SiteScenes::Parts);
         }
-        if too_large(args).is_some() {
+        if reason_for_strips(args).is_some() {
             check_streamed(args)?;
             let scene = on_disk(args, &mut warnings)?;
             return Ok(SiteScenes::OnDisk(scene, warnings));
         }
-        Ok(SiteScenes::Whole(Box::new(ready(&args.scene, args.engine.max_memory)?)))
+        Ok(SiteScenes::Whole(Box::new(ready(&args.scene)?)))
     }
 
     /// What each UAV's run was asked, with files of its own.
@@ -286,8 +288,8 @@ impl<'a> SiteRuns<'a> {
         let radius = self.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
         let window = grid.window_within(around);
-        let needs = (FIELD_BYTES_PER_CELL, FIELD_BYTES_PER_CELL);
-        check_memory(&args.scene.scene, &grid.part(window), needs, args.engine.max_memory)?;
+        let needs = FIELD_BYTES_PER_CELL;
+        check_memory(&args.scene.scene, &grid.part(window), needs)?;
         let mut warnings = Vec::new();
         let scene = match stored {
             None => {
@@ -301,7 +303,7 @@ impl<'a> SiteRuns<'a> {
                 stored.part(window)?
             }
         };
-        built(&args.scene, (scene, warnings), (start, args.engine.max_memory))
+        built(&args.scene, (scene, warnings), start)
     }
 
     /// What the run of a UAV, or of all, is one of: a hash of everything that its files depend on.
@@ -309,7 +311,7 @@ impl<'a> SiteRuns<'a> {
         let mut args = self.args.clone();
         // What changes no number.
         (args.output, args.height_curve) = (Vec::new(), Vec::new());
-        (args.resume, args.scratch, args.engine.max_memory) = (false, None, None);
+        (args.resume, args.strips, args.scratch, args.engine.max_memory) = (false, false, None, None);
         (args.out.json, args.out.overwrite, args.out.quiet, args.out.threads) = (false, false, false, None);
         (args.scene.typed, args.scene.paths) = (Vec::new(), Vec::new());
         (args.scene.repairs, args.scene.found_repairs) = (None, std::sync::Arc::default());

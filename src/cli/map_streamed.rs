@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
 use super::map_drawing::MapDrawing;
-use super::memory::{available_memory, memory_words};
+use super::memory::{ANY_WORK, lacking, left, memory_words};
 use super::messages::WarningsOfRuns;
 use super::outside::warn_of_uavs_outside;
-use super::plan::{FIELD_BYTES_PER_CELL, Ready, is_raster_scene, raster_options, warn_of_flat_earth, warn_of_raster};
+use super::plan::{Ready, grid_of_raster, raster_bytes_per_cell, raster_options, warn_of_flat_earth, warn_of_raster};
 use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
 use super::tables::UavsFound;
 use super::words::{picture_provenance, pretty};
@@ -23,32 +23,16 @@ use crate::raster::{ClassPyramid, GeoRef, RasterFile};
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
 use crate::scene::{GivenSite, StreamedSurface, WindowedBase, WindowedSolids};
 
-/// Bytes that a map of a raster in memory takes for each cell: its heights, what is below them, and the mask.
-const BYTES_IN_MEMORY: u64 = FIELD_BYTES_PER_CELL as u64 + 1;
-
-/// What any run takes beside its cells \[bytes\].
-const ANY_RUN: u64 = 16 << 20;
-
-/// Why a raster is not read into memory.
-pub(super) struct TooLarge {
-    needed: u64,
-    limit: u64,
-}
-
-/// Whether the scene is a raster of which a map in memory takes more than there is, or than `--max-memory` allows.
-pub(super) fn too_large(args: &MapArgs) -> Option<TooLarge> {
-    // What is brought into another system is put together in memory.
-    if !is_raster_scene(&args.scene) || args.scene.project.is_some() {
-        return None;
+/// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
+/// `--max-memory` allows. `None` if it is.
+pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
+    let grid = grid_of_raster(&args.scene)?;
+    if args.strips {
+        return Some("strips are asked for".into());
     }
-    // What is wrong with the file is told where it is read.
-    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new()).ok()?;
-    if file.is_empty() {
-        return None;
-    }
-    let needed = file.georef().n_cells() as u64 * BYTES_IN_MEMORY;
-    let limit = args.engine.max_memory.or_else(available_memory)?;
-    (needed > limit).then_some(TooLarge { needed, limit })
+    let with_mask = raster_bytes_per_cell(&args.scene) as u64 + 1;
+    let (needed, limit) = lacking(grid.n_cells() as u64 * with_mask + ANY_WORK)?;
+    Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
 /// What a picture shows of a mask: the middle one of each `factor` × `factor` cells, so as many of each class as there
@@ -94,10 +78,7 @@ pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<Str
         let files = terrain_file(args)?.into_iter().chain([RasterFile::open(path, &mut Vec::new())?]);
         let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(file.georef())).sum();
         let (on_disk, folder) = (memory_words(on_disk), scratch.display());
-        let why = too_large(args).map_or_else(
-            || "parts of it cannot be read alone".to_string(),
-            |why| format!("in memory a map takes {}, more than {}", memory_words(why.needed), memory_words(why.limit)),
-        );
+        let why = reason_for_strips(args).unwrap_or_else(|| "parts of it cannot be read alone".into());
         messages::note(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
     }
     let scene = StreamedSurface::read(path, &options, &scratch, warnings)?;
@@ -105,10 +86,10 @@ pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<Str
     Ok(scene)
 }
 
-/// Refuses what cannot be mapped strip by strip, before anything is copied.
+/// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
 pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
     let refuse = |what: String| {
-        let text = format!("cannot map {}: it does not fit in memory, and strip by strip {what}", args.scene.scene);
+        let text = format!("cannot map {} strip by strip: {what}", args.scene.scene);
         Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
     };
     for path in &args.output {
@@ -133,13 +114,23 @@ pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
     if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
         return refuse(format!("`{flag}` is not at hand"));
     }
-    strip_memory(args).map(|_| ())
+    let needed = strip_memory(args)?;
+    let Some((needed, limit)) = lacking(needed) else { return Ok(()) };
+    let grid = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?.georef().clone();
+    let text = format!(
+        "cannot map {}: {}×{} cells need {} of memory even strip by strip, more than {limit}",
+        args.scene.scene,
+        grid.n_cols(),
+        grid.n_rows(),
+        memory_words(needed)
+    );
+    Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
 }
 
 /// Bytes that strips take, beside the receivers that wait.
 ///
 /// # Errors
-/// E501 if that is more than `--max-memory`, or the grid is larger than a lattice.
+/// E501 if the grid is larger than a lattice.
 fn strip_memory(args: &MapArgs) -> Result<u64> {
     let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
     let grid = file.georef();
@@ -164,21 +155,8 @@ fn strip_memory(args: &MapArgs) -> Result<u64> {
     };
     // A strip as it is read, as lines, and as it is written, with the terrain below it; the tiles of a GeoTIFF.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
-    let strips = ((6.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
-    let needed = n_cells / 8 * n_sets + strips + n_cells / 64;
-    match args.engine.max_memory {
-        Some(most) if needed > most + ANY_RUN => {
-            let text = format!(
-                "cannot map {}: {n_cols}×{n_rows} cells need {} of memory even strip by strip, more than the {} that \
-                 `--max-memory` allows",
-                args.scene.scene,
-                memory_words(needed),
-                memory_words(most)
-            );
-            Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
-        }
-        _ => Ok(needed),
-    }
+    let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
+    Ok(n_cells / 8 * n_sets + strips + n_cells / 64 + ANY_WORK)
 }
 
 /// The terrain, opened.
@@ -186,11 +164,11 @@ fn terrain_file(args: &MapArgs) -> Result<Option<RasterFile>> {
     args.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
 }
 
-/// How many receivers may wait: as many as `--max-memory` leaves room for, held twice while their lists grow.
+/// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
 fn limits(args: &MapArgs) -> Result<StreamLimits> {
     let all = StreamLimits::default();
-    let left = args.engine.max_memory.map(|most| (most + ANY_RUN).saturating_sub(strip_memory(args).unwrap_or(0)));
-    let waiting = left.map_or(all.waiting, |bytes| usize::try_from(bytes / 32).unwrap_or(all.waiting));
+    let left = left().saturating_sub(strip_memory(args)?);
+    let waiting = usize::try_from(left / 32).unwrap_or(all.waiting);
     Ok(StreamLimits { waiting: waiting.clamp(1 << 16, all.waiting), ..all })
 }
 
@@ -227,7 +205,6 @@ impl StreamedRun<'_> {
         mut warnings: Vec<Warning>,
         uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>,
     ) -> Result<()> {
-        check_streamed(self.args)?;
         let (args, quiet) = (self.args, self.args.out.quiet);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };

@@ -1,56 +1,155 @@
-//! How much memory there is, and the refusal of what does not fit in it.
+//! How much memory a run may take: what is typed, or what there is. Work that would take more is refused before it begins
+//! where that can be told, and ended by a watch on the process where not.
 
 use std::fmt;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
+use super::interrupt;
 use crate::error::{Error, Result};
 use crate::raster::GeoRef;
 
-/// Refuses work that does not fit in memory, before anything of its size is made: `more` bytes per cell beside the `held`
-/// ones, all together within `most`.
-pub(super) fn check_memory(
-    name: &impl fmt::Display,
-    grid: &GeoRef,
-    (held, more): (usize, usize),
-    most: Option<u64>,
-) -> Result<()> {
-    let mut probe: Vec<u8> = Vec::new();
-    let more = grid.n_cells().saturating_mul(more);
-    let bytes = grid.n_cells().saturating_mul(held).saturating_add(more);
-    let refuse = |limit: String| {
-        let text = format!(
-            "cannot map {name}: {}×{} cells need at least {} of memory, {limit}",
-            grid.n_cols(),
-            grid.n_rows(),
-            memory_words(bytes as u64)
-        );
-        Err(Error::limit(501, text).with_hint("choose larger cells, a smaller extent, or fewer sites and layers"))
+/// Bytes that the process may take; `u64::MAX` where nothing is known.
+static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
+/// The same as it was typed; 0 where it was not.
+static TYPED: AtomicU64 = AtomicU64::new(0);
+
+/// Bytes that a cell takes in a height field and in what is drawn from it.
+pub(super) const FIELD_BYTES_PER_CELL: usize = 8;
+
+/// Bytes that any work takes beside its cells: stacks, and what files are packed with.
+pub(super) const ANY_WORK: u64 = 16 << 20;
+
+/// Sets the limit of this process, and watches it from now on.
+///
+/// # Errors
+/// E501 if the program alone takes more.
+pub(super) fn limit(typed: Option<u64>) -> Result<()> {
+    let Some(resident) = resident() else {
+        LIMIT.store(typed.unwrap_or(u64::MAX), Ordering::Release);
+        return Ok(());
     };
-    match most {
-        Some(most) if bytes as u64 > most => {
-            return refuse(format!("more than the {} that `--max-memory` allows", memory_words(most)));
+    let limit = typed.or_else(|| Some(resident.saturating_add(available()?))).unwrap_or(u64::MAX);
+    let is_first = LIMIT.swap(limit, Ordering::AcqRel) == u64::MAX;
+    TYPED.store(typed.unwrap_or(0), Ordering::Release);
+    if resident > limit {
+        let text = format!(
+            "cannot start: the program alone takes {} of memory, more than {}",
+            memory_words(resident),
+            limit_words()
+        );
+        return Err(Error::limit(501, text).with_hint("allow more"));
+    }
+    if is_first && limit != u64::MAX {
+        // Without a thread for it work is still refused beforehand.
+        let _ = std::thread::Builder::new().name("memory".into()).spawn(watch);
+    }
+    Ok(())
+}
+
+/// Ends the program when it takes more than the limit.
+fn watch() {
+    /// Faster than memory is filled \[bytes/s\].
+    const FASTEST: u64 = 20_000_000_000;
+    loop {
+        let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { return };
+        if resident > limit {
+            let text = format!("cannot go on: the run takes more memory than {}", limit_words());
+            interrupt::give_up(&Error::limit(501, text).with_hint(REMEDY));
         }
-        _ => {}
+        let nanoseconds = (limit - resident).saturating_mul(1_000_000_000) / FASTEST;
+        std::thread::sleep(Duration::from_nanos(nanoseconds.clamp(300_000, 50_000_000)));
     }
-    let too_much = available_memory().is_some_and(|available| more as u64 > available);
-    if too_much || probe.try_reserve_exact(more).is_err() {
-        return refuse("more than there is".into());
+}
+
+const REMEDY: &str = "allow more, or choose larger cells, a smaller extent, or fewer sites and layers";
+
+/// The limit in words that follow "more than".
+fn limit_words() -> String {
+    match TYPED.load(Ordering::Acquire) {
+        0 => "there is".into(),
+        typed => format!("the {} that `--max-memory` allows", memory_words(typed)),
     }
+}
+
+/// Whether the process may take some more bytes; if not, how many it would hold then, and more than what that is.
+pub(super) fn lacking(more: u64) -> Option<(u64, String)> {
+    let needed = resident().unwrap_or(0).saturating_add(more);
+    (needed > LIMIT.load(Ordering::Acquire)).then(|| (needed, limit_words()))
+}
+
+/// Bytes that are left below the limit.
+pub(super) fn left() -> u64 {
+    LIMIT.load(Ordering::Acquire).saturating_sub(resident().unwrap_or(0))
+}
+
+/// Refuses to read a raster that does not fit in memory.
+///
+/// # Errors
+/// E501 if its heights are too much.
+pub(super) fn check_reading(name: &impl fmt::Display, grid: &GeoRef, bytes_per_cell: usize) -> Result<()> {
+    check(name, grid, (bytes_per_cell as u64 * grid.n_cells() as u64).saturating_add(ANY_WORK))
+}
+
+/// Refuses work on a grid that does not fit in memory, before anything of its size is made.
+///
+/// # Errors
+/// E501 if `more` bytes per cell are too much.
+pub(super) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize) -> Result<()> {
+    check(name, grid, (grid.n_cells() as u64).saturating_mul(more as u64))
+}
+
+fn check(name: &impl fmt::Display, grid: &GeoRef, more: u64) -> Result<()> {
+    let mut probe: Vec<u8> = Vec::new();
+    let is_refused = probe.try_reserve_exact(usize::try_from(more).unwrap_or(usize::MAX)).is_err();
     // What is looked at cannot be optimized away.
     std::hint::black_box(&mut probe);
-    Ok(())
+    let Some(lack) = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into()))) else { return Ok(()) };
+    Err(refusal(name, &format!("{}×{} cells", grid.n_cols(), grid.n_rows()), lack))
+}
+
+/// Refuses a generated city that takes more than there is \[bytes\].
+///
+/// # Errors
+/// E501 if it is too much.
+pub(super) fn check_city(name: &impl fmt::Display, bytes: f64) -> Result<()> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate; saturating")]
+    match lacking(bytes as u64) {
+        Some(lack) => Err(refusal(name, "its buildings and cells", lack)),
+        None => Ok(()),
+    }
+}
+
+fn refusal(name: &impl fmt::Display, what: &str, (needed, limit): (u64, String)) -> Error {
+    let needed = memory_words(needed);
+    let text = format!("cannot map {name}: {what} need {needed} of memory, more than {limit}");
+    Error::limit(501, text).with_hint(REMEDY)
 }
 
 /// A number of bytes for reading.
 pub(super) fn memory_words(bytes: u64) -> String {
     #[expect(clippy::cast_precision_loss, reason = "told to one decimal")]
     let mebibytes = bytes as f64 / f64::powi(2.0, 20);
-    if mebibytes < 1000.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
+    match mebibytes {
+        ..1.0 => format!("{:.0} KiB", mebibytes * 1024.0),
+        1000.0.. => format!("{:.1} GiB", mebibytes / 1024.0),
+        _ => format!("{mebibytes:.0} MiB"),
+    }
 }
+
+/// Memory that the process takes \[bytes\], where the system says so.
+fn resident() -> Option<u64> {
+    let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().nth(1)?.parse::<u64>().ok()?;
+    Some(pages * PAGE)
+}
+
+/// Bytes of a page of `/proc/self/statm`.
+const PAGE: u64 = 4096;
 
 /// Memory that the process can still take \[bytes\], where the system says so: the least of what the machine has left, what the
 /// control groups that it is in leave it (containers, `systemd-run`), and what its limit of address space does.
-pub(super) fn available_memory() -> Option<u64> {
+fn available() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let groups = read("/proc/self/cgroup");
     let limits = [
@@ -102,7 +201,6 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
 
 /// From `/proc/self/limits` and `/proc/self/statm` (`ulimit -v`).
 fn of_address_space(limits: &str, statm: &str) -> Option<u64> {
-    const PAGE: u64 = 4096;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
     let pages: u64 = statm.split_whitespace().next()?.parse().ok()?;

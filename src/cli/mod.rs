@@ -64,6 +64,7 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
+    memory::limit(cli.command.max_memory())?;
     plan::check_scene(&cli.command)?;
     repairs::check(cli.command.scene())?;
     let words = command.clone();

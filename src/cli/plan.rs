@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::args::{Base, Command, HeightUnitArg, Missing, Nodata, SceneArgs};
 use super::info::results_in;
-use super::memory::check_memory;
+use super::memory::{FIELD_BYTES_PER_CELL, check_city, check_memory, check_reading};
 use super::repairs::keep;
 use super::words::title_of;
 use crate::coverage::Uav;
@@ -15,11 +15,11 @@ use crate::export::{Format, OutputRules, check_outputs};
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::quantity::{Height, height_steps, parse_number};
-use crate::raster::{Crs, GeoRef};
+use crate::raster::{Crs, GeoRef, RasterFile};
 use crate::report::{RunFacts, Timing};
 use crate::scene::{
     BaseRule, BuiltUp, BuiltUpCity, DataAreaChoice, FootprintOptions, HeightGap, HeightUnit, MeshOptions,
-    MissingHeight, NodataAs, Scene, Site, Source, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
+    MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
     read_footprints, read_footprints_and_repairs, read_mesh, read_surface, vertical_of,
 };
 use crate::zones::ZoneMap;
@@ -71,7 +71,13 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         let of_files = ["terrain", "extent", "crs", "project", "building_threshold", "nodata_as"];
         refuse_flags(args, "a generated city", &OF_FOOTPRINTS)?;
         refuse_flags(args, "a generated city", &of_files)?;
+        if let Some(bytes) = city.memory() {
+            check_city(&args.scene, bytes)?;
+        }
         return city.scene();
+    }
+    if let Some(grid) = grid_of_raster(args) {
+        check_reading(&args.scene, &grid, raster_bytes_per_cell(args))?;
     }
     let scene = read_file(args, warnings)?;
     warn_of_raster(args, warnings)?;
@@ -120,6 +126,22 @@ pub(super) fn is_raster(path: &Path) -> bool {
 /// Whether a scene as typed is a raster.
 pub(super) fn is_raster_scene(args: &SceneArgs) -> bool {
     args.scene.built_up().is_none() && is_raster(Path::new(&args.scene))
+}
+
+/// The grid of a scene that is a raster in its own system, by its header; what is wrong with the file is told where it is read.
+pub(super) fn grid_of_raster(args: &SceneArgs) -> Option<GeoRef> {
+    // What is brought into another system is put together in memory.
+    if !is_raster_scene(args) || args.project.is_some() {
+        return None;
+    }
+    let file = RasterFile::open(Path::new(&args.scene), &mut Vec::new()).ok()?;
+    (!file.is_empty()).then(|| file.georef().clone())
+}
+
+/// Bytes that a cell of a raster takes in memory: its height, that of the ground below where both are given, and which zone it
+/// may be of.
+pub(super) fn raster_bytes_per_cell(args: &SceneArgs) -> usize {
+    if args.terrain.is_some() { 9 } else { 5 }
 }
 
 /// Reads the scene of a file.
@@ -246,28 +268,22 @@ fn refuse_flags(args: &SceneArgs, what: &str, without_meaning: &[&str]) -> Resul
     }
 }
 
-/// Bytes that a cell takes in a height field and in what is drawn from it.
-pub(super) const FIELD_BYTES_PER_CELL: usize = 8;
-
 /// Reads a scene and builds its height field.
-///
-/// `most` is the memory that the run may take, if that is limited.
-pub(super) fn ready(args: &SceneArgs, most: Option<u64>) -> Result<Ready> {
+pub(super) fn ready(args: &SceneArgs) -> Result<Ready> {
     let start = Instant::now();
     let mut warnings = Vec::new();
     let scene = read_scene(args, &mut warnings)?;
-    built(args, (scene, warnings), (start, most))
+    built(args, (scene, warnings), start)
 }
 
 /// A scene that was read since `start`, with its height field.
-pub(super) fn built(
-    args: &SceneArgs,
-    (scene, mut warnings): (Scene, Vec<Warning>),
-    (start, most): (Instant, Option<u64>),
-) -> Result<Ready> {
+pub(super) fn built(args: &SceneArgs, (scene, mut warnings): (Scene, Vec<Warning>), start: Instant) -> Result<Ready> {
     let read = start.elapsed().as_secs_f64();
     let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
-    check_memory(&args.scene, &grid, (0, FIELD_BYTES_PER_CELL), most)?;
+    // Heights of a raster are there already.
+    if matches!(solids, Solids::Vector { .. }) {
+        check_memory(&args.scene, &grid, FIELD_BYTES_PER_CELL)?;
+    }
     let field = HeightField::build(&grid, solids, &mut warnings);
     let build = start.elapsed().as_secs_f64() - read;
     let seed = built_up.map(|_| args.seed);

@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::Args;
 
 use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
-use super::memory::check_memory;
-use super::plan::{FIELD_BYTES_PER_CELL, Ready, checked_radius, ready, receiver_height};
+use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use super::plan::{Ready, checked_radius, ready, receiver_height};
 use super::receivers::{Asked, check_receivers};
 use super::sample_plot::plot;
 use super::words::pretty;
@@ -103,7 +103,7 @@ impl SampleJob<'_> {
         let rx_height = receiver_height(self.rx_height_m)?;
         // A generated city is made as large as whole discs around its places take.
         let around = SceneArgs { margin_m: radius_m.unwrap_or(0.0), ..self.scene.clone() };
-        let first = ready(&around, self.engine.max_memory)?;
+        let first = ready(&around)?;
         if first.built_up.is_none() && (self.sample.cities > 1 || self.sample.centers) {
             let flag = if self.sample.centers { "--centers" } else { "--cities" };
             let text = format!("`{flag}` has no meaning for a city in a file: it is one, and its streets form no grid");
@@ -114,7 +114,7 @@ impl SampleJob<'_> {
         let unit = grid.meters_per_unit();
         let size_m = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
         let block_m = self.sample.block.unwrap_or((size_m / 8.0).max(100.0));
-        check_memory(&self.scene.scene, grid, (FIELD_BYTES_PER_CELL, FIELD_BYTES_PER_CELL), self.engine.max_memory)?;
+        check_memory(&self.scene.scene, grid, FIELD_BYTES_PER_CELL)?;
         let radius = radius_m.map(|r| first.crs_units(r));
         let asked = Asked { receivers: self.receivers, rx_height, radius, engine: self.engine };
 
@@ -122,7 +122,7 @@ impl SampleJob<'_> {
         for k in 1..self.sample.cities {
             interrupt::check()?;
             let scene = SceneArgs { seed: self.scene.seed.wrapping_add(k), ..around.clone() };
-            cities.push(self.count(&ready(&scene, self.engine.max_memory)?, asked, block_m)?);
+            cities.push(self.count(&ready(&scene)?, asked, block_m)?);
         }
         self.refuse_if_all_are_cut(&cities, radius_m)?;
         let mut facts = first.facts(command, Some(cities[0].method));

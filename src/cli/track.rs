@@ -36,7 +36,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
     args.size.refuse_without_picture(&outputs)?;
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     let bad = bad_rows(args.skip_bad, &mut scene.warnings);
     let places = read_track(path, scene.field.grid().crs(), bad)?;

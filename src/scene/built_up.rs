@@ -156,8 +156,11 @@ impl fmt::Display for BuiltUp {
     }
 }
 
-/// The most buildings of one generated city; each takes about 300 bytes.
+/// The most buildings of one generated city.
 const MOST_BUILDINGS: f64 = 1e7;
+
+/// What a building takes in a scene and its height field.
+const BYTES_PER_BUILDING: f64 = 300.0;
 
 /// A generated city: its parameters, extent, seed and grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -197,6 +200,15 @@ impl BuiltUpCity {
                 "itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, itu:ghent, or for example itu:0.3,500,15",
             )),
         })
+    }
+
+    /// About how much memory the scene takes \[bytes\]: its buildings, and 8 for each cell of a map. `None` if it is refused
+    /// for its size, its buildings or its cells anyway.
+    pub fn memory(&self) -> Option<f64> {
+        let size_m = self.size_m + 2.0 * self.margin_m;
+        let (n_buildings, n_cells) = ((size_m / self.built_up.period()).powi(2), size_m / self.cell_m);
+        let is_possible = size_m.max(n_cells) <= MAX_EXTENT_UNITS && n_buildings <= MOST_BUILDINGS;
+        is_possible.then(|| BYTES_PER_BUILDING * n_buildings + 8.0 * n_cells.powi(2))
     }
 
     /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the

@@ -52,7 +52,7 @@ fn a_run_without_files_prints_its_answer() {
         assert_eq!(folder.type_in(line).out, folder.text("table.csv"), "{line}");
     }
     // A raster that does not fit in memory is no exception.
-    let line = "map dsm.asc --ground 0 --uav 2,2,50 --max-memory 1K";
+    let line = "map dsm.asc --ground 0 --uav 2,2,50 --strips";
     folder.type_in(&format!("{line} -o table.csv --overwrite -q")).done();
     assert_eq!(folder.type_in(line).out, folder.text("table.csv"));
     // Of many candidates the best are printed.
@@ -72,7 +72,7 @@ fn every_file_written_is_named_once() {
         "map city.geojson --uav 2,2,50 --uav 40,40,50 --crs EPSG:25832 --bare -o a.png -o a.csv -o a.npz",
         "map city.geojson --uav 2,2,50 -o b.tif -o b.asc -o b.bil -o b.json --height-curve b_curve.csv",
         "map city.geojson --uav 2,2,50 --uav 40,40,50 -o c{site}.csv -o c{site}.tif",
-        "map dsm.asc --ground 0 --uav 2,2,50 --max-memory 1K -o s.tif -o s.csv",
+        "map dsm.asc --ground 0 --uav 2,2,50 --strips -o s.tif -o s.csv",
         "map dsm.asc --ground 0 --uav 2,2,50 --tif-layout plain -o p.tif",
         "link city.geojson --uav 2,2,50 --rx 40,40 -o l.png -o l.json",
         "link city.geojson --uav 2,2,50 --track walk.csv -o t.csv -o t.svg",
@@ -323,7 +323,7 @@ fn a_uav_outside_the_grid_is_told_with_its_distance() {
             "map dsm.asc --ground 0 --uav 53,54,9amsl --radius 20 -o r{site}.json",
             "UAV `1` is 5 m north-east of the grid",
         ),
-        ("map dsm.asc --ground 0 --uav 53,54,9amsl --max-memory 1K", "UAV `1` is 5 m north-east of the grid"),
+        ("map dsm.asc --ground 0 --uav 53,54,9amsl --strips", "UAV `1` is 5 m north-east of the grid"),
         ("link dsm.asc --ground 0 --uav 53,54,9amsl --rx 2,2", "UAV `1` is 5 m north-east of the grid"),
         ("link dsm.asc --ground 0 --uav 53,54,9amsl --track walk.csv", "UAV `1` is 5 m north-east of the grid"),
         (

@@ -393,20 +393,26 @@ fn the_method_changes_no_result_and_is_chosen_by_the_scene() {
 fn a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts() {
     let folder = scenes();
     let line = "map itu:urban --size 200 --uav 2,2,50 --json --max-memory";
-    for enough in ["1M", "1048576", "0.5GiB", "2g", "1t"] {
+    for enough in ["100M", "104857600", "0.5GiB", "2g", "1t"] {
         folder.type_in(&format!("{line} {enough}")).done();
     }
-    let refused = folder.type_in(&format!("{line} 300K"));
-    let lines = refused.refused(5);
-    assert!(lines[0].starts_with("error[E501]: cannot map itu:urban: 200×200 cells need at least"), "{lines:?}");
-    assert!(lines[0].contains("`--max-memory`"), "{lines:?}");
+    // What the program alone takes, and less than its cells do.
+    for (limit, words) in [
+        ("300K", "cannot start: the program alone takes "),
+        ("20M", "cannot map itu:urban: its buildings and cells need "),
+    ] {
+        let refused = folder.type_in(&format!("{} {limit}", line.replace("200", "3000")));
+        let lines = refused.refused(5);
+        assert!(lines[0].starts_with(&format!("error[E501]: {words}")), "{lines:?}");
+        assert!(lines[0].contains("`--max-memory`") && lines[1].starts_with("hint: allow more"), "{lines:?}");
+    }
     for nonsense in ["0", "-5", "much", "4Q", "G", "nan"] {
         assert!(folder.type_in(&format!("{line} {nonsense}")).refused(2)[0].contains("wanted a size"), "{nonsense}");
     }
     // Many UAVs whose masks nobody asked for are not held.
     let many = (0..50).map(|k| format!(" --uav {},7,50", 2 + 3 * k)).collect::<String>();
-    folder.type_in(&format!("map itu:urban --size 200{many} -o a.csv -j 1 --max-memory 1M")).done();
-    folder.type_in(&format!("map itu:urban --size 200{many} -o a.npz -j 1 --max-memory 1M")).refused(5);
+    folder.type_in(&format!("map itu:urban --size 1000{many} -o a.csv -j 1 --max-memory 60M")).done();
+    folder.type_in(&format!("map itu:urban --size 1000{many} -o a.npz -j 1 --max-memory 60M")).refused(5);
 }
 
 #[test]

@@ -29,7 +29,7 @@ const PLAN_FLAGS: [(&str, &str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 34] = [
+const OTHER_FLAGS: [(&str, &str); 35] = [
     ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--dpi", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--skip-bad", "bad_rows_are_told_together_and_left_out_on_request"),
@@ -48,6 +48,7 @@ const OTHER_FLAGS: [(&str, &str); 34] = [
     ("--height-curve", "table_document_and_plot_of_a_curve_agree_with_maps"),
     ("--curve-heights", "the_heights_of_a_curve_are_chosen_or_asked_for"),
     ("--tif-layout", "a_plain_geotiff_of_a_map_differs_in_its_layout_alone"),
+    ("--strips", "maps_strip_by_strip_are_those_in_memory"),
     ("--scratch", "what_needs_all_cells_at_once_is_refused_with_a_way_out"),
     ("--resume", "what_is_there_is_left_alone"),
     ("--gdal-values", "values_of_gdal_are_255_where_the_class_is_line_of_sight_and_0_elsewhere"),

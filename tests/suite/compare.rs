@@ -405,7 +405,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
         ),
         (&seventeen, 5, "error[E502]: cannot compare 17 placements, wanted at most 16"),
         ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --block 1", 5, "error[E502]: cannot resample 1000000 blocks"),
-        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --max-memory 1M", 5, "error[E501]: cannot map itu:urban"),
+        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --max-memory 1M", 5, "error[E501]: cannot start"),
     ] {
         let answer = folder.type_in(line);
         let lines = answer.refused(code);

@@ -39,6 +39,7 @@ mod walkthrough; // every command of docs/walkthrough.md runs
 mod inputs; // any file given to `info`: UAVs, tracks, own outputs, strangers
 mod vertical; // what heights are above, and in which unit
 mod small_files; // small files that would take much time or memory
+mod memory_limits; // no run takes more than `--max-memory`
 mod tangles; // footprints that cross themselves or lie on one another
 mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random

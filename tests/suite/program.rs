@@ -167,6 +167,32 @@ pub(crate) fn run_in(folder: &Path, words: &[&str]) -> Answer {
     answer
 }
 
+impl Folder {
+    /// Runs a line without a limit of memory; also its peak \[bytes\].
+    pub(crate) fn measured(&self, line: &str) -> (Answer, u64) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
+        command.args(&words).current_dir(self.path());
+        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let child = child.expect("the program starts");
+        let status = PathBuf::from(format!("/proc/{}/status", child.id()));
+        std::thread::scope(|scope| {
+            let peak = scope.spawn(move || {
+                let mut peak = 0;
+                // The file loses the line when the program has ended.
+                while let Ok(status) = std::fs::read_to_string(&status) {
+                    let Some(line) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) else { break };
+                    let kib: u64 = line.trim().trim_end_matches(" kB").trim().parse().expect("a number");
+                    peak = peak.max(kib * 1024);
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                peak
+            });
+            (wait(child), peak.join().expect("a peak"))
+        })
+    }
+}
+
 /// What a running program says until it ends; it is stopped, and the test fails, where it never does.
 pub(crate) fn wait(mut child: Child) -> Answer {
     let (out, err) = (child.stdout.take(), child.stderr.take());

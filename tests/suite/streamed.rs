@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serde_json::Value;
 use skyshed::raster::{GeoTiff, encode_geotiff};
@@ -78,7 +78,7 @@ fn maps_strip_by_strip_are_those_in_memory() {
     ] {
         let in_memory = folder.type_in(&format!("map dsm.tif {line} -o a.tif --overwrite --json -q")).done().json();
         let streamed =
-            folder.type_in(&format!("map dsm.tif {line} -o b.tif --overwrite --json -q --max-memory 1M")).done().json();
+            folder.type_in(&format!("map dsm.tif {line} -o b.tif --overwrite --json -q --strips")).done().json();
         assert!(streamed["sites"][0]["receivers"].as_u64() > Some(1000), "{line}");
         let (mut a, mut b) = (facts(in_memory), facts(streamed));
         // Zones need the whole scene at once; without them what is below the UAV is ground or a roof.
@@ -96,16 +96,16 @@ fn maps_strip_by_strip_are_those_in_memory() {
 fn strips_need_memory_and_a_lattice_too() {
     let folder = Folder::new();
     write_city(&folder, (1500, 3000));
-    let answer = folder.type_in("map dsm.tif --max-memory 1M --uav 800,7000,300amsl -o a.tif");
+    let answer = folder.type_in("map dsm.tif --max-memory 32M --uav 800,7000,300amsl -o a.tif");
     assert!(answer.refused(5)[0].contains("even strip by strip"), "{answer:?}");
     if has_program("gdal_create") {
         let words = "-q -of GTiff -outsize 70000 10 -ot Float32 -burn 5 -a_ullr 0 10 70000 0 long.tif";
         let made = Command::new("gdal_create").args(words.split_whitespace()).current_dir(folder.path()).status();
         assert!(made.expect("it runs").success());
-        let answer = folder.type_in("map long.tif --max-memory 1M --uav 800,5,300amsl -o a.tif");
+        let answer = folder.type_in("map long.tif --strips --uav 800,5,300amsl -o a.tif");
         assert!(answer.refused(5)[1].contains("{site}"), "{answer:?}");
         // What is in range of a UAV fits.
-        folder.type_in("map long.tif --max-memory 1M --uav 800,5,300amsl --radius 900 -o {site}.tif").done();
+        folder.type_in("map long.tif --uav 800,5,300amsl --radius 900 -o {site}.tif").done();
     }
 }
 
@@ -113,7 +113,7 @@ fn strips_need_memory_and_a_lattice_too() {
 fn a_picture_shows_a_smaller_map_and_says_so() {
     let folder = Folder::new();
     write_city(&folder, (2100, 300));
-    let line = "map dsm.tif --terrain dtm.tif --uav 800,7000,60agl --max-memory 1M -o a.svg -o a.json -q";
+    let line = "map dsm.tif --terrain dtm.tif --uav 800,7000,60agl --strips -o a.svg -o a.json -q";
     folder.type_in(line).done();
     let picture = folder.text("a.svg");
     let p_los = folder.json("a.json")["sites"][0]["p_los"].as_f64().expect("a share");
@@ -127,7 +127,7 @@ fn what_needs_all_cells_at_once_is_refused_with_a_way_out() {
     let folder = Folder::new();
     write_city(&folder, (300, 300));
     let refused = |line: &str| {
-        let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {line}"));
+        let answer = folder.type_in(&format!("map dsm.tif --strips {line}"));
         let lines: Vec<String> = answer.refused(5).into_iter().map(str::to_string).collect();
         assert!(lines[0].starts_with("error[E501]: cannot map dsm.tif"), "{line}: {lines:?}");
         assert!(lines[1].starts_with("hint: "), "{line}: {lines:?}");
@@ -139,15 +139,15 @@ fn what_needs_all_cells_at_once_is_refused_with_a_way_out() {
     refused(&format!("{over} -o a.tif --tif-layout plain"));
     assert_eq!(folder.files(), ["coarse.tif", "dsm.tif", "dtm.tif"]);
     // The same as in memory.
-    folder.type_in("map dsm.tif --max-memory 500K --uav 700,8700,1agl -o a.tif").done();
+    folder.type_in("map dsm.tif --strips --uav 700,8700,1agl -o a.tif").done();
     let errors = [("--uav 700,8700,-30agl", 4), ("--uav 700,8700,30roof", 4), (&*format!("{over} --method ray"), 2)];
     for (line, code) in errors {
         let small = folder.type_in(&format!("map dsm.tif {line} --json -q")).code();
-        let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {line} --json -q"));
+        let answer = folder.type_in(&format!("map dsm.tif --strips {line} --json -q"));
         answer.refused(code);
         assert!(small == code || line.contains("ray"), "{line}");
     }
-    let answer = folder.type_in(&format!("map dsm.tif --max-memory 500K {over} -o b.tif --scratch nowhere"));
+    let answer = folder.type_in(&format!("map dsm.tif --strips {over} -o b.tif --scratch nowhere"));
     assert!(answer.refused(2)[0].contains("`--scratch nowhere`"), "{answer:?}");
 }
 
@@ -156,28 +156,6 @@ fn large_dsm(cells: usize, path: &Path) {
     let program = Path::new(env!("CARGO_BIN_EXE_skyshed")).with_file_name("examples").join("large_dsm");
     let words = [cells.to_string(), path.display().to_string()];
     assert!(Command::new(program).args(words).status().expect("the example runs").success());
-}
-
-/// Runs the program without a limit; returns its seconds and its peak memory \[bytes\].
-fn measured(folder: &Folder, line: &str) -> (f64, u64) {
-    let start = Instant::now();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_skyshed"))
-        .args(line.split_whitespace())
-        .current_dir(folder.path())
-        .spawn()
-        .expect("the program starts");
-    let mut peak = 0;
-    loop {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let kib = line.and_then(|l| l.trim().trim_end_matches(" kB").trim().parse::<u64>().ok()).unwrap_or(0);
-        peak = peak.max(kib * 1024);
-        if let Some(status) = child.try_wait().expect("the program can be waited for") {
-            assert!(status.success(), "{line:?}");
-            return (start.elapsed().as_secs_f64(), peak);
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
 }
 
 /// 10 GB of heights: takes a quarter of an hour and as much of the disk, so it has a variable of its own.
@@ -191,8 +169,14 @@ fn fifty_thousand_cells_a_side_take_two_gigabytes() {
     large_dsm(16_384, &folder.join("part.tif"));
     large_dsm(50_000, &folder.join("all.tif"));
     // Both UAVs stand over the middle.
-    let in_memory = measured(&folder, "map part.tif --uav 408000,5392000,300 -o part-los.tif -q");
-    let streamed = measured(&folder, "map all.tif --uav 425000,5375000,300 -o all-los.tif -q --max-memory 2G");
+    let measured = |line: &str| {
+        let start = Instant::now();
+        let (answer, peak) = folder.measured(line);
+        answer.done();
+        (start.elapsed().as_secs_f64(), peak)
+    };
+    let in_memory = measured("map part.tif --uav 408000,5392000,300 -o part-los.tif -q");
+    let streamed = measured("map all.tif --uav 425000,5375000,300 -o all-los.tif -q --max-memory 2G");
     let per_cell = |seconds: f64, cells: f64| seconds / (cells * cells) * 1e9;
     let (small, large) = (per_cell(in_memory.0, 16_384.0), per_cell(streamed.0, 50_000.0));
     let gigabytes = streamed.1 as f64 / 1e9;
@@ -202,8 +186,8 @@ fn fifty_thousand_cells_a_side_take_two_gigabytes() {
     assert!(large <= 3.0 * small, "{large} ns a cell, in memory {small}");
     // The part is the north-west corner of all: what a UAV there sees of it is the same.
     let near = "--uav 404000,5396000,300 --radius 3900 -q";
-    measured(&folder, &format!("map part.tif {near} -o a.tif"));
-    measured(&folder, &format!("map all.tif {near} -o b.tif --max-memory 2G"));
+    measured(&format!("map part.tif {near} -o a.tif"));
+    measured(&format!("map all.tif {near} -o b.tif --max-memory 2G"));
     let part = cells(&folder.join("a.tif"));
     let all = GeoTiff::open(&folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
     let window = skyshed::raster::CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };

@@ -368,7 +368,7 @@ fn what_makes_no_sense_is_refused() {
         ("stress -o a.tif", 2, "error[E105]: cannot write a.tif: this command does not write that format"),
         ("stress --scenes 1 -o old.csv", 2, "error[E106]: cannot write old.csv: it exists"),
         ("stress dsm.asc --ground 0 --uav 1.5,2.5,1", 4, "error[E201]: cannot place UAV `1`"),
-        ("stress dsm.asc --uav 1,1,9 --max-memory 100", 5, "error[E501]: cannot map dsm.asc"),
+        ("stress dsm.asc --uav 1,1,9 --max-memory 100", 5, "error[E501]: cannot start"),
         ("stress missing.asc --uav 1,1,9", 3, "error[E301]: "),
     ] {
         let before = folder.files();

@@ -8,9 +8,9 @@ use super::write::{Chart, write};
 use super::{ChartArgs, in_turns, peers, refuse_typed, show, threads};
 use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
-use crate::cli::memory::check_memory;
+use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::cli::outside::{place_uav, warn_of_uavs_outside};
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, Ready, checked_radius, ready, receiver_height, warn_of_flat_earth};
+use crate::cli::plan::{Ready, checked_radius, ready, receiver_height, warn_of_flat_earth};
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::tables::UavsAsked;
 use crate::cli::{interrupt, messages};
@@ -42,7 +42,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`")
             .with_hint("`--plos` charts the P_LoS methods of a generated city without one"));
     }
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     let found = asked.read(scene.field.grid())?;
     scene.sources.extend(found.sources);
     scene.warnings.extend(found.warnings);
@@ -51,8 +51,8 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     let place = |site: &GivenSite| place_uav(site, &scene.field, scene.field.grid(), radius);
     let uavs: Vec<Uav> = found.sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
-    let needs = (FIELD_BYTES_PER_CELL, BYTES_PER_CELL + uavs.len().div_ceil(2));
-    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
+    let needs = BYTES_PER_CELL + uavs.len().div_ceil(2);
+    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
 
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };

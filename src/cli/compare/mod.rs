@@ -15,10 +15,7 @@ use tables::{Tables, margin_facts, pairs_of, tables};
 use write::Writer;
 
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
-    warn_of_flat_earth,
-};
+use super::plan::{Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height, warn_of_flat_earth};
 use super::receivers::{Asked, check_receivers};
 use super::tables::UavsAsked;
 use super::words::pretty;
@@ -72,7 +69,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
         check_number(n_typed)?;
     }
 
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     let grid = scene.field.grid().clone();
     let found = asked.read(&grid)?;
     scene.sources.extend(found.sources);
@@ -89,8 +86,8 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::limit(502, text).with_hint("choose larger blocks: `--block M`"));
     }
     let n_bands = if outputs.iter().any(|(_, f)| *f == Format::GeoTiff) { pairs_of(uavs.len()).len() + 1 } else { 0 };
-    let needs = (FIELD_BYTES_PER_CELL, uavs.len() + args.mask.len() + n_bands + BYTES_PER_CELL);
-    check_memory(&args.scene.scene, &grid, needs, args.engine.max_memory)?;
+    let needs = uavs.len() + args.mask.len() + n_bands + BYTES_PER_CELL;
+    check_memory(&args.scene.scene, &grid, needs)?;
     warn_of_flat_earth(&uavs, &grid, radius, &mut scene.warnings);
     let zones = scene.zones();
 

@@ -7,9 +7,9 @@ use serde_json::{Map, Value, json};
 use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::tiles::{self, Tiles};
 use crate::cli::args::InfoArgs;
-use crate::cli::memory::check_memory;
+use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::cli::outside::warn_of_uavs_outside;
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, input_paths, is_raster, limits_in_words, read_scene};
+use crate::cli::plan::{input_paths, is_raster, limits_in_words, read_scene};
 use crate::cli::tables::UavsAsked;
 use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
@@ -122,7 +122,7 @@ impl Found {
             Solids::Vector { footprints, frame, .. } if size.is_some() => Some((footprints.clone(), *frame)),
             _ => None,
         };
-        check_memory(&args.scene.scene, &grid, (0, FIELD_BYTES_PER_CELL), args.engine.max_memory)?;
+        check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
         let field = HeightField::build(&grid, solids, &mut warnings);
         let counts = Counts::of(&field);
         let asked = UavsAsked { typed: &args.uav, table: None, skip_bad: false, hash: false };

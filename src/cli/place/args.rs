@@ -80,7 +80,7 @@ pub(in crate::cli) struct PlaceArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten)]
-    pub(super) engine: EngineArgs,
+    pub(in crate::cli) engine: EngineArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
 }

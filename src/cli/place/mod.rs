@@ -16,10 +16,7 @@ use std::time::Instant;
 
 use super::expected::Expected;
 use super::messages;
-use super::plan::{
-    FIELD_BYTES_PER_CELL, Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height,
-    warn_of_flat_earth,
-};
+use super::plan::{Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height, warn_of_flat_earth};
 use super::receivers::{Asked, check_receivers};
 use super::sample::SampleJob;
 use super::words::pretty;
@@ -64,7 +61,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         .ok_or_else(|| Error::usage(113, format!("`--clearance` is `{}`, wanted 0 m to 32768 m", args.clearance)))?;
     let (outputs, map) = outputs_of(args, &FORMATS)?;
 
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     let needs_zones = !args.over.is_empty() || matches!(goal.whom, Whom::Zone(_)) || args.receivers.zone().is_some();
     if scene.field.is_surface_only() && needs_zones {
         let text = "zones of a surface model alone: no building is known, so no zone is";
@@ -96,8 +93,8 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     };
     let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
     let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
-    let needs = (FIELD_BYTES_PER_CELL, per_cell);
-    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
+    let needs = per_cell;
+    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
     let mapper = Mapper::new(&scene.field, &options)?;
     if !args.out.quiet {
         let grid = scene.field.grid();

@@ -90,7 +90,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
             None => {
                 let scene = SceneArgs { scene: scene.clone(), ..args.scene.clone() };
                 refuse_for_real_city(args, &sweeps, word)?;
-                let real = Real::read(&scene, args.max_memory, &sweeps, &mut report.warnings)?;
+                let real = Real::read(&scene, &sweeps, &mut report.warnings)?;
                 report.sources.extend(real.sources.clone());
                 plot.attributions.extend(real.attribution.clone());
                 let built_up = real.built_up();

@@ -6,8 +6,8 @@ use super::args::PlosArgs;
 use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
-use crate::cli::memory::check_memory;
-use crate::cli::plan::{FIELD_BYTES_PER_CELL, limits_in_words, read_scene, receiver_height};
+use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::cli::plan::{limits_in_words, read_scene, receiver_height};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice};
@@ -81,16 +81,11 @@ pub(super) struct Real {
 
 impl Real {
     /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
-    pub(super) fn read(
-        args: &SceneArgs,
-        most: Option<u64>,
-        sweeps: &Sweeps,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Real> {
+    pub(super) fn read(args: &SceneArgs, sweeps: &Sweeps, warnings: &mut Vec<Warning>) -> Result<Real> {
         let scene = read_scene(args, warnings)?;
         let grid = scene.grid.clone();
         let heights = scene.solids.building_heights();
-        check_memory(&args.scene, &grid, (0, 2 * FIELD_BYTES_PER_CELL), most)?;
+        check_memory(&args.scene, &grid, 2 * FIELD_BYTES_PER_CELL)?;
         let field = HeightField::build(&grid, scene.solids, warnings);
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());

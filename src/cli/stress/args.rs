@@ -38,7 +38,7 @@ pub(in crate::cli) struct StressArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten)]
-    pub(super) engine: EngineArgs,
+    pub(in crate::cli) engine: EngineArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
 }

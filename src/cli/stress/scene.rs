@@ -6,11 +6,9 @@ use std::time::Instant;
 
 use super::{FORMATS, StressArgs, answer};
 use crate::cli::map_drawing::MapDrawing;
-use crate::cli::memory::check_memory;
+use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::cli::outside::{place_uav, warn_of_uavs_outside};
-use crate::cli::plan::{
-    FIELD_BYTES_PER_CELL, checked_radius, input_paths, parse_uav, ready, receiver_height, warn_of_flat_earth,
-};
+use crate::cli::plan::{checked_radius, input_paths, parse_uav, ready, receiver_height, warn_of_flat_earth};
 use crate::cli::receivers::{Asked, check_receivers};
 use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
@@ -39,7 +37,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     };
     let site = parse_uav(uav, "1".into())?;
 
-    let mut scene = ready(&args.scene, args.engine.max_memory)?;
+    let mut scene = ready(&args.scene)?;
     warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     let radius = radius_m.map(|r| scene.crs_units(r));
     let uav = place_uav(&site, &scene.field, scene.field.grid(), radius)?;
@@ -49,8 +47,8 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let layers = HeightLayers { stability: true, ..HeightLayers::default() };
     let options = MapOptions { layers, ..asked.options(scene.field.grid(), zones.as_ref()) };
-    let needs = (FIELD_BYTES_PER_CELL, BYTES_PER_CELL);
-    check_memory(&args.scene.scene, scene.field.grid(), needs, args.engine.max_memory)?;
+    let needs = BYTES_PER_CELL;
+    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
 
     let before_los = Instant::now();
     let mapper = Mapper::new(&scene.field, &options)?;

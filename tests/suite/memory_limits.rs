@@ -1,0 +1,74 @@
+//! No run takes more memory than `--max-memory`: it stays within a tenth of it, or ends with exit code 5 and no file.
+
+use crate::program::Folder;
+
+/// What is taken before a watch comes to its turn on a machine that runs other tests \[bytes\].
+const SLACK: u64 = 8 << 20;
+
+/// A city of 120 × 120 houses on one another by pairs, and a raster of 1500 × 1500 cells.
+fn scenes() -> Folder {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 1500 -o city.tif -q").done();
+    let square = |x: f64, y: f64| {
+        let corners = [[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0], [x, y]];
+        serde_json::json!({"type": "Feature", "properties": {"height": 12},
+            "geometry": {"type": "Polygon", "coordinates": [corners]}})
+    };
+    let place = |k: i32| square(f64::from(k % 120) * 5.0, f64::from(k / 120) * 10.0);
+    let features: Vec<_> = (0..14_400).map(place).collect();
+    let crs = serde_json::json!({"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}});
+    folder.write(
+        "houses.geojson",
+        &serde_json::json!({"type": "FeatureCollection", "crs": crs, "features": features}).to_string(),
+    );
+    folder
+}
+
+#[test]
+fn a_run_stays_within_its_memory_or_is_refused() {
+    let folder = scenes();
+    for line in [
+        "map city.tif --ground 0 --uav 10,10,90 -o a.tif",
+        "map city.tif --ground 0 --uav 10,10,90 -o a.tif --strips",
+        "map city.tif --ground 0 --uav 10,10,90 -o a.png -o a.npz -o a.exr",
+        "map city.tif --ground 0 --uav 10,10,90 --uav 700,10,90 --layers los,margin,which -o a.tif",
+        "map houses.geojson --uav 3,3,90 -o a.tif -o a.json",
+        "link houses.geojson --uav 3,3,90 --rx 400,400 --json",
+        "city houses.geojson -o a.xml -o a.tif",
+        "info city.tif --ground 0 --tile 100 -o a.csv",
+        "info houses.geojson --tile 20 -o a.tif",
+        "info houses.geojson --zones -o a.geojson",
+        "place houses.geojson --height 60 --step 40 -k 2 -o a.csv",
+        "compare houses.geojson --uav 3,3,90 --uav 300,300,90 -o a.html -o a.tif",
+        "plos houses.geojson --theta 30,60 -o a.csv",
+        "stress houses.geojson --uav 3,3,90 -o a.csv",
+    ] {
+        let before = folder.files();
+        let (answer, needed) = folder.measured(line);
+        assert_eq!(answer.code(), 0, "{line}: {answer:?}");
+        let written: Vec<String> = folder.files().into_iter().filter(|file| !before.contains(file)).collect();
+        let clear = || written.iter().for_each(|file| std::fs::remove_file(folder.join(file)).unwrap());
+        clear();
+        for (of_needed, is_enough) in [(0.25, false), (0.5, false), (2.0, true)] {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "bytes"
+            )]
+            let limit = (of_needed * needed as f64) as u64;
+            let (answer, peak) = folder.measured(&format!("{line} --max-memory {limit}"));
+            if answer.code() == 0 {
+                assert!(peak <= limit + limit / 10, "{line}: {peak} of {limit} bytes");
+                clear();
+                continue;
+            }
+            assert!(!is_enough, "{line}: {needed} bytes suffice, but of {limit}: {answer:?}");
+            let said = answer.refused(5);
+            assert!(said[0].starts_with("error[E501]: cannot "), "{said:?}");
+            let starts = said[0].contains("cannot start");
+            assert!(starts || peak <= limit + limit / 10 + SLACK, "{line}: {peak} of {limit} bytes");
+            assert_eq!(folder.files(), before, "{line}");
+        }
+    }
+}
