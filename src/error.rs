@@ -202,12 +202,17 @@ fn one_line(text: &str) -> String {
     shortened(&parts.join("`"), MOST_CHARACTERS).into_owned()
 }
 
-/// Text with its control characters escaped.
+/// Whether a character is one of text: not for controlling a terminal, and not one of those that XML cannot hold.
+pub(crate) fn is_text(c: char) -> bool {
+    !c.is_control() && !matches!(c, '\u{FFFE}' | '\u{FFFF}')
+}
+
+/// Text whose characters that are none of text ([`is_text`]) are escaped.
 pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
-    if !text.contains(char::is_control) {
+    if text.chars().all(is_text) {
         return Cow::Borrowed(text);
     }
-    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    let escape = |c: char| if is_text(c) { c.to_string() } else { c.escape_default().to_string() };
     Cow::Owned(text.chars().map(escape).collect())
 }
 

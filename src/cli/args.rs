@@ -12,7 +12,7 @@ use super::repairs::FoundRepairs;
 use super::stress::StressArgs;
 use super::typed::{SceneWord, length, scene_word};
 use crate::error::Error;
-use crate::export::Format;
+use crate::export::{Format, as_text, encode_table};
 use crate::los::MethodChoice;
 use crate::render::{PictureForm, PictureFormat};
 use crate::scene::Projection;
@@ -398,9 +398,20 @@ pub(super) struct OutputArgs {
     /// Threads to use, at most four for each core; default one for each core
     #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) threads: Option<u16>,
+    /// Write cells of tables that a spreadsheet would run (they begin with =, +, - or @ and are no numbers) as text, behind
+    /// a ' (docs/tables.md)
+    #[arg(long)]
+    pub(super) csv_text: bool,
     /// Say nothing but errors
     #[arg(short, long)]
     pub(super) quiet: bool,
+}
+
+impl OutputArgs {
+    /// A table as it is to be written.
+    pub(super) fn table(&self, rows: &[Vec<String>]) -> Result<Vec<u8>, Error> {
+        if self.csv_text { encode_table(&as_text(rows)) } else { encode_table(rows) }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -9,7 +9,7 @@ use super::words::{picture_provenance, pretty, unbreakable};
 use super::{messages, plan};
 use crate::coverage::{Control, HeightCurve, SiteCoverage};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Format, OutputRules, check_outputs, with_suffix};
 use crate::los::Method;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::raster::Crs;
@@ -149,7 +149,7 @@ impl Curves<'_> {
         match format {
             Format::Json => one(pretty(&self.report.document()).into_bytes()),
             Format::Csv => {
-                let bytes = encode_table(&self.report.table())?;
+                let bytes = self.args.out.table(&self.report.table())?;
                 let sidecar = pretty(&self.report.provenance()).into_bytes();
                 Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
             }

@@ -23,7 +23,7 @@ use crate::coverage::{
     Control, HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Uav, maps_at_once,
 };
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs, encode_table};
+use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
@@ -303,7 +303,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         return messages::answer(&pretty(&report.document(Some(scene.timing))));
     }
     if prints_table {
-        return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
+        return messages::answer(&String::from_utf8_lossy(&args.out.table(&report.table())?));
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use crate::coverage::{
 use crate::error::{Error, Result};
 use crate::export::{
     Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
-    encode_kmz, encode_table,
+    encode_kmz,
 };
 use crate::quantity::tidy;
 use crate::raster::{Crs, GeoRef, LonLatGrid, TiffLayout, world_file};
@@ -85,7 +85,7 @@ impl Writer<'_> {
             Format::Json => one(pretty(&self.report.document(Some(self.timing))).into_bytes()),
             Format::GeoJson => one(pretty(&self.report.geojson()).into_bytes()),
             Format::Csv => {
-                let bytes = encode_table(&self.report.table())?;
+                let bytes = self.args.out.table(&self.report.table())?;
                 let sidecar = crate::export::with_suffix(path, ".json");
                 Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.report.document(None)).into_bytes())])
             }

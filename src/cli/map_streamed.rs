@@ -15,7 +15,7 @@ use super::words::{picture_provenance, pretty};
 use super::{interrupt, messages};
 use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, encode_table, with_suffix};
+use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, with_suffix};
 use crate::height_field::HeightField;
 use crate::los::{Method, StreamLimits};
 use crate::quantity::MAX_EXTENT_UNITS;
@@ -276,7 +276,7 @@ impl StreamedRun<'_> {
                     add_mask_geotiff(&mut batch, path, &pyramid, of, mask_values)?;
                 }
                 Format::Csv => {
-                    batch.add(path, &encode_table(&report.table())?)?;
+                    batch.add(path, &args.out.table(&report.table())?)?;
                     batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
                 }
                 Format::Png | Format::Svg | Format::Pdf => {
@@ -302,7 +302,7 @@ impl StreamedRun<'_> {
             return messages::answer(&pretty(&report.document(Some(timing))));
         }
         if self.outputs.is_empty() {
-            return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
+            return messages::answer(&String::from_utf8_lossy(&args.out.table(&report.table())?));
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! What is said on standard error: errors, warnings, hints, progress.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::coverage::Control;
-use crate::error::{Error, Result, Warning, escaped, io_words};
+use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
 
 /// A line on standard error; a closed pipe there is nobody's concern.
 fn say(text: &str) {
@@ -97,12 +98,18 @@ pub(super) fn note(text: &str) {
     say(text);
 }
 
-/// Prints a result on standard output. A closed pipe means that the reader has seen enough: that is success.
+/// Prints a result on standard output, with names from files escaped as JSON does where a terminal would obey them. A closed
+/// pipe means that the reader has seen enough: that is success.
 ///
 /// # Errors
 /// E401 if it cannot be written for another reason, such as a full disk.
 pub(super) fn answer(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
+    let escape = |c: char| if c == '\n' || is_text(c) { c.to_string() } else { format!("\\u{:04x}", u32::from(c)) };
+    let text: Cow<'_, str> = match text.chars().all(|c| c == '\n' || is_text(c)) {
+        true => text.into(),
+        false => text.chars().map(escape).collect::<String>().into(),
+    };
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
             Err(Error::file(401, format!("cannot write to standard output: {}", io_words(&e))))

@@ -12,7 +12,7 @@ use super::messages;
 use super::plan::input_paths;
 use super::words::pretty;
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, as_text, check_outputs, encode_table, with_suffix};
 use crate::quantity::counted;
 use crate::report::{RunFacts, repairs_geojson, repairs_table};
 use crate::scene::{Repair, Scene, VectorFormat};
@@ -83,7 +83,7 @@ pub(super) fn write(args: &SceneArgs, command: Vec<String>) -> Result<()> {
     let mut provenance = facts.provenance("skyshed/repairs/1", None);
     provenance["repairs"] = repairs.len().into();
     let mut batch = Batch::new(is_typed(args, "overwrite"));
-    add(&mut batch, path, (repairs, &layer_of(args)), (&facts, &provenance))?;
+    add(&mut batch, path, (repairs, &layer_of(args)), (&facts, &provenance), is_typed(args, "csv_text"))?;
     let files = batch.commit()?;
     if !is_typed(args, "quiet") {
         messages::note(&format!("{} mended or left out", counted(repairs.len() as u64, "thing", "things")));
@@ -97,12 +97,14 @@ fn add(
     path: &Path,
     (repairs, layer): (&[Repair], &str),
     (facts, provenance): (&RunFacts, &Value),
+    is_text: bool,
 ) -> Result<()> {
     if Format::of(path)? == Format::GeoJson {
         let document = repairs_geojson(repairs, layer, &facts.grid, provenance);
         return batch.add(path, format!("{document}\n").as_bytes());
     }
-    batch.add(path, &encode_table(&repairs_table(repairs, layer))?)?;
+    let table = repairs_table(repairs, layer);
+    batch.add(path, &encode_table(&if is_text { as_text(&table) } else { table })?)?;
     batch.add(&with_suffix(path, ".json"), pretty(provenance).as_bytes())
 }
 

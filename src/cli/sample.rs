@@ -14,7 +14,7 @@ use super::words::pretty;
 use super::{interrupt, messages};
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::export::{Batch, Format, with_suffix};
 use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles_of, over_cities};
@@ -278,7 +278,7 @@ impl SampleJob<'_> {
             interrupt::check()?;
             match format {
                 Format::Csv => {
-                    batch.add(path, &encode_table(&report.table())?)?;
+                    batch.add(path, &self.out.table(&report.table())?)?;
                     batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
                 }
                 Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
@@ -299,7 +299,7 @@ impl SampleJob<'_> {
         if self.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
             messages::answer(&pretty(&report.document()))
         } else if self.outputs.is_empty() {
-            messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?))
+            messages::answer(&String::from_utf8_lossy(&self.out.table(&report.table())?))
         } else {
             Ok(())
         }

@@ -11,7 +11,7 @@ use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::{TrackState, along_track};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::render::{self, PictureForm, TrackProfile, TrackStretch};
@@ -78,7 +78,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
         match format {
             Format::Json => batch.add(path, pretty(&report.document()).as_bytes())?,
             Format::Csv => {
-                batch.add(path, &encode_table(&report.table())?)?;
+                batch.add(path, &args.out.table(&report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
             }
             Format::Png | Format::Svg | Format::Pdf => {

@@ -31,6 +31,6 @@ pub use map::{Layer, MapResult, MaskValues, add_map, add_mask_geotiff, bare_name
 pub use mask_strips::MaskStrips;
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;
-pub use table::encode_table;
+pub use table::{as_text, encode_table};
 pub(crate) use temporary::abandon_files;
 pub use zones::add_zones;

@@ -2,6 +2,16 @@
 
 use crate::error::{Error, Result};
 
+/// Rows whose cells no spreadsheet runs: a `'` goes before those that begin with `=`, `+`, `-`, `@` or a control character and
+/// are no numbers.
+pub fn as_text(rows: &[Vec<String>]) -> Vec<Vec<String>> {
+    let cell = |cell: &String| {
+        let is_run = cell.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']) && cell.parse::<f64>().is_err();
+        if is_run { format!("'{cell}") } else { cell.clone() }
+    };
+    rows.iter().map(|row| row.iter().map(cell).collect()).collect()
+}
+
 /// A table of equally long rows, the header first, as UTF-8 text.
 ///
 /// # Errors

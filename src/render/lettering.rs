@@ -11,6 +11,7 @@ use std::sync::{Arc, OnceLock};
 use resvg::usvg::fontdb;
 
 use super::sheet::Type;
+use crate::error::is_text;
 
 static REGULAR: &[u8] = include_bytes!("fonts/SkyshedSans-Regular.otf");
 static SEMI_BOLD: &[u8] = include_bytes!("fonts/SkyshedSans-SemiBold.otf");
@@ -102,8 +103,8 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            c if c.is_control() || c == '\u{FFFE}' || c == '\u{FFFF}' => out.push(' '),
-            c => out.push(c),
+            c if is_text(c) => out.push(c),
+            _ => out.push(' '),
         }
     }
     out

@@ -29,7 +29,8 @@ const PLAN_FLAGS: [(&str, &str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 35] = [
+const OTHER_FLAGS: [(&str, &str); 36] = [
+    ("--csv-text", "names_that_mean_something_to_a_program_reach_none"),
     ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--dpi", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--skip-bad", "bad_rows_are_told_together_and_left_out_on_request"),

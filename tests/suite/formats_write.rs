@@ -10,8 +10,8 @@ use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
 use skyshed::raster::{
-    Bands, ClassColor, Crs, ExrChannel, GeoRef, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
-    world_file, write_exr, write_geotiff, write_npz,
+    Bands, ClassColor, Crs, ExrChannel, GeoRef, GeoTiff, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff,
+    pam_sidecar, world_file, write_exr, write_geotiff, write_npz,
 };
 
 const SHAPE: (usize, usize) = (300, 700);
@@ -354,4 +354,37 @@ fn reference_systems_are_read_named_and_joined() {
     let (x, y) = skyshed::raster::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
     assert!((x - 513_223.539_4).abs() < 1e-3 && (y - 5_403_015.518).abs() < 1e-3, "{x} {y}");
     assert_eq!(skyshed::raster::utm_for(9.18, 48.78), 32632);
+}
+
+#[test]
+fn a_band_that_says_how_opaque_cells_are_hides_those_that_are_not() {
+    let folder = crate::program::Folder::new();
+    let georef = GeoRef::new((0.0, 2.0), (1.0, 1.0), (2, 3), None).unwrap();
+    // 0 m where nothing was measured, as tools leave it that write transparency beside heights.
+    let heights = [5.0, 0.0, 7.0, 0.0, 0.0, 9.0];
+    let opaque = [255.0, 0.0, 1.0, 255.0, 0.0, 255.0];
+    let bands = Bands::Float(vec![("height".to_string(), &heights), ("alpha".to_string(), &opaque)]);
+    let image =
+        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
+    let mut bytes = encode_geotiff(&image).unwrap();
+    let read = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).unwrap();
+        let mut warnings = Vec::new();
+        let file = GeoTiff::open(&folder.join(name), &mut warnings).unwrap();
+        let cells = file.read(file.georef().window(), &mut warnings, |height| height).unwrap().cells().to_vec();
+        (cells, warnings.iter().map(skyshed::Warning::code).collect::<Vec<_>>())
+    };
+    let (cells, warnings) = read("bands.tif", &bytes);
+    assert!(cells == heights.map(f64::from) && warnings.contains(&"W323".to_string()), "{cells:?} {warnings:?}");
+    // The tag ExtraSamples, one short: 0 is data, 2 is unassociated alpha.
+    let tag = [0x52, 0x01, 3, 0, 1, 0, 0, 0, 0, 0];
+    let at = bytes.windows(tag.len()).position(|window| window == tag).unwrap();
+    for alpha in [1, 2] {
+        bytes[at + 8] = alpha;
+        let (cells, warnings) = read("alpha.tif", &bytes);
+        let is_void: Vec<bool> = cells.iter().map(|height| height.is_nan()).collect();
+        assert_eq!(is_void, opaque.map(|alpha| alpha == 0.0));
+        assert_eq!((cells[0], cells[2], cells[3]), (5.0, 7.0, 0.0));
+        assert!(!warnings.contains(&"W323".to_string()), "{warnings:?}");
+    }
 }

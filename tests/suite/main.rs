@@ -39,6 +39,8 @@ mod walkthrough; // every command of docs/walkthrough.md runs
 mod inputs; // any file given to `info`: UAVs, tracks, own outputs, strangers
 mod vertical; // what heights are above, and in which unit
 mod small_files; // small files that would take much time or memory
+#[cfg(unix)]
+mod signals; // interrupted at any moment a run is gone at once, and what it wrote is whole
 mod memory_limits; // no run takes more than `--max-memory`
 mod tangles; // footprints that cross themselves or lie on one another
 mod wild; // bad input as it is seen in the wild, row by row
@@ -48,7 +50,7 @@ mod repairs; // what was mended or left out, thing by thing
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
 mod answers; // what every command says: its answer, its files, errors in one form
-mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input
+mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input, names that mean something
 #[cfg(unix)]
 mod odd_paths; // names of files that are no Unicode
 mod cli_flags; // every flag of map, link, city and info changes something

@@ -1,4 +1,4 @@
-//! Tables of UAVs, tracks and curves: rows that are wrong, feet, decimal commas, standard input.
+//! Tables of UAVs, tracks and curves: rows that are wrong, feet, decimal commas, standard input, names that mean something.
 
 use std::io::Write;
 use std::process::Stdio;
@@ -191,4 +191,46 @@ fn tables_may_come_from_standard_input() {
     assert!(bad.refused(3)[0].contains("cannot read standard input: line 3: `y`"), "{bad:?}");
     let twice = with_input(&folder, "plos itu:urban --curve a=- --curve b=-", "theta_deg,p_los\n0,0\n90,1\n");
     assert!(twice.refused(2)[0].contains("`-` is given for two tables"), "{twice:?}");
+}
+
+#[test]
+fn names_that_mean_something_to_a_program_reach_none() {
+    let folder = folder();
+    // An escape sequence of a terminal in its two forms, a formula, and what XML cannot hold.
+    let ids = ["a\x1b[31m", "b\u{9b}2J\u{7f}", "=1+2", "@x", "-5", "-5 m", "c\u{FFFE}d"];
+    let rows = |k: usize| format!("\"{}\",{},20,50\n", ids[k], 2 + 5 * k);
+    folder.write("odd.csv", &format!("id,x,y,h\n{}", (0..ids.len()).map(rows).collect::<String>()));
+    let is_odd = |c: char| (c.is_control() && c != '\n') || c == '\u{FFFE}';
+    let map = "map city.geojson --crs EPSG:25832 --uavs odd.csv";
+    for line in [format!("{map} --json"), map.to_string(), "info odd.csv".into(), "info odd.csv --json".into()] {
+        let answer = folder.type_in(&line).done();
+        assert!(!answer.out.contains(is_odd) && !answer.err.contains(is_odd), "{line}: {answer:?}");
+    }
+    // As JSON they are what they were.
+    let document = folder.type_in(&format!("{map} --json -q")).done().json();
+    let told: Vec<&str> = document["sites"].as_array().unwrap().iter().map(|s| s["id"].as_str().unwrap()).collect();
+    assert_eq!(told, ids);
+    let outputs = "-o m.svg -o m.csv -o m.kmz -o m.tif --height-curve h.svg --height-curve h.csv";
+    folder.type_in(&format!("{map} {outputs} -q")).done();
+    let zip = std::fs::File::open(folder.join("m.kmz")).unwrap();
+    let mut kml = String::new();
+    std::io::Read::read_to_string(&mut zip::ZipArchive::new(zip).unwrap().by_name("doc.kml").unwrap(), &mut kml)
+        .unwrap();
+    for xml in [folder.text("m.svg"), folder.text("h.svg"), kml] {
+        assert!(!xml.contains(is_odd), "{xml:.300}");
+        roxmltree::Document::parse(&xml).unwrap();
+    }
+    // Tables hold them as they were, or as text.
+    let ids_in = |name: &str| -> Vec<String> {
+        let mut reader = csv::Reader::from_path(folder.join(name)).unwrap();
+        let at = reader.headers().unwrap().iter().position(|name| name == "id" || name == "site").unwrap();
+        let mut ids: Vec<String> = reader.records().map(|row| row.unwrap()[at].to_string()).collect();
+        ids.dedup();
+        ids
+    };
+    assert_eq!(&ids_in("m.csv")[..ids.len()], ids);
+    folder.type_in(&format!("{map} {outputs} -q --overwrite --csv-text")).done();
+    for name in ["m.csv", "h.csv"] {
+        assert_eq!(&ids_in(name)[2..6], ["'=1+2", "'@x", "-5", "'-5 m"], "{name}");
+    }
 }

@@ -7,7 +7,7 @@ use super::show::Picture;
 use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::error::{Error, ErrorClass, Result, Warning};
-use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::export::{Batch, Format, with_suffix};
 
 /// A chart of a scene or of P_LoS, ready to be written.
 pub(super) struct Chart<'a> {
@@ -40,7 +40,7 @@ pub(super) fn write(args: &ChartArgs, chart: &Chart<'_>, outputs: &[(PathBuf, Fo
     if args.out.json || outputs.iter().any(|(_, f)| *f == Format::Stdout) {
         messages::answer(&pretty(&chart.document))?;
     } else if outputs.is_empty() {
-        messages::answer(&String::from_utf8_lossy(&encode_table(&chart.table)?))?;
+        messages::answer(&String::from_utf8_lossy(&args.out.table(&chart.table)?))?;
     }
     if chart.is_interrupted {
         let text = "interrupted; the contestants that had their turn were written";
@@ -54,7 +54,7 @@ fn add(args: &ChartArgs, chart: &Chart<'_>, batch: &mut Batch, path: &Path, form
     match format {
         Format::Json => batch.add(path, pretty(&chart.document).as_bytes()),
         Format::Csv => {
-            batch.add(path, &encode_table(&chart.table)?)?;
+            batch.add(path, &args.out.table(&chart.table)?)?;
             batch.add(&with_suffix(path, ".json"), pretty(&chart.provenance).as_bytes())
         }
         Format::Png | Format::Svg | Format::Pdf => {

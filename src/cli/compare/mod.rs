@@ -23,7 +23,7 @@ use super::{interrupt, messages};
 use crate::cli::memory::check_memory;
 use crate::coverage::{CellGroups, Control, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, encode_table};
+use crate::export::{Batch, Format, OutputRules};
 use crate::los::Method;
 use crate::raster::{CellBlocks, LargeVec};
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
@@ -271,7 +271,7 @@ fn say(
         return messages::answer(&pretty(&report.document(Some(timing))));
     }
     if outputs.is_empty() {
-        return messages::answer(&String::from_utf8_lossy(&encode_table(&report.table())?));
+        return messages::answer(&String::from_utf8_lossy(&args.out.table(&report.table())?));
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::cli::plan::Ready;
 use crate::cli::words::pretty;
 use crate::coverage::Overlay;
 use crate::error::Result;
-use crate::export::{Batch, Comparison, Format, add_comparison, encode_table, with_suffix};
+use crate::export::{Batch, Comparison, Format, add_comparison, with_suffix};
 use crate::render;
 use crate::report::{CompareReport, Timing};
 
@@ -47,7 +47,7 @@ impl Writer<'_> {
                 add_comparison(batch, &comparison, path)
             }
             Format::Csv => {
-                batch.add(path, &encode_table(&self.report.table())?)?;
+                batch.add(path, &self.args.out.table(&self.report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())
             }
             Format::Png | Format::Svg | Format::Pdf => {

@@ -15,7 +15,7 @@ use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
 use crate::cli::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{Frame, VOID, counted, meters, tidy};
 use crate::raster::{Crs, VerticalCrs};
@@ -239,7 +239,7 @@ impl Found {
         }
         for (path, _) in outputs.iter().filter(|(_, format)| *format == Format::Csv) {
             let Some(needs) = &self.needs else { continue };
-            batch.add(path, &encode_table(&needs.table())?)?;
+            batch.add(path, &args.out.table(&needs.table())?)?;
             batch.add(&with_suffix(path, ".json"), pretty(document).as_bytes())?;
         }
         batch.commit()

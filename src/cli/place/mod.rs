@@ -23,7 +23,7 @@ use super::words::pretty;
 use crate::cli::memory::check_memory;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
-use crate::export::{Format, OutputRules, check_outputs, encode_table};
+use crate::export::{Format, OutputRules, check_outputs};
 use crate::placement::Weights;
 use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
@@ -248,7 +248,7 @@ fn say(
         n_candidates += usize::from(is_candidate(row));
         !is_candidate(row) || n_candidates <= report.top
     });
-    messages::answer(&String::from_utf8_lossy(&encode_table(&table)?))
+    messages::answer(&String::from_utf8_lossy(&args.out.table(&table)?))
 }
 
 /// `--sample`: statistics by zone instead of a search.

@@ -10,7 +10,7 @@ use super::goal::{Goal, Measure, Whom};
 use super::{picture, winner_map};
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result};
-use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::export::{Batch, Format, with_suffix};
 use crate::placement::PlaceGrid;
 use crate::quantity::tidy;
 use crate::raster::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
@@ -55,7 +55,7 @@ impl Writer<'_> {
             Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),
             Format::GeoJson => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
             Format::Csv => {
-                batch.add(path, &encode_table(&self.report.table())?)?;
+                batch.add(path, &self.args.out.table(&self.report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&self.report.provenance()).as_bytes())
             }
             Format::Png | Format::Svg | Format::Pdf | Format::GeoTiff => {

@@ -25,7 +25,7 @@ use super::words::pretty;
 use super::{interrupt, messages};
 use crate::accuracy::CONFIDENCE;
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, with_suffix};
 use crate::los::MethodChoice;
 use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
@@ -432,7 +432,7 @@ fn write(
         interrupt::check()?;
         match format {
             Format::Csv => {
-                batch.add(path, &encode_table(&report.table())?)?;
+                batch.add(path, &args.out.table(&report.table())?)?;
                 batch.add(&with_suffix(path, ".json"), pretty(&report.provenance()).as_bytes())?;
             }
             Format::Json => {
@@ -464,7 +464,7 @@ fn write(
         return messages::answer(&pretty(&report.document(Some(seconds))));
     }
     if outputs.is_empty() {
-        let table = encode_table(&report.table())?;
+        let table = args.out.table(&report.table())?;
         return messages::answer(&String::from_utf8_lossy(&table));
     }
     Ok(())

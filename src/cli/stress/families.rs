@@ -9,7 +9,7 @@ use crate::cli::map::undrawable;
 use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::error::Result;
-use crate::export::{Batch, Format, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los::MethodChoice;
 use crate::quantity::counted;
 use crate::render::{self, RateColumn, RateSheet, grouped};
@@ -60,7 +60,7 @@ fn add(
 ) -> Result<()> {
     match format {
         Format::Csv => {
-            batch.add(path, &encode_table(&report.table())?)?;
+            batch.add(path, &args.out.table(&report.table())?)?;
             batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())
         }
         Format::Json => batch.add(path, pretty(&report.document(Some(start.elapsed().as_secs_f64()))).as_bytes()),

@@ -14,7 +14,7 @@ pub(super) use args::StressArgs;
 use super::messages;
 use super::words::pretty;
 use crate::error::{Error, Result};
-use crate::export::{Format, encode_table};
+use crate::export::Format;
 
 /// Formats of `skyshed stress`.
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
@@ -72,7 +72,7 @@ fn answer(
         return messages::answer(&pretty(&document()));
     }
     if outputs.is_empty() {
-        return messages::answer(&String::from_utf8_lossy(&encode_table(&table())?));
+        return messages::answer(&String::from_utf8_lossy(&args.out.table(&table())?));
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::{FORMATS, StressArgs, answer};
+use crate::cli::args::OutputArgs;
 use crate::cli::map_drawing::MapDrawing;
 use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::cli::outside::{place_uav, warn_of_uavs_outside};
@@ -14,7 +15,7 @@ use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::coverage::{Control, HeightLayers, MapOptions, Mapper};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, OutputRules, check_outputs, encode_table, with_suffix};
+use crate::export::{Batch, Format, Layer, OutputRules, check_outputs, with_suffix};
 use crate::quantity::counted;
 use crate::report::{MapReport, NEAR_M, SiteFacts, StressSceneReport, Timing, digest};
 
@@ -95,7 +96,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     };
     for (path, format) in &outputs {
         interrupt::check()?;
-        add((&report, timing), &drawing, &mut batch, (path, *format))?;
+        add((&report, timing), (&drawing, &args.out), &mut batch, (path, *format))?;
     }
     let files = batch.commit()?;
     scene.timing.write = before_write.elapsed().as_secs_f64();
@@ -110,14 +111,14 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
 
 fn add(
     (report, timing): (&StressSceneReport, Timing),
-    drawing: &MapDrawing<'_>,
+    (drawing, out): (&MapDrawing<'_>, &OutputArgs),
     batch: &mut Batch,
     (path, format): (&Path, Format),
 ) -> Result<()> {
     let provenance = || picture_provenance(&report.document(None));
     match format {
         Format::Csv => {
-            batch.add(path, &encode_table(&report.table())?)?;
+            batch.add(path, &out.table(&report.table())?)?;
             batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())
         }
         // The time of writing is not known before the file is written.

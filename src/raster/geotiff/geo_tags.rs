@@ -8,7 +8,7 @@ use tiff_core::{Tag, TagValue};
 
 use super::super::{Crs, CrsKind};
 use super::{ClassColor, GeoTiffImage};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, is_text};
 
 /// Tag of GDAL's metadata, an XML text.
 const GDAL_METADATA: u16 = 42112;
@@ -129,7 +129,7 @@ fn xml_value(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Text within XML; control characters, which XML 1.0 cannot hold, become spaces.
+/// Text within XML; what XML 1.0 cannot hold becomes a space.
 pub(crate) fn xml_text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -139,8 +139,8 @@ pub(crate) fn xml_text(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\n' | '\t' => escaped.push(c),
-            c if c.is_control() => escaped.push(' '),
-            c => escaped.push(c),
+            c if is_text(c) => escaped.push(c),
+            _ => escaped.push(' '),
         }
     }
     escaped

@@ -60,7 +60,7 @@ pub struct GeoTiff {
     /// Length of the file when its header was read \[bytes\].
     len: u64,
     image: Image,
-    mask: Option<Image>,
+    mask: Option<Mask>,
     placement: Placement,
     nodata: Option<f64>,
     metadata: Metadata,
@@ -94,7 +94,10 @@ impl GeoTiff {
         };
         let metadata = directory.text(&mut source, tag::GDAL_METADATA)?.unwrap_or_default();
         let metadata = Metadata::parse(&metadata);
-        let mask = find_mask(&mut source, &directory, &image, first, warnings);
+        let mask = match find_mask(&mut source, &directory, &image, first, warnings) {
+            Some(image) => Some(Mask { image, band: 0 }),
+            None => alpha_band(&mut source, &directory, image.n_bands)?.map(|band| Mask { image: image.clone(), band }),
+        };
         let is_picture = directory.integer(&mut source, tag::PHOTOMETRIC)? == Some(2) && image.n_bands >= 3;
         let tiff =
             GeoTiff { path: path.to_owned(), len: source.len(), image, mask, placement, nodata, metadata, is_picture };
@@ -215,7 +218,8 @@ impl GeoTiff {
         warnings: &mut Vec<Warning>,
         convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
-        if self.n_bands() > 1 {
+        let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
+        if (1..self.n_bands()).any(|band| !is_alpha(band)) {
             let path = self.path.display();
             let kind = if self.is_picture { "is a color picture of" } else { "has" };
             let text = format!("`{path}` {kind} {} bands: the first is read as heights", self.n_bands());
@@ -263,6 +267,21 @@ impl GeoTiff {
         voids.report(&self.path, warnings)?;
         Ok(Raster::new(georef, cells))
     }
+}
+
+/// Which cells hold something: those that are not 0 in a band of an image.
+#[derive(Debug, Clone)]
+struct Mask {
+    image: Image,
+    band: usize,
+}
+
+/// The band that says how opaque each cell is, after the first, which holds the heights.
+fn alpha_band(source: &mut TiffSource, directory: &Directory, n_bands: usize) -> Result<Option<usize>> {
+    const ALPHA: [u64; 2] = [1, 2];
+    let extra = directory.integers(source, tag::EXTRA_SAMPLES)?.unwrap_or_default();
+    let first = n_bands - extra.len();
+    Ok(extra.iter().position(|kind| ALPHA.contains(kind)).map(|k| first + k).filter(|band| *band > 0))
 }
 
 /// The mask of the first image among the later directories; what is wrong with these is no reason to refuse the first.

@@ -1,8 +1,8 @@
 //! The cells of a band as the file has them, before anything is made of nodata, masks and missing blocks.
 
-use super::GeoTiff;
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
+use super::{GeoTiff, Mask};
 use crate::error::Result;
 use crate::raster::CellWindow;
 use crate::raster::voids::Stored;
@@ -60,10 +60,11 @@ impl GeoTiff {
     fn hidden_cells(&self, source: &mut TiffSource, region: &Region) -> Result<Option<Bits>> {
         let Some(mask) = &self.mask else { return Ok(None) };
         let mut hidden = Bits::default();
-        for_each_span(source, mask, &Region { band: 0, ..region.clone() }, |span| match span.samples {
+        let Mask { image, band } = mask;
+        for_each_span(source, image, &Region { band: *band, ..region.clone() }, |span| match span.samples {
             // GDAL leaves out the blocks of a mask that hide all of their cells.
             None => (0..span.n_cells).for_each(|_| hidden.push(true)),
-            Some(samples) => samples.for_each(mask.sample, span.n_cells, |_, value| hidden.push(value < 0.5)),
+            Some(samples) => samples.for_each(image.sample, span.n_cells, |_, value| hidden.push(value < 0.5)),
         })?;
         Ok(Some(hidden))
     }
