@@ -8,7 +8,7 @@ use super::map_drawing::MapDrawing;
 use super::memory::{ANY_WORK, lacking, left, memory_words};
 use super::messages::WarningsOfRuns;
 use super::outside::warn_of_uavs_outside;
-use super::plan::{Ready, grid_of_raster, raster_bytes_per_cell, raster_options, warn_of_flat_earth, warn_of_raster};
+use super::plan::{Ready, raster_options, size_of_raster, warn_of_flat_earth, warn_of_raster};
 use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
 use super::tables::UavsFound;
 use super::words::{picture_provenance, pretty};
@@ -26,12 +26,12 @@ use crate::scene::{GivenSite, StreamedSurface, WindowedBase, WindowedSolids};
 /// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
 /// `--max-memory` allows. `None` if it is.
 pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
-    let grid = grid_of_raster(&args.scene)?;
+    let (grid, bytes) = size_of_raster(&args.scene)?;
     if args.strips {
         return Some("strips are asked for".into());
     }
-    let with_mask = raster_bytes_per_cell(&args.scene) as u64 + 1;
-    let (needed, limit) = lacking(grid.n_cells() as u64 * with_mask + ANY_WORK)?;
+    let mask = grid.n_cells() as u64;
+    let (needed, limit) = lacking(bytes + mask + ANY_WORK)?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
@@ -156,7 +156,7 @@ fn strip_memory(args: &MapArgs) -> Result<u64> {
     // A strip as it is read, as lines, and as it is written, with the terrain below it; the tiles of a GeoTIFF.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
-    Ok(n_cells / 8 * n_sets + strips + n_cells / 64 + ANY_WORK)
+    Ok(n_cells / 8 * n_sets + strips + n_cells / 64 + file.block_bytes() + ANY_WORK)
 }
 
 /// The terrain, opened.

@@ -87,9 +87,9 @@ pub(super) fn left() -> u64 {
 /// Refuses to read a raster that does not fit in memory.
 ///
 /// # Errors
-/// E501 if its heights are too much.
-pub(super) fn check_reading(name: &impl fmt::Display, grid: &GeoRef, bytes_per_cell: usize) -> Result<()> {
-    check(name, grid, (bytes_per_cell as u64 * grid.n_cells() as u64).saturating_add(ANY_WORK))
+/// E501 if its `bytes` are too much.
+pub(super) fn check_reading(name: &impl fmt::Display, grid: &GeoRef, bytes: u64) -> Result<()> {
+    check(name, grid, bytes.saturating_add(ANY_WORK))
 }
 
 /// Refuses work on a grid that does not fit in memory, before anything of its size is made.

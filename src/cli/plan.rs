@@ -76,8 +76,8 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         }
         return city.scene();
     }
-    if let Some(grid) = grid_of_raster(args) {
-        check_reading(&args.scene, &grid, raster_bytes_per_cell(args))?;
+    if let Some((grid, bytes)) = size_of_raster(args) {
+        check_reading(&args.scene, &grid, bytes)?;
     }
     let scene = read_file(args, warnings)?;
     warn_of_raster(args, warnings)?;
@@ -128,20 +128,20 @@ pub(super) fn is_raster_scene(args: &SceneArgs) -> bool {
     args.scene.built_up().is_none() && is_raster(Path::new(&args.scene))
 }
 
-/// The grid of a scene that is a raster in its own system, by its header; what is wrong with the file is told where it is read.
-pub(super) fn grid_of_raster(args: &SceneArgs) -> Option<GeoRef> {
+/// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is wrong
+/// with the file is told where it is read.
+///
+/// Of each cell these are its height, that of the ground below where both are given, and which zone it may be of; and, while
+/// it is read, an unpacked strip or tile.
+pub(super) fn size_of_raster(args: &SceneArgs) -> Option<(GeoRef, u64)> {
     // What is brought into another system is put together in memory.
     if !is_raster_scene(args) || args.project.is_some() {
         return None;
     }
     let file = RasterFile::open(Path::new(&args.scene), &mut Vec::new()).ok()?;
-    (!file.is_empty()).then(|| file.georef().clone())
-}
-
-/// Bytes that a cell of a raster takes in memory: its height, that of the ground below where both are given, and which zone it
-/// may be of.
-pub(super) fn raster_bytes_per_cell(args: &SceneArgs) -> usize {
-    if args.terrain.is_some() { 9 } else { 5 }
+    let bytes_per_cell = if args.terrain.is_some() { 9 } else { 5 };
+    let bytes = bytes_per_cell * file.georef().n_cells() as u64 + file.block_bytes();
+    (!file.is_empty()).then(|| (file.georef().clone(), bytes))
 }
 
 /// Reads the scene of a file.

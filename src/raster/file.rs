@@ -141,6 +141,14 @@ impl RasterFile {
         }
     }
 
+    /// Bytes that reading takes beside the cells that are read: a strip or tile, unpacked.
+    pub fn block_bytes(&self) -> u64 {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.block_bytes(),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => 0,
+        }
+    }
+
     /// Whether the file stores no cell at all, whatever size it claims.
     pub fn is_empty(&self) -> bool {
         matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_empty())

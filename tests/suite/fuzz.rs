@@ -7,6 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use skyshed::raster::{Bands, GeoRef, GeoTiffImage, TiffLayout, encode_geotiff};
 
 use crate::program::{Folder, run_in};
 use crate::support::{Random, slow};
@@ -57,6 +58,28 @@ const VIRTUAL: &str = r#"<VRTDataset rasterXSize="20" rasterYSize="14">
 <ScaleOffset>1.5</ScaleOffset><ScaleRatio>0.5</ScaleRatio><NODATA>2</NODATA></ComplexSource>
 </VRTRasterBand></VRTDataset>"#;
 
+/// A reference system in words.
+const SYSTEM: &str = r#"PROJCS["a",GEOGCS["b",DATUM["c",SPHEROID["GRS 1980",6378137,298.257222101]],PRIMEM["Greenwich",0],
+UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["central_meridian",9],
+PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],UNIT["Foot_US",0.304800609601219]]"#;
+
+/// Heights and how opaque their cells are.
+fn with_opacity() -> Vec<u8> {
+    let georef = GeoRef::new((0.0, 12.0), (1.0, 1.0), (12, 16), None).expect("a valid grid");
+    #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+    let heights: Vec<f32> = (0..192).map(|k| (k % 7) as f32).collect();
+    let opaque: Vec<f32> = (0..192).map(|k| if k % 11 == 0 { 0.0 } else { 255.0 }).collect();
+    let bands = Bands::Float(vec![("height".to_string(), &heights), ("opacity".to_string(), &opaque)]);
+    let image =
+        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
+    let mut bytes = encode_geotiff(&image).expect("a file");
+    // ExtraSamples: unassociated alpha.
+    let tag = [0x52, 0x01, 3, 0, 1, 0, 0, 0, 0, 0];
+    let at = bytes.windows(tag.len()).position(|window| window == tag).expect("the tag");
+    bytes[at + 8] = 2;
+    bytes
+}
+
 fn targets() -> Vec<Target> {
     let folder = Folder::new();
     let text = |t: &str| t.as_bytes().to_vec();
@@ -81,6 +104,11 @@ fn targets() -> Vec<Target> {
             ),
             line: "map {} --uav 5,5,80amsl -o out.json",
         },
+        Target { name: "opacity.tif", good: with_opacity(), line: "map {} --ground 0 --uav 5,5,60 -o out.json" },
+        Target { name: "named.prj", good: text(SYSTEM), line: "map named.asc --ground 2 --uav 101,-45,40 -o out.json" },
+        // Names in pictures, and footprints cut to tiles.
+        Target { name: "names.csv", good: text(SITES), line: "map city.geojson --uavs {} --height-curve out.svg" },
+        Target { name: "tiles.geojson", good: text(FOOTPRINTS), line: "info {} --tile 7 -o out.csv" },
         Target { name: "city.geojson", good: text(FOOTPRINTS), line: "map {} --uav 5,5,60 -o out.json" },
         Target { name: "sites.csv", good: text(SITES), line: "map city.geojson --uavs {} -o out.json" },
         Target { name: "sites.geojson", good: text(POINTS), line: "map city.geojson --uavs {} -o out.json" },
@@ -108,7 +136,9 @@ fn targets() -> Vec<Target> {
 }
 
 /// Numbers that parsers and arithmetic stumble over.
-const NUMBERS: [&str; 16] = [
+const NUMBERS: [&str; 18] = [
+    "1e-307",
+    "1e150",
     "0",
     "-0",
     "1e308",
@@ -136,7 +166,7 @@ fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
         }
         let at = random.below(bytes.len());
         let n = random.index(1, 40).min(bytes.len() - at);
-        match random.below(10) {
+        match random.below(11) {
             0 => bytes[at] ^= 1 << random.below(8),
             1 => bytes.truncate(at),
             2 => drop(bytes.drain(at..at + n)),
@@ -156,6 +186,8 @@ fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
                 random.choose(&[&b"{"[..], b"[", b"]", b"}", b"\"", b",", b"\0", b"\xff\xfe", b"\n"]).iter().copied(),
             )),
             6 => drop(bytes.splice(at..at, vec![b'['; random.choose(&[3, 200, 20_000])])),
+            // A long name, or much of what is small.
+            7 => drop(bytes.splice(at..at, vec![random.choose(b"nW \n0,<"); random.choose(&[100, 5000, 50_000])])),
             _ => replace_a_number(&mut bytes, at, random),
         }
     }
@@ -181,6 +213,7 @@ fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
             let folder = Folder::new();
             folder.write("city.geojson", FOOTPRINTS);
             folder.write("tile.asc", &grid(" "));
+            folder.write("named.asc", &grid(" "));
             std::fs::write(folder.join(target.name), &bytes).unwrap();
             let line = target.line.replace("{}", target.name);
             let answer = run_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
@@ -191,9 +224,10 @@ fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
             };
             let code = answer.status.code();
             assert!(code.is_some_and(|c| [0, 2, 3, 4, 5].contains(&c)), "{}", keep());
-            let mut expected = vec!["city.geojson".to_string(), "tile.asc".to_string(), target.name.to_string()];
+            let mut expected = ["city.geojson", "tile.asc", "named.asc", target.name].map(str::to_string).to_vec();
             if code == Some(0) {
-                expected.push("out.json".into());
+                let outputs = ["out.json", "out.svg", "out.csv", "out.csv.json"].into_iter();
+                expected.extend(outputs.filter(|name| line.contains(&name[..7])).map(str::to_string));
                 n_done.fetch_add(1, Ordering::Relaxed);
             } else {
                 assert!(answer.err.starts_with("error[E"), "{}", keep());

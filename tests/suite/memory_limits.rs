@@ -31,7 +31,7 @@ fn a_run_stays_within_its_memory_or_is_refused() {
         "map city.tif --ground 0 --uav 10,10,90 -o a.tif",
         "map city.tif --ground 0 --uav 10,10,90 -o a.tif --strips",
         "map city.tif --ground 0 --uav 10,10,90 -o a.png -o a.npz -o a.exr",
-        "map city.tif --ground 0 --uav 10,10,90 --uav 700,10,90 --layers los,margin,which -o a.tif",
+        "map city.tif --ground 0 --uav 10,10,90 --uav 700,10,90 --layers los,margin,which --radius 50 -o a.tif",
         "map houses.geojson --uav 3,3,90 -o a.tif -o a.json",
         "link houses.geojson --uav 3,3,90 --rx 400,400 --json",
         "city houses.geojson -o a.xml -o a.tif",

@@ -155,6 +155,12 @@ impl GeoTiff {
         self.image.tiled || self.image.codec == Codec::None
     }
 
+    /// Bytes that its largest strip or tile takes while it is unpacked; 0 where rows are read as they are.
+    pub(in crate::raster) fn block_bytes(&self) -> u64 {
+        let is_packed = self.image.codec != Codec::None;
+        if is_packed { self.image.row_bytes().saturating_mul(self.image.block_rows as u64) } else { 0 }
+    }
+
     /// Number of bands.
     pub fn n_bands(&self) -> usize {
         self.image.n_bands
