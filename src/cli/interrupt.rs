@@ -16,7 +16,8 @@ use crate::quantity::counted;
 enum Phase {
     /// It ends the program.
     Working,
-    /// It is noted, and the work stops after the piece at hand; a second one ends the program.
+    /// It is noted, and the work stops after the piece at hand; a second one ends the program, and so does a piece that takes
+    /// longer than [`GRACE`].
     InPieces,
     /// It is noted, and ends the program between two files or parts of one, or after [`GRACE`]; a second one ends it at once.
     Writing,
@@ -59,20 +60,32 @@ pub(super) fn listen() {
         let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
         let is_first = !STOP.swap(true, Ordering::AcqRel);
         match *phase {
-            Phase::InPieces if is_first => messages::note("interrupted: what is done will be written; again: nothing"),
-            // A thread of its own, so that this one hears the next signal.
-            Phase::Writing if is_first => {
-                std::thread::spawn(|| {
-                    std::thread::sleep(GRACE);
-                    end(&while_writing());
+            Phase::InPieces if is_first => {
+                messages::note(
+                    "interrupted: what is done will be written if the piece at hand ends soon; again: nothing",
+                );
+                after_grace(|| {
+                    let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
+                    if *phase == Phase::InPieces {
+                        end(&interrupted());
+                    }
                 });
             }
+            Phase::Writing if is_first => after_grace(|| end(&while_writing())),
             Phase::Writing => end(&while_writing()),
             Phase::Working | Phase::InPieces => end(&interrupted()),
         }
     };
     // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
     let _ = ctrlc::set_handler(handler);
+}
+
+/// Does something after [`GRACE`], in a thread of its own, so that the one that hears signals hears the next.
+fn after_grace(work: impl FnOnce() + Send + 'static) {
+    std::thread::spawn(|| {
+        std::thread::sleep(GRACE);
+        work();
+    });
 }
 
 /// Ends the program with an error, from any thread.

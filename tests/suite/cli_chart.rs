@@ -240,7 +240,7 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change what is written or said, or how long it takes.
-const OTHER: [&str; 20] = [
+const OTHER: [&str; 21] = [
     "--width",
     "--dpi",
     "--project",
@@ -259,6 +259,7 @@ const OTHER: [&str; 20] = [
     "--threads",
     "--quiet",
     "--max-memory",
+    "--csv-text",
     "--hash",
     "--help",
 ];

@@ -298,7 +298,7 @@ fn p_los_within_a_radius_does_not_depend_on_the_other_radii() {
 }
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 22] = [
+const OTHER: [&str; 23] = [
     "--base",
     "--width",
     "--dpi",
@@ -317,6 +317,7 @@ const OTHER: [&str; 22] = [
     "--threads",
     "--quiet",
     "--max-memory",
+    "--csv-text",
     "--hash",
     "--crs",
     "--help",

@@ -447,7 +447,7 @@ const FLAGS: [(&str, &str); 23] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 18] = [
+const OTHER: [&str; 19] = [
     "--width",
     "--dpi",
     "--project",
@@ -464,6 +464,7 @@ const OTHER: [&str; 18] = [
     "--threads",
     "--quiet",
     "--max-memory",
+    "--csv-text",
     "--hash",
     "--help",
 ];

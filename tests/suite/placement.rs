@@ -424,7 +424,7 @@ const FLAGS: [(&str, &str); 26] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 35] = [
+const OTHER: [&str; 36] = [
     "--width",
     "--dpi",
     "--project",
@@ -442,6 +442,7 @@ const OTHER: [&str; 35] = [
     "--threads",
     "--quiet",
     "--max-memory",
+    "--csv-text",
     "--method",
     "--hash",
     "--crs",

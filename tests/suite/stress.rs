@@ -287,7 +287,7 @@ const FLAGS: [(&str, &str); 24] = [
 ];
 
 /// Flags that change no answer, and the tests that show what they do.
-const OTHER: [(&str, &str); 16] = [
+const OTHER: [(&str, &str); 17] = [
     ("--base", "other_bases_are_the_mean_by_area_and_the_highest"),
     ("--data-area", "ground_beyond_the_last_house_holds_no_data"),
     ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
@@ -302,6 +302,7 @@ const OTHER: [(&str, &str); 16] = [
     ("--title", "what_makes_no_sense_is_refused"),
     ("--attribution", "what_makes_no_sense_is_refused"),
     ("--max-memory", "what_makes_no_sense_is_refused"),
+    ("--csv-text", "names_that_mean_something_to_a_program_reach_none"),
     ("--help", ""),
     ("--version", ""),
 ];
