@@ -31,7 +31,7 @@ pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
         return Some("strips are asked for".into());
     }
     let mask = grid.n_cells() as u64;
-    let (needed, limit) = lacking(bytes + mask + ANY_WORK)?;
+    let (needed, limit) = lacking(bytes.saturating_add(mask).saturating_add(ANY_WORK))?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
@@ -295,7 +295,7 @@ impl StreamedRun<'_> {
         timing.total = self.start.elapsed().as_secs_f64();
         if !quiet {
             messages::warnings_of_run(self.other_runs, &uav.id, &report.facts.warnings);
-            super::map::say_results(&report, "strip by strip, as it does not fit in memory", timing);
+            super::map::say_results(&report, "strip by strip", timing);
         }
         messages::wrote(&written, quiet);
         if args.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
@@ -354,7 +354,7 @@ impl StreamedRun<'_> {
     fn uav(&self, scene: &StreamedSurface, sites: &[GivenSite], radius: Option<f64>) -> Result<Uav> {
         let [site] = sites else {
             let text = format!(
-                "cannot map {}: it does not fit in memory, and strip by strip one UAV is mapped at a time, found {}",
+                "cannot map {}: strip by strip one UAV is mapped at a time, found {}",
                 self.args.scene.scene,
                 sites.len()
             );

@@ -63,7 +63,8 @@ fn watch() {
     }
 }
 
-const REMEDY: &str = "allow more, or choose larger cells, a smaller extent, or fewer sites and layers";
+const REMEDY: &str =
+    "allow more, or choose larger cells, a smaller extent, or fewer sites and layers; `map --strips` for a raster";
 
 /// The limit in words that follow "more than".
 fn limit_words() -> String {
@@ -140,12 +141,15 @@ pub(super) fn memory_words(bytes: u64) -> String {
 
 /// Memory that the process takes \[bytes\], where the system says so.
 fn resident() -> Option<u64> {
-    let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split_whitespace().nth(1)?.parse::<u64>().ok()?;
-    Some(pages * PAGE)
+    kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// Bytes of a page of `/proc/self/statm`.
-const PAGE: u64 = 4096;
+/// A line of `/proc/self/status` or `/proc/meminfo` \[bytes\].
+fn kibibytes_of(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
 
 /// Memory that the process can still take \[bytes\], where the system says so: the least of what the machine has left, what the
 /// control groups that it is in leave it (containers, `systemd-run`), and what its limit of address space does.
@@ -153,18 +157,12 @@ fn available() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let groups = read("/proc/self/cgroup");
     let limits = [
-        of_machine(&read("/proc/meminfo")),
+        // An allocator may promise more than there is.
+        kibibytes_of(&read("/proc/meminfo"), "MemAvailable:"),
         of_groups(&groups, Path::new("/sys/fs/cgroup")),
-        of_address_space(&read("/proc/self/limits"), &read("/proc/self/statm")),
+        of_address_space(&read("/proc/self/limits"), &read("/proc/self/status")),
     ];
     limits.into_iter().flatten().min()
-}
-
-/// From `/proc/meminfo`: an allocator may promise more than there is.
-fn of_machine(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }
 
 /// From the groups in `/proc/self/cgroup` and those around them, of version 2 or 1. In a container the names may be those
@@ -199,12 +197,11 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
     groups.lines().filter_map(left).min()
 }
 
-/// From `/proc/self/limits` and `/proc/self/statm` (`ulimit -v`).
-fn of_address_space(limits: &str, statm: &str) -> Option<u64> {
+/// From `/proc/self/limits` and `/proc/self/status` (`ulimit -v`).
+fn of_address_space(limits: &str, status: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
-    let pages: u64 = statm.split_whitespace().next()?.parse().ok()?;
-    Some(limit.saturating_sub(pages * PAGE))
+    Some(limit.saturating_sub(kibibytes_of(status, "VmSize:")?))
 }
 
 #[cfg(test)]
@@ -213,11 +210,12 @@ mod tests {
 
     #[test]
     fn what_is_left_is_the_least_of_all_limits() {
-        assert_eq!(of_machine("MemTotal: 9 kB\nMemAvailable:    2048 kB\n"), Some(2 << 20));
-        assert_eq!(of_machine(""), None);
+        let available = |text: &str| kibibytes_of(text, "MemAvailable:");
+        assert_eq!(available("MemTotal: 9 kB\nMemAvailable:    2048 kB\n"), Some(2 << 20));
+        assert_eq!(available(""), None);
         let limits = "Limit  Soft Limit  Hard Limit  Units\nMax address space     1048576   unlimited   bytes\n";
-        assert_eq!(of_address_space(limits, "16 3 2 1 0 4 0"), Some((1 << 20) - 16 * 4096));
-        assert_eq!(of_address_space(&limits.replace("1048576", "unlimited"), "16 3"), None);
+        assert_eq!(of_address_space(limits, "VmSize:\t      64 kB\n"), Some((1 << 20) - 64 * 1024));
+        assert_eq!(of_address_space(&limits.replace("1048576", "unlimited"), "VmSize: 64 kB"), None);
     }
 
     #[test]

@@ -139,9 +139,12 @@ pub(super) fn size_of_raster(args: &SceneArgs) -> Option<(GeoRef, u64)> {
         return None;
     }
     let file = RasterFile::open(Path::new(&args.scene), &mut Vec::new()).ok()?;
+    if file.is_empty() {
+        return None;
+    }
     let bytes_per_cell = if args.terrain.is_some() { 9 } else { 5 };
-    let bytes = bytes_per_cell * file.georef().n_cells() as u64 + file.block_bytes();
-    (!file.is_empty()).then(|| (file.georef().clone(), bytes))
+    let cells = (file.georef().n_cells() as u64).saturating_mul(bytes_per_cell);
+    Some((file.georef().clone(), cells.saturating_add(file.block_bytes())))
 }
 
 /// Reads the scene of a file.

@@ -6,7 +6,8 @@ use crate::error::{Error, Result};
 /// are no numbers.
 pub fn as_text(rows: &[Vec<String>]) -> Vec<Vec<String>> {
     let cell = |cell: &String| {
-        let is_run = cell.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']) && cell.parse::<f64>().is_err();
+        let is_run =
+            cell.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']) && !cell.parse::<f64>().is_ok_and(f64::is_finite);
         if is_run { format!("'{cell}") } else { cell.clone() }
     };
     rows.iter().map(|row| row.iter().map(cell).collect()).collect()

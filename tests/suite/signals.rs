@@ -83,7 +83,8 @@ fn an_interrupt_at_any_moment_ends_a_run_and_leaves_whole_files() {
                 assert!(whole.get(name) == Some(bytes), "{line}: {name} is not whole");
             }
         }
-        assert!(slowest < Duration::from_secs(1), "{line}: {slowest:?} after a signal");
+        // Beside other tests a processor may be late.
+        assert!(slowest < Duration::from_secs(if slow() { 1 } else { 3 }), "{line}: {slowest:?} after a signal");
         assert!(n_ended > 0, "{line}: no run was interrupted");
         folder.type_in(&format!("{line} -q --overwrite")).done();
         assert!(contents(&folder, line) == whole, "{line}: {:?} are left", folder.files());

@@ -3,8 +3,8 @@
 //! What is read: TIFF and BigTIFF in both byte orders; strips and tiles, bands interleaved or apart; integers of 8 to 64
 //! bits and floats of 16 to 64 bits; no compression, LZW, deflate, PackBits, Zstandard, LERC (plain, with deflate or
 //! Zstandard) and single-band JPEG; predictors 2 and 3; the first image of a file with overviews; GDAL's nodata value,
-//! scale and offset, internal masks and missing (sparse) blocks. `MinIsWhite` changes no height. What is not: other
-//! compressions and depths, LERC in big-endian files, color JPEG, ground control points and rotation, which are refused
+//! scale and offset, internal masks, bands of opacity (0 is nothing) and missing (sparse) blocks. `MinIsWhite` changes no
+//! height. What is not: other compressions and depths, LERC in big-endian files, color JPEG, ground control points and rotation, which are refused
 //! by name; a `.msk` file beside the raster, which is reported; a `.aux.xml` file, which is not looked at.
 //!
 //! The first image directory is parsed ([`tags`]) and checked against the length of the file ([`header`]) before a decoder

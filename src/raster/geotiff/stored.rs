@@ -64,7 +64,7 @@ impl GeoTiff {
         for_each_span(source, image, &Region { band: *band, ..region.clone() }, |span| match span.samples {
             // GDAL leaves out the blocks of a mask that hide all of their cells.
             None => (0..span.n_cells).for_each(|_| hidden.push(true)),
-            Some(samples) => samples.for_each(image.sample, span.n_cells, |_, value| hidden.push(value < 0.5)),
+            Some(samples) => samples.for_each(image.sample, span.n_cells, |_, value| hidden.push(value <= 0.0)),
         })?;
         Ok(Some(hidden))
     }
