@@ -31,9 +31,9 @@ pub(super) fn measured<T>(least_s: f64, mut work: impl FnMut() -> T) -> (T, Cost
     let counts_memory = reset_peak();
     let (answer, first) = timed(1, &mut work);
     let peak_mb = peak_mb().filter(|_| counts_memory);
-    let cost = |spent: Spent, runs: u32| Cost { cpu_s: spent.cpu, wall_s: spent.wall, peak_mb, runs };
+    let cost = |cpu_s, wall_s, runs| Cost { cpu_s, wall_s, peak_mb, runs };
     if first.wall > FIRST_RUN_S {
-        return (answer, cost(first, 1));
+        return (answer, cost(first.cpu, first.wall, 1));
     }
     let group_s = (least_s / GROUPS as f64).max(SHORTEST_GROUP_S);
     let per_group = (group_s / first.wall.max(1e-9)).ceil().clamp(1.0, MOST_RUNS);
@@ -44,7 +44,7 @@ pub(super) fn measured<T>(least_s: f64, mut work: impl FnMut() -> T) -> (T, Cost
     while groups.len() < n_groups && !interrupt::wants_to_stop() {
         let spent = timed(per_group, &mut work).1;
         // Some kernels divide a process's time between user and system by samples, and a short group may miss them all.
-        if spent.cpu == Some(0.0) && spent.wall * f64::from(per_group) < LONGEST_GROUP_S {
+        if spent.cpu == Some(0.0) && spent.wall * f64::from(spent.runs) < LONGEST_GROUP_S {
             per_group = per_group.saturating_mul(4);
             groups.clear();
             continue;
@@ -52,12 +52,12 @@ pub(super) fn measured<T>(least_s: f64, mut work: impl FnMut() -> T) -> (T, Cost
         groups.push(spent);
     }
     if groups.is_empty() {
-        return (answer, cost(first, 1));
+        return (answer, cost(first.cpu, first.wall, 1));
     }
-    let runs = per_group * u32::try_from(groups.len()).unwrap_or(1);
+    let runs = groups.iter().map(|group| group.runs).sum();
     let cpu = groups.iter().map(|group| group.cpu).collect::<Option<Vec<f64>>>().map(median);
     let wall = median(groups.iter().map(|group| group.wall).collect());
-    (answer, cost(Spent { cpu, wall }, runs))
+    (answer, cost(cpu, wall, runs))
 }
 
 /// Longest time that the floor takes, which is as short as any contestant's \[s\].
@@ -76,23 +76,26 @@ pub(super) fn memory_floor(n_cells: usize, least_s: f64) -> Cost {
     .1
 }
 
-/// Seconds of one run.
+/// Seconds of one run, the mean of some.
 #[derive(Debug, Clone, Copy)]
 struct Spent {
     cpu: Option<f64>,
     wall: f64,
+    runs: u32,
 }
 
-/// Does work `n` times; returns the last answer and the seconds of one run.
-fn timed<T>(n: u32, work: &mut impl FnMut() -> T) -> (T, Spent) {
+/// Does work `most` times, or less often after an interrupt; returns the last answer and what was spent on each run.
+fn timed<T>(most: u32, work: &mut impl FnMut() -> T) -> (T, Spent) {
     let (before, start) = (user_time(), Instant::now());
-    for _ in 1..n {
+    let mut runs = 1;
+    while runs < most && !interrupt::wants_to_stop() {
         black_box(work());
+        runs += 1;
     }
     let answer = work();
-    let wall = start.elapsed().as_secs_f64() / f64::from(n);
-    let cpu = before.zip(user_time()).map(|(before, after)| (after - before).as_secs_f64() / f64::from(n));
-    (answer, Spent { cpu, wall })
+    let wall = start.elapsed().as_secs_f64() / f64::from(runs);
+    let cpu = before.zip(user_time()).map(|(before, after)| (after - before).as_secs_f64() / f64::from(runs));
+    (answer, Spent { cpu, wall, runs })
 }
 
 /// The middle one of some numbers, of which there is at least one.
