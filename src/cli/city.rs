@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::args::CityArgs;
 use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use super::plan::{input_paths, read_scene};
+use super::plan::{input_paths, limits_in_words, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::error::{Error, Result, Warning};
@@ -52,7 +52,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
         Solids::Raster { .. } => None,
     };
-    let Scene { name, grid, solids, built_up, sources, attribution, .. } = scene;
+    let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
     check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {
@@ -66,7 +66,8 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         warnings,
         unit: None,
     };
-    let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref(), attribution };
+    let limits = limits_in_words(height_gap.as_ref(), &field, &facts.warnings);
+    let city = City { args, facts: &facts, field: &field, footprints: footprints.as_ref(), attribution, limits };
 
     interrupt::begin_writing();
     let mut batch = Batch::new(args.out.overwrite);
@@ -104,6 +105,8 @@ struct City<'a> {
     footprints: Option<&'a (Vec<Footprint>, Frame)>,
     /// Whom the picture must credit, where the data say so.
     attribution: Option<String>,
+    /// What limits the truth of the picture.
+    limits: Option<String>,
 }
 
 impl City<'_> {
@@ -253,6 +256,7 @@ impl City<'_> {
         };
         let place = format!("{}; skyshed {}", self.place_line(), env!("CARGO_PKG_VERSION"));
         let mut caption = vec![self.size_line(), place];
+        caption.extend(self.limits.clone());
         caption.extend(self.args.words.credit(self.attribution.as_ref()));
         let title = self.args.words.title_or(|| title_of(&self.facts.scene_name));
         let picture =

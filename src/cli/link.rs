@@ -2,7 +2,9 @@
 
 use super::args::LinkArgs;
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{Ready, checked_radius, input_paths, parse_receiver, parse_uav, ready, receiver_height};
+use super::plan::{
+    Ready, checked_radius, input_paths, parse_receiver, parse_uav, ready, receiver_height, warn_of_drop,
+};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
 use crate::coverage::Uav;
@@ -44,6 +46,8 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
     let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
     let uav = place_uav(&site, &scene.field, scene.field.grid(), Some(reach))?;
     let receiver = receiver(&scene, x, y, height)?;
+    let distance = (receiver.place.x - site.x).hypot(receiver.place.y - site.y);
+    warn_of_drop(distance * scene.field.grid().meters_per_unit(), &mut scene.warnings);
     let report = explain(&scene, &uav, &receiver, command);
     if let Some(radius) = radius_m.filter(|r| report.distance_m > *r) {
         return Err(Error::site(

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::args::{Base, Command, HeightUnitArg, Missing, Nodata, SceneArgs};
 use super::info::results_in;
-use super::memory::{FIELD_BYTES_PER_CELL, check_city, check_memory, check_reading};
+use super::memory::{ANY_WORK, FIELD_BYTES_PER_CELL, cells_of, check_bytes, check_memory};
 use super::repairs::keep;
 use super::words::title_of;
 use crate::coverage::Uav;
@@ -72,12 +72,12 @@ pub(super) fn read_scene(args: &SceneArgs, warnings: &mut Vec<Warning>) -> Resul
         refuse_flags(args, "a generated city", &OF_FOOTPRINTS)?;
         refuse_flags(args, "a generated city", &of_files)?;
         if let Some(bytes) = city.memory() {
-            check_city(&args.scene, bytes)?;
+            check_bytes(&args.scene, "its buildings and cells", bytes)?;
         }
         return city.scene();
     }
     if let Some((grid, bytes)) = size_of_raster(args) {
-        check_reading(&args.scene, &grid, bytes)?;
+        check_bytes(&args.scene, &cells_of(&grid), bytes.saturating_add(ANY_WORK))?;
     }
     let scene = read_file(args, warnings)?;
     warn_of_raster(args, warnings)?;
@@ -131,8 +131,7 @@ pub(super) fn is_raster_scene(args: &SceneArgs) -> bool {
 /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is wrong
 /// with the file is told where it is read.
 ///
-/// Of each cell these are its height, that of the ground below where both are given, and which zone it may be of; and, while
-/// it is read, an unpacked strip or tile.
+/// These are 5 for each cell, its height and what zone it may be of; what a terrain takes; and an unpacked strip or tile.
 pub(super) fn size_of_raster(args: &SceneArgs) -> Option<(GeoRef, u64)> {
     // What is brought into another system is put together in memory.
     if !is_raster_scene(args) || args.project.is_some() {
@@ -142,9 +141,16 @@ pub(super) fn size_of_raster(args: &SceneArgs) -> Option<(GeoRef, u64)> {
     if file.is_empty() {
         return None;
     }
-    let bytes_per_cell = if args.terrain.is_some() { 9 } else { 5 };
-    let cells = (file.georef().n_cells() as u64).saturating_mul(bytes_per_cell);
-    Some((file.georef().clone(), cells.saturating_add(file.block_bytes())))
+    let (grid, n_cells) = (file.georef(), file.georef().n_cells() as u64);
+    // All of a terrain is read, and if it is on another grid brought to that of the surface.
+    let below = args.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
+    let of_terrain = below.map_or(0, |below| {
+        let n_below = below.georef().n_cells() as u64;
+        let n_brought = if n_below == n_cells { 0 } else { n_cells };
+        n_below.saturating_add(n_brought).saturating_mul(4).saturating_add(below.block_bytes())
+    });
+    let bytes = n_cells.saturating_mul(5).saturating_add(of_terrain).saturating_add(file.block_bytes());
+    Some((grid.clone(), bytes))
 }
 
 /// Reads the scene of a file.
@@ -426,6 +432,17 @@ pub(super) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64
         })
         .fold(0.0, f64::max)
         .min(radius.map_or(f64::INFINITY, |r| r * unit));
+    warn_of_drop(farthest, warnings);
+}
+
+/// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters.
+pub(super) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, warnings: &mut Vec<Warning>) {
+    let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * grid.meters_per_unit();
+    warn_of_drop(across.min(most_m), warnings);
+}
+
+/// Warns likewise of receivers up to so far away \[m\].
+pub(super) fn warn_of_drop(farthest: f64, warnings: &mut Vec<Warning>) {
     let drop = farthest * farthest / (2.0 * EARTH_RADIUS_M);
     if drop > 1.0 {
         warnings.push(Warning::new(

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
 use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use super::plan::{Ready, checked_radius, ready, receiver_height};
+use super::plan::{Ready, checked_radius, ready, receiver_height, warn_of_drop_across};
 use super::receivers::{Asked, check_receivers};
 use super::sample_plot::plot;
 use super::words::pretty;
@@ -103,13 +103,14 @@ impl SampleJob<'_> {
         let rx_height = receiver_height(self.rx_height_m)?;
         // A generated city is made as large as whole discs around its places take.
         let around = SceneArgs { margin_m: radius_m.unwrap_or(0.0), ..self.scene.clone() };
-        let first = ready(&around)?;
+        let mut first = ready(&around)?;
         if first.built_up.is_none() && (self.sample.cities > 1 || self.sample.centers) {
             let flag = if self.sample.centers { "--centers" } else { "--cities" };
             let text = format!("`{flag}` has no meaning for a city in a file: it is one, and its streets form no grid");
             return Err(Error::usage(116, text).with_hint("generate cities: itu:urban, itu:α,β,γ"));
         }
         check_receivers(self.receivers, &first.field)?;
+        warn_of_drop_across(first.field.grid(), radius_m.unwrap_or(f64::INFINITY), &mut first.warnings);
         let grid = first.field.grid();
         let unit = grid.meters_per_unit();
         let size_m = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::args::LinkArgs;
 use super::link::check_extent;
 use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{input_paths, parse_uav, ready, receiver_height};
+use super::plan::{input_paths, parse_uav, ready, receiver_height, warn_of_drop};
 use super::tables::bad_rows;
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
@@ -53,6 +53,8 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
         reach = reach.max((place[0] - site.x).abs()).max((place[1] - site.y).abs());
     }
     let uav = place_uav(&site, &scene.field, scene.field.grid(), Some(reach))?;
+    let farthest = places.iter().map(|[x, y]| (x - site.x).hypot(y - site.y)).fold(0.0, f64::max);
+    warn_of_drop(farthest * unit, &mut scene.warnings);
     let track = along_track(&scene.field, &uav, &places, rx_height, args.every / unit);
     let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
     if n_outside > 0 {

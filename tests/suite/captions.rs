@@ -94,10 +94,41 @@ fn captions_of_maps_and_searches_say_what_limits_them_and_nothing_else() {
             format!("chart {scene} --uav {first} --time 0 -o"),
         ] {
             let said = words(&picture_of(&folder, &line));
-            for any in [NO_DATA, SURFACE_ALONE, FLAT_EARTH] {
-                assert_eq!(said.contains(any), limit == Some(any), "{line}: {any}: {said}");
-            }
+            says_only(&said, limit, &line);
         }
+    }
+}
+
+/// Among the limits that a caption may tell, it tells this one and no other.
+fn says_only(said: &str, limit: Option<&str>, line: &str) {
+    for any in [NO_DATA, SURFACE_ALONE, FLAT_EARTH] {
+        assert_eq!(said.contains(any), limit == Some(any), "{line}: {any}: {said}");
+    }
+}
+
+#[test]
+fn captions_of_links_tracks_and_means_say_where_the_earth_is_no_longer_flat() {
+    let folder = Folder::new();
+    folder.write("wide.asc", &surface(4, 3000));
+    folder.write("walk.csv", "x,y\n2000,2000\n11000,11000\n");
+    folder.write("stroll.csv", "x,y\n2000,2000\n4000,2000\n");
+    let link = "link wide.asc --ground 0 --uav 1500,1500,100";
+    let place = "place wide.asc --ground 0 --height 60 --sample rooftop:9";
+    let plos = "plos wide.asc --ground 0 --height 40 --positions 3 --method maps";
+    // The earth drops by a meter in 3.57 km.
+    for (line, limit) in [
+        (format!("{link} --rx 5100,1500 -o"), Some(FLAT_EARTH)),
+        (format!("{link} --rx 5000,1500 -o"), None),
+        (format!("{link} --track walk.csv -o"), Some(FLAT_EARTH)),
+        (format!("{link} --track stroll.csv -o"), None),
+        (format!("{place} -o"), Some(FLAT_EARTH)),
+        (format!("{place} --radius 3500 -o"), None),
+        (format!("{plos} --radius 3600:4000:400 -o"), Some(FLAT_EARTH)),
+        (format!("{plos} --radius 3000:3500:500 -o"), None),
+        (format!("{plos} --theta 0.5:0.6:0.1 -o"), Some(FLAT_EARTH)),
+        (format!("{plos} --theta 5:6:1 -o"), None),
+    ] {
+        says_only(&words(&picture_of(&folder, &line)), limit, &line);
     }
 }
 
@@ -115,10 +146,10 @@ fn captions_without_a_uav_of_ones_own_say_where_data_are_missing() {
         (format!("plos town.geojson {plos}"), Some(NO_DATA)),
         (format!("plos surface.asc {plos}"), Some(SURFACE_ALONE)),
         (format!("plos surface.asc --ground 0 {plos}"), None),
+        ("city town.geojson -o".to_string(), Some(NO_DATA)),
+        ("city surface.asc -o".to_string(), Some(SURFACE_ALONE)),
+        ("city surface.asc --ground 0 -o".to_string(), None),
     ] {
-        let said = words(&picture_of(&folder, &line));
-        for any in [NO_DATA, SURFACE_ALONE] {
-            assert_eq!(said.contains(any), limit == Some(any), "{line}: {any}: {said}");
-        }
+        says_only(&words(&picture_of(&folder, &line)), limit, &line);
     }
 }

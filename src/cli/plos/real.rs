@@ -7,7 +7,7 @@ use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
 use crate::cli::args::SceneArgs;
 use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::cli::plan::{limits_in_words, read_scene, receiver_height};
+use crate::cli::plan::{limits_in_words, read_scene, receiver_height, warn_of_drop_across};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice};
@@ -92,7 +92,10 @@ impl Real {
         let unit = grid.meters_per_unit();
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, field.heights_in_data(&heights), area_km2);
-        let limits = limits_in_words(scene.height_gap.as_ref(), &field, warnings);
+        let mut own = Vec::new();
+        warn_of_drop_across(&grid, sweeps.farthest_m(), &mut own);
+        let limits = limits_in_words(scene.height_gap.as_ref(), &field, &own);
+        warnings.extend(own);
         Ok(Real {
             word: args.scene.to_string(),
             limits,

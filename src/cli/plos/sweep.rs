@@ -58,6 +58,16 @@ impl Quantity {
 }
 
 impl Sweeps {
+    /// How far away users are at most \[m\]: as asked for, or where the highest UAV is seen at the lowest angle.
+    pub(super) fn farthest_m(&self) -> f64 {
+        let highest = self.heights.iter().copied().fold(0.0, f64::max);
+        let distance = |far: &Far| match far {
+            Far::Theta(theta) => highest / theta.to_radians().tan(),
+            Far::Distance(m) | Far::Radius(m) => *m,
+        };
+        self.far.iter().map(distance).fold(0.0, f64::max)
+    }
+
     /// Whether streets and crossroads must be told apart.
     pub(super) fn need_zones(&self) -> bool {
         let is_zone = |placement: &Placement| matches!(placement, Placement::Street | Placement::Crossroad);
