@@ -304,9 +304,8 @@ pub(super) struct EngineArgs {
     /// shadow (footprints, rasters of flat blocks) are exact; step:K (a sample every K cells), xdraw and r2 (rasters) are approximate
     #[arg(long, value_name = "METHOD", default_value = "auto")]
     pub(super) method: MethodChoice,
-    /// Most memory that the run may take, such as 800M or 4G; default: what the machine, the container and
-    /// the limit of address space have left. `map` sweeps a raster that
-    /// takes more strip by strip; what cannot do with it is refused, or ended
+    /// Most memory that the run may take, such as 800M or 4G; default: what the machine, the container and the limit of
+    /// address space have left. `map` sweeps a raster that takes more strip by strip; what cannot do with it is refused, or ended
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true)]
     pub(super) max_memory: Option<u64>,
 }

@@ -77,6 +77,9 @@ pub(super) enum GivenScene<'a> {
 }
 
 pub(super) fn run(args: &MapArgs, command: Vec<String>) -> Result<()> {
+    if args.strips && (!is_raster_scene(&args.scene) || args.scene.project.is_some()) {
+        return Err(Error::usage(116, "`--strips` has no meaning but for a raster in its own system"));
+    }
     match SiteRuns::of(args)? {
         Some(runs) => runs.run(command),
         None => run_one(args, command, Given::default()),
@@ -97,9 +100,6 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
     let prints_table = outputs.is_empty() && !args.out.json && !curve_plan.is_wanted();
     if args.bare && !outputs.iter().any(|(_, format)| *format == Format::Png) {
         return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
-    }
-    if args.strips && (!is_raster_scene(&args.scene) || args.scene.project.is_some()) {
-        return Err(Error::usage(116, "`--strips` has no meaning but for a raster in its own system"));
     }
     let names_layout = args.scene.typed.iter().any(|typed| typed == "tif_layout");
     if names_layout && !outputs.iter().any(|(_, format)| *format == Format::GeoTiff) {
@@ -196,8 +196,7 @@ pub(super) fn run_one(args: &MapArgs, command: Vec<String>, given: Given<'_>) ->
         .saturating_add(curve_plan.bytes_per_cell())
         .saturating_add(encoding_bytes_per_cell(&outputs, &layers, uavs.len()))
         .saturating_add(if is_shifted { 2 * FIELD_BYTES_PER_CELL } else { 0 });
-    let needs = bytes_per_cell;
-    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
+    check_memory(&args.scene.scene, scene.field.grid(), bytes_per_cell)?;
     let mut mapper = Mapper::new(&scene.field, &options)?;
     let idle = mapper.drop_idle(&uavs);
     if !args.out.quiet {
@@ -369,7 +368,7 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[(PathBuf, Format)], overwrit
 }
 
 /// What the largest of the outputs takes for each cell while it is made, of maps of `n_sites` UAVs.
-fn encoding_bytes_per_cell(outputs: &[(PathBuf, Format)], layers: &[Layer], n_sites: usize) -> usize {
+pub(super) fn encoding_bytes_per_cell(outputs: &[(PathBuf, Format)], layers: &[Layer], n_sites: usize) -> usize {
     /// Of a picture: heights, relief, colors.
     const PICTURE: usize = 9;
     /// Of the layers that hold all UAVs together.

@@ -288,8 +288,7 @@ impl<'a> SiteRuns<'a> {
         let radius = self.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
         let window = grid.window_within(around);
-        let needs = FIELD_BYTES_PER_CELL;
-        check_memory(&args.scene.scene, &grid.part(window), needs)?;
+        check_memory(&args.scene.scene, &grid.part(window), FIELD_BYTES_PER_CELL)?;
         let mut warnings = Vec::new();
         let scene = match stored {
             None => {

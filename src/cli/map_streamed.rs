@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
+use super::map::encoding_bytes_per_cell;
 use super::map_drawing::MapDrawing;
-use super::memory::{ANY_WORK, lacking, left, memory_words};
+use super::memory::{ANY_WORK, cells_of, check_bytes, lacking, left, memory_words};
 use super::messages::WarningsOfRuns;
 use super::outside::warn_of_uavs_outside;
 use super::plan::{Ready, raster_options, size_of_raster, warn_of_flat_earth, warn_of_raster};
@@ -30,8 +31,19 @@ pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
     if args.strips {
         return Some("strips are asked for".into());
     }
-    let mask = grid.n_cells() as u64;
-    let (needed, limit) = lacking(bytes.saturating_add(mask).saturating_add(ANY_WORK))?;
+    let with = |per_cell: u64| {
+        let of_cells = (grid.n_cells() as u64).saturating_mul(per_cell);
+        lacking(bytes.saturating_add(of_cells).saturating_add(ANY_WORK))
+    };
+    // The mask; and what is made of it, where strips would do.
+    let of_outputs = || {
+        let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
+        let outputs: Vec<_> = args.output.iter().filter_map(format).collect();
+        let is_alone = args.uav.len() == 1 && args.uavs.is_none();
+        let per_cell = 1 + encoding_bytes_per_cell(&outputs, &[Layer::Los], 1) as u64;
+        with(per_cell).filter(|_| is_alone && check_streamed(args).is_ok())
+    };
+    let (needed, limit) = with(1).or_else(of_outputs)?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
@@ -114,17 +126,9 @@ pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
     if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
         return refuse(format!("`{flag}` is not at hand"));
     }
-    let needed = strip_memory(args)?;
-    let Some((needed, limit)) = lacking(needed) else { return Ok(()) };
-    let grid = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?.georef().clone();
-    let text = format!(
-        "cannot map {}: {}×{} cells need {} of memory even strip by strip, more than {limit}",
-        args.scene.scene,
-        grid.n_cols(),
-        grid.n_rows(),
-        memory_words(needed)
-    );
-    Err(Error::limit(501, text).with_hint("allow more, or cut out a part"))
+    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
+    let what = format!("{}, even strip by strip,", cells_of(file.georef()));
+    check_bytes(&args.scene.scene, &what, strip_memory(args)?)
 }
 
 /// Bytes that strips take, beside the receivers that wait.

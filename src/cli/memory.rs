@@ -85,47 +85,33 @@ pub(super) fn left() -> u64 {
     LIMIT.load(Ordering::Acquire).saturating_sub(resident().unwrap_or(0))
 }
 
-/// Refuses to read a raster that does not fit in memory.
-///
-/// # Errors
-/// E501 if its `bytes` are too much.
-pub(super) fn check_reading(name: &impl fmt::Display, grid: &GeoRef, bytes: u64) -> Result<()> {
-    check(name, grid, bytes.saturating_add(ANY_WORK))
-}
-
 /// Refuses work on a grid that does not fit in memory, before anything of its size is made.
 ///
 /// # Errors
 /// E501 if `more` bytes per cell are too much.
 pub(super) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize) -> Result<()> {
-    check(name, grid, (grid.n_cells() as u64).saturating_mul(more as u64))
+    check_bytes(name, &cells_of(grid), (grid.n_cells() as u64).saturating_mul(more as u64))
 }
 
-fn check(name: &impl fmt::Display, grid: &GeoRef, more: u64) -> Result<()> {
+/// The cells of a grid in words, for [`check_bytes`].
+pub(super) fn cells_of(grid: &GeoRef) -> String {
+    format!("{}×{} cells", grid.n_cols(), grid.n_rows())
+}
+
+/// Refuses what takes more than there is: `what` of `name` would need `more` bytes beside those that are held.
+///
+/// # Errors
+/// E501 if it is too much.
+pub(super) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
     let is_refused = probe.try_reserve_exact(usize::try_from(more).unwrap_or(usize::MAX)).is_err();
     // What is looked at cannot be optimized away.
     std::hint::black_box(&mut probe);
-    let Some(lack) = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into()))) else { return Ok(()) };
-    Err(refusal(name, &format!("{}×{} cells", grid.n_cols(), grid.n_rows()), lack))
-}
-
-/// Refuses a generated city that takes more than there is \[bytes\].
-///
-/// # Errors
-/// E501 if it is too much.
-pub(super) fn check_city(name: &impl fmt::Display, bytes: f64) -> Result<()> {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate; saturating")]
-    match lacking(bytes as u64) {
-        Some(lack) => Err(refusal(name, "its buildings and cells", lack)),
-        None => Ok(()),
-    }
-}
-
-fn refusal(name: &impl fmt::Display, what: &str, (needed, limit): (u64, String)) -> Error {
+    let lack = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into())));
+    let Some((needed, limit)) = lack else { return Ok(()) };
     let needed = memory_words(needed);
     let text = format!("cannot map {name}: {what} need {needed} of memory, more than {limit}");
-    Error::limit(501, text).with_hint(REMEDY)
+    Err(Error::limit(501, text).with_hint(REMEDY))
 }
 
 /// A number of bytes for reading.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::HeightField;
 use crate::quantity::VOID;
+use crate::raster::BitGrid;
 
 impl HeightField {
     /// The roof of every cell whose center is in the interior of B and above the ground.
@@ -15,28 +16,22 @@ impl HeightField {
         let positions = self.positions();
         let centers = Centers { xs: positions.prisms_xs().collect(), ys: positions.prisms_ys().collect() };
         let n_cols = self.grid.n_cols();
-        let mut on_an_edge: Vec<usize> = Vec::new();
+        let mut on_an_edge = BitGrid::new(self.grid.n_rows(), n_cols);
         for piece in prisms.pieces() {
             centers.visit(prisms.ring(piece), |row, cols, is_edge| {
                 if is_edge {
-                    on_an_edge.extend(cols.map(|col| row * n_cols + col));
+                    cols.for_each(|col| on_an_edge.insert(row, col));
                 } else {
                     roofs[row * n_cols..][cols].iter_mut().for_each(|roof| *roof = (*roof).max(piece.top));
                 }
             });
         }
-        // On an edge the half-open rule above tells the roof, but only a shared edge is inside the solid.
-        on_an_edge.sort_unstable();
-        on_an_edge.dedup();
-        let mut on_an_edge = on_an_edge.into_iter().peekable();
         // A roof that is not above the ground hides nothing and is no place to stand on.
-        for (index, roof) in roofs.iter_mut().enumerate() {
-            let is_on_edge = on_an_edge.next_if_eq(&index).is_some();
-            if *roof == VOID {
-                continue;
-            }
-            let center = positions.center(index / n_cols, index % n_cols);
-            let inside = if is_on_edge { self.inside_prisms_below(&center) } else { *roof };
+        for (index, roof) in roofs.iter_mut().enumerate().filter(|(_, roof)| **roof != VOID) {
+            let (row, col) = (index / n_cols, index % n_cols);
+            let center = positions.center(row, col);
+            // On an edge the half-open rule above tells the roof, but only a shared edge is inside the solid.
+            let inside = if on_an_edge.contains(row, col) { self.inside_prisms_below(&center) } else { *roof };
             if inside == VOID || inside <= self.ground_at(&center) {
                 *roof = VOID;
             }

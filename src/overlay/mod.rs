@@ -1,7 +1,7 @@
 //! Regions of the lattice: repaired, joined and cut, in integers (i_overlay).
 //!
 //! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So [`tangle`] counts both
-//! beforehand, and [`union`] joins what lies on one another by halves. Where edges cross off the lattice, the crossing is
+//! before a polygon is repaired, and [`union`] joins by halves what lies on one another. Where edges cross off the lattice, the crossing is
 //! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
 
 mod crossings;
@@ -39,7 +39,8 @@ pub fn intersection(rings: &[Ring], with: &[Ring]) -> Vec<Polygon> {
 
 /// The region that any of the polygons covers. Shells are wound alike, and holes the other way.
 ///
-/// Cost: n log n for n edges, and the crossings of their outlines; of polygons that lie on one another only few of those.
+/// Cost: n log n for n edges, the crossings of their outlines, of which those that lie on one another have few, and the pairs of
+/// edges whose boxes meet: many only of long edges side by side that run along no axis.
 pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
     // Outlines on one another cross far more often than the outline of their union has edges.
     let is_tangled = polygons.len() > 1 && crossings::are_many(polygons.iter().flatten());

@@ -204,11 +204,12 @@ impl BuiltUpCity {
 
     /// About how much memory the scene takes \[bytes\]: its buildings, and 8 for each cell of a map. `None` if it is refused
     /// for its size, its buildings or its cells anyway.
-    pub fn memory(&self) -> Option<f64> {
+    pub fn memory(&self) -> Option<u64> {
         let size_m = self.size_m + 2.0 * self.margin_m;
         let (n_buildings, n_cells) = ((size_m / self.built_up.period()).powi(2), size_m / self.cell_m);
         let is_possible = size_m.max(n_cells) <= MAX_EXTENT_UNITS && n_buildings <= MOST_BUILDINGS;
-        is_possible.then(|| BYTES_PER_BUILDING * n_buildings + 8.0 * n_cells.powi(2))
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate; saturating")]
+        is_possible.then(|| (BYTES_PER_BUILDING * n_buildings + 8.0 * n_cells.powi(2)) as u64)
     }
 
     /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the

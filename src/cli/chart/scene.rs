@@ -51,8 +51,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     let place = |site: &GivenSite| place_uav(site, &scene.field, scene.field.grid(), radius);
     let uavs: Vec<Uav> = found.sites.iter().map(place).collect::<Result<_>>()?;
     check_receivers(args.receivers, &scene.field)?;
-    let needs = BYTES_PER_CELL + uavs.len().div_ceil(2);
-    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
+    check_memory(&args.scene.scene, scene.field.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
 
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };

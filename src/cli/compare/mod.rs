@@ -86,8 +86,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::limit(502, text).with_hint("choose larger blocks: `--block M`"));
     }
     let n_bands = if outputs.iter().any(|(_, f)| *f == Format::GeoTiff) { pairs_of(uavs.len()).len() + 1 } else { 0 };
-    let needs = uavs.len() + args.mask.len() + n_bands + BYTES_PER_CELL;
-    check_memory(&args.scene.scene, &grid, needs)?;
+    check_memory(&args.scene.scene, &grid, uavs.len() + args.mask.len() + n_bands + BYTES_PER_CELL)?;
     warn_of_flat_earth(&uavs, &grid, radius, &mut scene.warnings);
     let zones = scene.zones();
 

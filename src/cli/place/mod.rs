@@ -93,8 +93,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
     };
     let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
     let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
-    let needs = per_cell;
-    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
+    check_memory(&args.scene.scene, scene.field.grid(), per_cell)?;
     let mapper = Mapper::new(&scene.field, &options)?;
     if !args.out.quiet {
         let grid = scene.field.grid();

@@ -48,8 +48,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
     let layers = HeightLayers { stability: true, ..HeightLayers::default() };
     let options = MapOptions { layers, ..asked.options(scene.field.grid(), zones.as_ref()) };
-    let needs = BYTES_PER_CELL;
-    check_memory(&args.scene.scene, scene.field.grid(), needs)?;
+    check_memory(&args.scene.scene, scene.field.grid(), BYTES_PER_CELL)?;
 
     let before_los = Instant::now();
     let mapper = Mapper::new(&scene.field, &options)?;
