@@ -23,8 +23,8 @@ enum Phase {
     Writing,
 }
 
-/// How long a file that is being written may take to its end.
-const GRACE: Duration = Duration::from_millis(600);
+/// How long a file that is being written, or a piece of work, may take to its end.
+const GRACE: Duration = Duration::from_millis(400);
 
 /// What is being done.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Working);
