@@ -83,6 +83,7 @@ mod layering; // data flows one way
 mod program; // runs the program from outside
 mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
+mod recorder; // digests of all masks, for two builds side by side
 mod referee; // one link by an engine and by the oracle
 mod shapes; // small scenes with many ties
 mod support; // random numbers and scenes for the suites above

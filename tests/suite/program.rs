@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::recorder::record;
 use crate::support::slow;
 
 /// Address space that every run may take [KiB]: what cannot be mapped cannot be used, so no run peaks above 1 GB.
@@ -164,6 +165,7 @@ pub(crate) fn run_in(folder: &Path, words: &[&str]) -> Answer {
     let answer = wait(child);
     let seconds = start.elapsed().as_secs_f64();
     assert!(seconds < most_seconds(), "{words:?} took {seconds} s: {answer:?}");
+    record(folder, words, &answer.out);
     answer
 }
 
