@@ -31,7 +31,8 @@ use skyshed::height_field::{HeightField, Station};
 use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, SimdLevel, link_los, simd_levels};
 use skyshed::quantity::VOID;
 use skyshed::raster::{CellWindow, GeoRef, Raster};
-use skyshed::scene::{Ground, NodataAs, Solids, SurfaceOptions, read_surface};
+use skyshed::read::{SurfaceOptions, read_surface};
+use skyshed::scene::{Ground, NodataAs, Solids};
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};
 use self::quiet::{Run, calibrate, is_enough, median, median_of_all, n_quiet, timed};

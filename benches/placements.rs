@@ -19,7 +19,8 @@ use skyshed::height_field::HeightField;
 use skyshed::los::MethodChoice;
 use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores_over_grid};
 use skyshed::quantity::Height;
-use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, Site, read_footprints};
+use skyshed::read::{FootprintOptions, read_footprints};
+use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
 
 fn main() {
     divan::main();

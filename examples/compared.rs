@@ -10,8 +10,9 @@ use skyshed::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav,
 use skyshed::height_field::HeightField;
 use skyshed::quantity::Height;
 use skyshed::raster::CellBlocks;
+use skyshed::read::{FootprintOptions, read_footprints};
 use skyshed::render::{CompareMap, ComparePair, CompareSheet, Mark, PictureForm, draw_compare_sheet};
-use skyshed::scene::{FootprintOptions, Site, read_footprints};
+use skyshed::scene::Site;
 use skyshed::zones::{N_CODES, ZoneMap};
 
 /// Name, x, y, height above ground \[m\].

@@ -9,8 +9,9 @@ use std::path::Path;
 use skyshed::coverage::{Control, MapOptions, Uav, map_site};
 use skyshed::height_field::HeightField;
 use skyshed::quantity::Height;
+use skyshed::read::{FootprintOptions, read_footprints};
 use skyshed::render::{Layer, MapPicture, Mark, PictureForm, draw_map};
-use skyshed::scene::{FootprintOptions, Site, read_footprints};
+use skyshed::scene::Site;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");

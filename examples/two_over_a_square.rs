@@ -12,7 +12,7 @@ use skyshed::height_field::HeightField;
 use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, SeenSets, cover};
 use skyshed::quantity::Height;
 use skyshed::raster::{BitGrid, GeoRef};
-use skyshed::scene::{FootprintOptions, read_footprints};
+use skyshed::read::{FootprintOptions, read_footprints};
 
 /// The middle of the square, and its sides \[m\].
 const MIDDLE: (f64, f64) = (691_549.7, 5_334_762.2);

@@ -34,41 +34,17 @@
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 
-pub mod quantity;
-
-pub mod error;
-
-mod digest;
-
-pub mod overlay;
-
-pub mod raster;
-
-pub mod scene;
-
-pub mod height_field;
-
-pub mod los;
-
-pub mod zones;
-
-pub mod coverage;
-
-pub mod los_probability;
-
-pub mod placement;
-
-pub mod accuracy;
-
-pub mod render;
-
-pub mod export;
-
 pub mod report;
 
 pub mod cli;
 
-pub use error::{Error, ErrorClass, Result, Warning};
+pub use skyshed_core::{Error, ErrorClass, Result, Warning};
+pub use skyshed_core::{coverage, error, height_field, los, outlines, overlay, quantity, raster, scene, zones};
+pub use skyshed_io::{crs, export, formats, read};
+pub use skyshed_render as render;
+pub use skyshed_study::{accuracy, los_probability, placement};
+
+use skyshed_io::digest;
 
 /// The README's code is tested like any other.
 #[cfg(doctest)]

@@ -3,12 +3,14 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use skyshed::raster::{Crs, transform};
+use skyshed::crs;
+use skyshed::crs::transform;
+use skyshed::raster::Crs;
 use skyshed_fuzz::{answered, grid};
 
 fuzz_target!(|text: &str| {
-    let Some(crs) = answered(Crs::parse(text)) else { return };
-    if let Some(wkt) = crs.wkt() {
+    let Some(crs) = answered(crs::parse(text)) else { return };
+    if let Some(wkt) = skyshed::crs::wkt_of(&crs) {
         assert!(!wkt.is_empty());
     }
     let grid = grid();

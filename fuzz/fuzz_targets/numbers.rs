@@ -8,7 +8,8 @@ use libfuzzer_sys::fuzz_target;
 use serde_json::json;
 use skyshed::los::MethodChoice;
 use skyshed::quantity::{Height, parse_number};
-use skyshed::scene::{BuiltUpCity, Projection};
+use skyshed::read::Projection;
+use skyshed::scene::BuiltUpCity;
 use skyshed_fuzz::{answered, footprints};
 
 fuzz_target!(|text: &str| {

@@ -4,9 +4,11 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use skyshed::crs;
 use skyshed::height_field::HeightField;
 use skyshed::raster::GeoRef;
-use skyshed::scene::{FootprintOptions, MeshOptions, Scene, SurfaceOptions, read_footprints, read_mesh, read_surface};
+use skyshed::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
+use skyshed::scene::Scene;
 use skyshed::{ErrorClass, Result};
 
 /// A folder of this process on a memory disk, if the machine has one.
@@ -65,6 +67,6 @@ fn build(scene: Option<Scene>) {
 
 /// A grid for files that name places in a scene, in UTM so that degrees are brought into it.
 pub fn grid() -> GeoRef {
-    let crs = skyshed::raster::Crs::from_epsg(25832).expect("a registered system");
+    let crs = skyshed::raster::crs::from_epsg(25832).expect("a registered system");
     GeoRef::new((691_000.0, 5_335_000.0), (1.0, 1.0), (64, 64), Some(crs)).expect("a valid grid")
 }

@@ -7,14 +7,16 @@ use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use super::plan::{input_paths, limits_in_words, read_scene};
 use super::words::{pretty, title_of};
 use super::{interrupt, messages};
+use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
     Batch, CityMesh, Format, MitsubaScene, OutputRules, add_mitsuba, check_outputs, city_mesh, encode_table, ns3_boxes,
     with_suffix,
 };
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
 use crate::quantity::{Frame, VOID, meters, tidy};
-use crate::raster::{Bands, Crs, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
+use crate::raster::Crs;
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, PictureForm, grouped};
 use crate::report::{RunFacts, city_geojson};
 use crate::scene::{Footprint, Scene, Solids};
@@ -174,7 +176,7 @@ impl City<'_> {
                 write_ascii_grid(&mut bytes, self.field.grid(), f64::from(NODATA), &mut values, None)
                     .map_err(|e| Error::internal(402, format!("cannot encode {}: {e}", path.display())))?;
                 let mut files = vec![(path.to_path_buf(), bytes)];
-                if let Some(wkt) = self.field.grid().crs().and_then(Crs::wkt) {
+                if let Some(wkt) = self.field.grid().crs().and_then(wkt_of) {
                     files.push((path.with_extension("prj"), wkt.into_bytes()));
                 }
                 files.push((with_suffix(path, ".json"), pretty(&provenance).into_bytes()));

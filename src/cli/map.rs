@@ -27,9 +27,10 @@ use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, 
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
+use crate::read::StreamedSurface;
 use crate::render::Mark;
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing, zone_tallies};
-use crate::scene::{GivenSite, StreamedSurface};
+use crate::scene::GivenSite;
 
 /// Formats of `skyshed map`.
 const FORMATS: [Format; 14] = [

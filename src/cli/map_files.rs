@@ -13,13 +13,15 @@ use super::words::{picture_provenance, pretty};
 use crate::coverage::{
     Control, CoveragePolygon, Overlay, PolygonOptions, SiteCoverage, Tally, class, coverage_polygons,
 };
+use crate::crs::wkt_of;
 use crate::error::{Error, Result};
 use crate::export::{
     Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
     encode_kmz,
 };
+use crate::formats::{LonLatGrid, TiffLayout, world_file};
 use crate::quantity::tidy;
-use crate::raster::{Crs, GeoRef, LonLatGrid, TiffLayout, world_file};
+use crate::raster::GeoRef;
 use crate::render;
 use crate::report::{KmlOverlay, MapReport, Timing, digest, kml};
 
@@ -103,7 +105,7 @@ impl Writer<'_> {
         let document = |report: &MapReport| report.document(None).to_string();
         let beside = |path: &Path, document: &str| {
             let mut files = vec![(path.with_extension("pgw"), world_file(grid).into_bytes())];
-            files.extend(grid.crs().and_then(Crs::wkt).map(|wkt| (path.with_extension("prj"), wkt.into_bytes())));
+            files.extend(grid.crs().and_then(wkt_of).map(|wkt| (path.with_extension("prj"), wkt.into_bytes())));
             files.push((crate::export::with_suffix(path, ".json"), format!("{document}\n").into_bytes()));
             files
         };

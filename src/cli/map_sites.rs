@@ -21,10 +21,13 @@ use super::{interrupt, messages};
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
+use crate::formats::{RasterFile, cannot_read, origin_of};
 use crate::quantity::counted;
-use crate::raster::{GeoRef, RasterFile, cannot_read, origin_of};
+use crate::raster::GeoRef;
+use crate::read::source_of;
+use crate::read::{StreamedSurface, SurfaceOptions, read_surface, surface_grid};
 use crate::report::digest_words;
-use crate::scene::{GivenSite, Site, Source, StreamedSurface, SurfaceOptions, read_surface, surface_grid};
+use crate::scene::{GivenSite, Site};
 
 /// What stands for the name of a UAV in the name of a file.
 const SITE: &str = "{site}";
@@ -330,7 +333,7 @@ impl<'a> SiteRuns<'a> {
         let table = args.uavs.clone().filter(|_| with_sites);
         // What comes from standard input is told by its digest.
         let mut text = match &table {
-            Some(table) if !table.exists() => format!("{:?};", Source::of(table, false)?),
+            Some(table) if !table.exists() => format!("{:?};", source_of(table, false)?),
             _ => String::new(),
         };
         files.extend(table);

@@ -17,12 +17,14 @@ use super::{interrupt, messages};
 use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, with_suffix};
+use crate::formats::{ClassPyramid, RasterFile};
 use crate::height_field::HeightField;
 use crate::los::{Method, StreamLimits};
 use crate::quantity::MAX_EXTENT_UNITS;
-use crate::raster::{ClassPyramid, GeoRef, RasterFile};
+use crate::raster::GeoRef;
+use crate::read::StreamedSurface;
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
-use crate::scene::{GivenSite, StreamedSurface, WindowedBase, WindowedSolids};
+use crate::scene::{GivenSite, WindowedBase, WindowedSolids};
 
 /// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
 /// `--max-memory` allows. `None` if it is.

@@ -10,18 +10,20 @@ use super::memory::{ANY_WORK, FIELD_BYTES_PER_CELL, cells_of, check_bytes, check
 use super::repairs::keep;
 use super::words::title_of;
 use crate::coverage::Uav;
+use crate::crs;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Format, OutputRules, check_outputs};
+use crate::formats::RasterFile;
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::quantity::{Height, height_steps, parse_number};
-use crate::raster::{Crs, GeoRef, RasterFile};
-use crate::report::{RunFacts, Timing};
-use crate::scene::{
-    BaseRule, BuiltUp, BuiltUpCity, DataAreaChoice, FootprintOptions, HeightGap, HeightUnit, MeshOptions,
-    MissingHeight, NodataAs, Scene, Site, Solids, Source, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
-    read_footprints, read_footprints_and_repairs, read_mesh, read_surface, vertical_of,
+use crate::raster::{Crs, GeoRef};
+use crate::read::{
+    BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, SurfaceOptions, SystemSaid,
+    VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs, read_mesh, read_surface, vertical_of,
 };
+use crate::report::{RunFacts, Timing};
+use crate::scene::{BuiltUp, BuiltUpCity, HeightGap, NodataAs, Scene, Site, Solids, Source};
 use crate::zones::ZoneMap;
 
 /// A scene ready for rays, and what is known about where it came from.
@@ -193,7 +195,7 @@ pub(super) fn raster_options(args: &SceneArgs) -> Result<SurfaceOptions> {
 
 /// The CRS that was typed.
 fn typed_crs(args: &SceneArgs) -> Result<Option<Crs>> {
-    args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))
+    args.crs.as_deref().map(crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))
 }
 
 fn nodata_as(args: &SceneArgs) -> NodataAs {

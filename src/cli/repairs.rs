@@ -14,8 +14,9 @@ use super::words::pretty;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, as_text, check_outputs, encode_table, with_suffix};
 use crate::quantity::counted;
+use crate::read::{Repair, VectorFormat};
 use crate::report::{RunFacts, repairs_geojson, repairs_table};
-use crate::scene::{Repair, Scene, VectorFormat};
+use crate::scene::Scene;
 
 /// What a scene of footprints was read as, for the list and its provenance.
 #[derive(Debug, Clone)]

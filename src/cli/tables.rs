@@ -5,7 +5,9 @@ use std::path::Path;
 use super::plan::parse_uav;
 use crate::error::{Error, Result, Warning};
 use crate::raster::GeoRef;
-use crate::scene::{BadRows, GivenSite, Site, Source, read_sites};
+use crate::read::source_of;
+use crate::read::{BadRows, read_sites};
+use crate::scene::{GivenSite, Site, Source};
 
 /// Where the UAVs of a run are told.
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +42,7 @@ impl UavsAsked<'_> {
         if let Some(path) = self.table {
             let first = found.sites.len() + 1;
             found.sites.extend(read_sites(path, grid, first, bad_rows(self.skip_bad, &mut found.warnings))?);
-            found.sources.push(Source::of(path, self.hash)?);
+            found.sources.push(source_of(path, self.hash)?);
         }
         let mut seen = std::collections::HashSet::new();
         match found.sites.iter().find(|site| !seen.insert(site.id.as_str())) {

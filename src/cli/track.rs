@@ -14,9 +14,10 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los::Method;
 use crate::quantity::{counted, tidy};
+use crate::read::read_track;
+use crate::read::source_of;
 use crate::render::{self, PictureForm, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
-use crate::scene::{Source, read_track};
 
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
@@ -40,7 +41,7 @@ pub(super) fn run(args: &LinkArgs, path: &Path, command: Vec<String>) -> Result<
     warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
     let bad = bad_rows(args.skip_bad, &mut scene.warnings);
     let places = read_track(path, scene.field.grid().crs(), bad)?;
-    scene.sources.push(Source::of(path, args.scene.hash)?);
+    scene.sources.push(source_of(path, args.scene.hash)?);
     let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
     let unit = scene.field.grid().meters_per_unit();
     if length * unit / args.every > MOST_PLACES {

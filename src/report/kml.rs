@@ -5,8 +5,9 @@
 
 use super::MapReport;
 use crate::error::Result;
+use crate::formats::{LonLatGrid, xml_text};
 use crate::quantity::tidy;
-use crate::raster::{GeoRef, LonLatGrid, xml_text};
+use crate::raster::GeoRef;
 
 /// A picture laid over the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]

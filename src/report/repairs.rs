@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::features::feature_collection;
 use crate::raster::GeoRef;
-use crate::scene::Repair;
+use crate::read::Repair;
 
 /// A row for each thing: feature, id, layer, what was wrong (a stable word), the code of the warning that counts it, what
 /// was done, and a point of it in the scene's CRS, empty where it has no area.

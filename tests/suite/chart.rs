@@ -3,10 +3,11 @@
 use serde_json::Value;
 use skyshed::accuracy::chart::{Contestant, Truth};
 use skyshed::coverage::{MapOptions, Uav};
+use skyshed::formats::RasterFile;
 use skyshed::height_field::{HeightField, Pooling, Station};
 use skyshed::los::{MethodChoice, link_los};
 use skyshed::quantity::Height;
-use skyshed::raster::{GeoRef, Raster, RasterFile};
+use skyshed::raster::{GeoRef, Raster};
 use skyshed::scene::{Ground, Site, Solids};
 
 use crate::program::Folder;

@@ -8,7 +8,7 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed::raster::RasterFile;
+use skyshed::formats::RasterFile;
 
 use crate::program::Folder;
 

@@ -4,7 +4,9 @@
 
 use std::process::Command;
 
-use skyshed::raster::{Bands, Crs, GeoRef, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed::crs;
+use skyshed::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed::raster::GeoRef;
 
 use crate::program::Folder;
 use crate::support::python_with;
@@ -54,7 +56,7 @@ fn directories(file: &[u8]) -> Vec<Directory> {
 }
 
 fn image(values: &[f32], n_bands: usize) -> Vec<u8> {
-    let crs = Crs::from_epsg(25832).unwrap();
+    let crs = crs::from_epsg(25832).unwrap();
     let georef = GeoRef::new((500_000.0, 5_400_000.0), (1.0, 1.0), (900, 1100), Some(crs)).unwrap();
     let bands = (0..n_bands).map(|k| (format!("{k}.margin"), values)).collect();
     let image = GeoTiffImage {

@@ -1,8 +1,8 @@
 //! `skyshed compare` from outside: counts by hand, saved masks, intervals, sheets, files, flags, and what it refuses.
 
 use serde_json::Value;
+use skyshed::formats::RasterFile;
 use skyshed::los_probability::bootstrap::{Share, resampled_ratios};
-use skyshed::raster::RasterFile;
 
 use crate::program::{Folder, program, wait};
 use crate::support::{Random, slow};

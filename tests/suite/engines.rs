@@ -9,7 +9,8 @@ use skyshed::height_field::HeightField;
 use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, simd_levels};
 use skyshed::quantity::{Height, VOID, height_steps};
 use skyshed::raster::{CellWindow, GeoRef, Raster};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids, SurfaceOptions, read_surface};
+use skyshed::read::{SurfaceOptions, read_surface};
+use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
 
 use crate::invariants::uav_at;
 use crate::oracle;

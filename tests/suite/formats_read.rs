@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use skyshed::raster::{AsciiGrid, CellWindow, GeoTiff, RasterFile, write_ascii_grid};
+use skyshed::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
+use skyshed::raster::CellWindow;
 use skyshed::{Error, ErrorClass, Warning};
 
 use crate::plain_tiff::{Cells, PlainTiff};

@@ -9,15 +9,17 @@ use std::io::{Cursor, Read};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
-use skyshed::raster::{
-    Bands, ClassColor, Crs, ExrChannel, GeoRef, GeoTiff, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff,
-    pam_sidecar, world_file, write_exr, write_geotiff, write_npz,
+use skyshed::crs;
+use skyshed::formats::{
+    Bands, ClassColor, ExrChannel, GeoTiff, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
+    world_file, write_exr, write_geotiff, write_npz,
 };
+use skyshed::raster::{Crs, GeoRef};
 
 const SHAPE: (usize, usize) = (300, 700);
 
 fn grid(epsg: Option<u32>) -> GeoRef {
-    let crs = epsg.map(|code| Crs::from_epsg(code).unwrap());
+    let crs = epsg.map(|code| crs::from_epsg(code).unwrap());
     GeoRef::new((500_000.25, 5_400_000.5), (0.5, 0.25), SHAPE, crs).unwrap()
 }
 
@@ -203,18 +205,18 @@ fn geokeys_say_what_is_known_of_the_reference_system() {
         GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap()
     };
     for code in [4326, 3857, 2056, 4647, 2263] {
-        assert_eq!(written(Some(Crs::from_epsg(code).unwrap())).epsg(), Some(code));
+        assert_eq!(written(Some(crs::from_epsg(code).unwrap())).epsg(), Some(code));
     }
     // GDAL makes up a local system as soon as there is any key.
     assert!(written(None).tiff().ifd(0).unwrap().tag(34735).is_none());
 
-    let cited = written(Some(Crs::from_geokeys_citation("City grid", Some(0.3048), false)));
+    let cited = written(Some(crs::from_geokeys_citation("City grid", Some(0.3048), false)));
     assert_eq!(cited.geokeys().get_ascii(3073), Some("City grid"));
     assert_eq!((cited.geokeys().get_short(3072), cited.geokeys().get_short(3076)), (Some(32767), Some(9002)));
-    let defined = written(Some(Crs::parse("+proj=tmerc +lat_0=1 +lon_0=8.5 +datum=WGS84").unwrap()));
+    let defined = written(Some(crs::parse("+proj=tmerc +lat_0=1 +lon_0=8.5 +datum=WGS84").unwrap()));
     let definition = defined.geokeys().get_ascii(3073).unwrap();
     assert!(definition.starts_with("ESRI PE String = PROJCS["), "{definition}");
-    assert_eq!(Crs::parse(definition.trim_start_matches("ESRI PE String = ")).unwrap().epsg(), None);
+    assert_eq!(crs::parse(definition.trim_start_matches("ESRI PE String = ")).unwrap().epsg(), None);
 }
 
 #[test]
@@ -276,7 +278,7 @@ fn channels_come_back_from_exr_with_their_place() {
         Some(AttributeValue::Text(text)) => String::from_utf8(text.as_slice().to_vec()).unwrap(),
         other => panic!("{name}: {other:?}"),
     };
-    assert_eq!(Crs::parse(&text("gdal:crsWkt")).unwrap().epsg(), Some(25832));
+    assert_eq!(crs::parse(&text("gdal:crsWkt")).unwrap().epsg(), Some(25832));
     assert_eq!(text("gdal:skyshed"), metadata[0].1);
 }
 
@@ -344,16 +346,16 @@ fn a_full_disk_is_an_error_of_the_output() {
 
 #[test]
 fn reference_systems_are_read_named_and_joined() {
-    let utm = Crs::parse("urn:ogc:def:crs:EPSG::25832").unwrap();
+    let utm = crs::parse("urn:ogc:def:crs:EPSG::25832").unwrap();
     assert_eq!((utm.label(), utm.name()), ("EPSG:25832".to_string(), "ETRS89 / UTM zone 32N".to_string()));
-    assert!(Crs::parse("EPSG:900913").unwrap().is_web_mercator());
-    assert!(!utm.is_web_mercator());
-    assert_eq!(Crs::parse(&utm.wkt().unwrap()).unwrap(), utm);
+    assert!(crs::is_web_mercator(&crs::parse("EPSG:900913").unwrap()));
+    assert!(!crs::is_web_mercator(&utm));
+    assert_eq!(crs::parse(&crs::wkt_of(&utm).unwrap()).unwrap(), utm);
     // PROJ 9.5.1: 513223.5394 5403015.5180.
-    let wgs84 = Crs::from_epsg(4326).unwrap();
-    let (x, y) = skyshed::raster::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
+    let wgs84 = crs::from_epsg(4326).unwrap();
+    let (x, y) = skyshed::crs::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
     assert!((x - 513_223.539_4).abs() < 1e-3 && (y - 5_403_015.518).abs() < 1e-3, "{x} {y}");
-    assert_eq!(skyshed::raster::utm_for(9.18, 48.78), 32632);
+    assert_eq!(skyshed::crs::utm_for(9.18, 48.78), 32632);
 }
 
 #[test]

@@ -7,7 +7,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use skyshed::raster::{Bands, GeoRef, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed::raster::GeoRef;
 
 use crate::program::{Folder, run_in};
 use crate::support::{Random, slow};

@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use skyshed::quantity::meters;
-use skyshed::scene::{DataAreaChoice, FootprintOptions, Solids, read_footprints};
+use skyshed::read::{DataAreaChoice, FootprintOptions, read_footprints};
+use skyshed::scene::Solids;
 
 use crate::program::Folder;
 use crate::support::{Random, slow};

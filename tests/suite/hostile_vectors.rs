@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use skyshed::ErrorClass;
 use skyshed::height_field::HeightField;
-use skyshed::scene::{FootprintOptions, MeshOptions, Scene, read_footprints, read_mesh};
+use skyshed::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
+use skyshed::scene::Scene;
 
 use crate::program::Folder;
 use crate::support::{Random, slow};

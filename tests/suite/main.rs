@@ -78,7 +78,6 @@ mod stability; // which answers turn with the last digit: by hand, by maps made 
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod data_area; // where the data end: known ground, missing heights; whole discs, bands of angles, goals within a radius
 mod regressions; // one test per bug
-mod layering; // data flows one way
 
 mod program; // runs the program from outside
 mod plain_tiff; // writes simple GeoTIFFs

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use skyshed::raster::{CellWindow, RasterFile};
+use skyshed::formats::RasterFile;
+use skyshed::raster::CellWindow;
 use skyshed::{Error, Warning};
 
 use crate::plain_tiff::{Cells, PlainTiff};

@@ -11,7 +11,8 @@ use std::fmt::Write as _;
 use rayon::prelude::*;
 use skyshed::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
 use skyshed::overlay::even_odd;
-use skyshed::scene::{FootprintOptions, MissingHeight, Scene, Solids, read_footprints};
+use skyshed::read::{FootprintOptions, MissingHeight, read_footprints};
+use skyshed::scene::{Scene, Solids};
 
 use crate::shapes::{doubled_area, rectangle, star};
 use crate::support::{Random, slow};

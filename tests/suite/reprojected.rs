@@ -3,11 +3,13 @@
 
 use std::process::Command;
 
+use skyshed::crs;
+use skyshed::crs::Transformation;
+use skyshed::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
 use skyshed::quantity::{VOID, meters};
-use skyshed::raster::{
-    Bands, Crs, GeoRef, GeoTiffImage, Raster, RasterFile, TiffLayout, Transformation, encode_geotiff,
-};
-use skyshed::scene::{Ground, Projection, Scene, Solids, SurfaceOptions, read_surface};
+use skyshed::raster::{Crs, GeoRef, Raster};
+use skyshed::read::{Projection, SurfaceOptions, read_surface};
+use skyshed::scene::{Ground, Scene, Solids};
 use skyshed::{Result, Warning};
 
 use crate::program::Folder;
@@ -15,7 +17,7 @@ use crate::support::has_program;
 
 /// A raster in degrees over Munich: 80 × 60 cells of about 2.2 m × 3.3 m, each with a height of its own.
 fn degrees() -> (GeoRef, Vec<f32>) {
-    let wgs84 = Crs::from_epsg(4326).unwrap();
+    let wgs84 = crs::from_epsg(4326).unwrap();
     let georef = GeoRef::new((11.57, 48.14), (0.000_03, 0.000_03), (60, 80), Some(wgs84)).unwrap();
     let heights = (0_u16..4800).map(|cell| if cell == 4321 { -9999.0 } else { f32::from(cell) / 4.0 }).collect();
     (georef, heights)
@@ -69,7 +71,7 @@ fn each_cell_takes_the_height_under_its_center() {
             }
         }
         assert_eq!(grid.cell_width().to_bits(), grid.cell_height().to_bits());
-        let way = Transformation::new(grid.crs().unwrap(), &Crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0))
+        let way = Transformation::new(grid.crs().unwrap(), &crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0))
             .unwrap();
         let (mut n_outside, mut n_void) = (0_u64, 0_u64);
         for row in 0..grid.n_rows() {
@@ -129,7 +131,7 @@ fn gdalwarp_finds_the_same_cells() {
     assert_eq!((file.georef().n_rows(), file.georef().n_cols()), (grid.n_rows(), grid.n_cols()));
     let warped = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap();
     let way =
-        Transformation::new(grid.crs().unwrap(), &Crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0)).unwrap();
+        Transformation::new(grid.crs().unwrap(), &crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0)).unwrap();
     let (mut n_differing, mut n_near_edges) = (0, 0);
     for (cell, (found, of_gdal)) in surface.cells().iter().zip(warped.cells()).enumerate() {
         let center = way.apply(grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols())).unwrap();
@@ -160,7 +162,7 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
     let (georef, heights) = degrees();
     write(&folder, "ground.tif", &georef, &heights);
     // A surface in UTM inside of it, and one in degrees on another grid.
-    let utm = Crs::from_epsg(32632).unwrap();
+    let utm = crs::from_epsg(32632).unwrap();
     let grid = GeoRef::new((691_230.0, 5_335_000.0), (2.0, 2.0), (40, 50), Some(utm)).unwrap();
     write(&folder, "utm.tif", &grid, &[1500.0; 2000]);
     let options = SurfaceOptions { terrain: Some(folder.join("ground.tif")), ..SurfaceOptions::default() };
@@ -215,7 +217,7 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     let site = &document["sites"][0];
     let (x, y) = (site["x"].as_f64().unwrap(), site["y"].as_f64().unwrap());
     let (wanted_x, wanted_y) =
-        skyshed::raster::transform(&Crs::from_epsg(4326).unwrap(), &Crs::from_epsg(32632).unwrap(), (11.5712, 48.1391))
+        skyshed::crs::transform(&crs::from_epsg(4326).unwrap(), &crs::from_epsg(32632).unwrap(), (11.5712, 48.1391))
             .unwrap();
     assert!((x - wanted_x).abs() < 1e-6 && (y - wanted_y).abs() < 1e-6, "{site}");
     for (line, exit, error) in [
@@ -233,7 +235,7 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     }
     // What is in meters stays, and then a cell size would be lost.
     let grid =
-        GeoRef::new((691_240.0, 5_334_830.0), (2.0, 2.0), (60, 80), Some(Crs::from_epsg(25832).unwrap())).unwrap();
+        GeoRef::new((691_240.0, 5_334_830.0), (2.0, 2.0), (60, 80), Some(crs::from_epsg(25832).unwrap())).unwrap();
     write(&folder, "utm.tif", &grid, &heights);
     let stays = folder.type_in("info utm.tif --project auto --json").done().json();
     assert_eq!(stays["crs"], "EPSG:25832");

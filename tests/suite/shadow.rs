@@ -18,7 +18,8 @@ use skyshed::height_field::{CellKind, HeightField, Prisms};
 use skyshed::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
 use skyshed::quantity::{LatticePoint, VOID};
 use skyshed::raster::BitGrid;
-use skyshed::scene::{BuiltUp, BuiltUpCity, FootprintOptions, MissingHeight, read_footprints};
+use skyshed::read::{FootprintOptions, MissingHeight, read_footprints};
+use skyshed::scene::{BuiltUp, BuiltUpCity};
 
 use crate::oracle::Prism;
 use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};

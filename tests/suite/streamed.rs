@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use serde_json::Value;
-use skyshed::raster::{GeoTiff, encode_geotiff};
+use skyshed::formats::{GeoTiff, encode_geotiff};
 
 use crate::program::Folder;
 use crate::support::{Random, class_of, has_program};
@@ -29,13 +29,13 @@ fn write_city(folder: &Folder, (n_rows, n_cols): (usize, usize)) {
     let write = |name: &str, (n_rows, n_cols): (usize, usize), cell: f64, value: &dyn Fn(usize, usize) -> f32| {
         let georef = skyshed::raster::GeoRef::new((500.0, 9000.0), (cell, cell), (n_rows, n_cols), None).unwrap();
         let cells: Vec<f32> = (0..n_rows).flat_map(|r| (0..n_cols).map(move |c| value(r, c))).collect();
-        let image = skyshed::raster::GeoTiffImage {
+        let image = skyshed::formats::GeoTiffImage {
             georef: &georef,
-            bands: skyshed::raster::Bands::Float(vec![("height".into(), &cells)]),
+            bands: skyshed::formats::Bands::Float(vec![("height".into(), &cells)]),
             nodata: Some(-9999.0),
             palette: None,
             metadata: &[],
-            layout: skyshed::raster::TiffLayout::Cog,
+            layout: skyshed::formats::TiffLayout::Cog,
         };
         std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
     };

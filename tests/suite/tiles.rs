@@ -1,7 +1,7 @@
 //! α, β and γ by tile: counted by hand, over generated cities whose parameters are known, and as GDAL reads them.
 
 use serde_json::Value;
-use skyshed::raster::GeoTiff;
+use skyshed::formats::GeoTiff;
 
 use crate::program::Folder;
 use crate::support::has_program;

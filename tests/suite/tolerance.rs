@@ -8,10 +8,8 @@ use skyshed::coverage::{MapOptions, Mapper, Uav};
 use skyshed::height_field::{HeightField, Pooling};
 use skyshed::quantity::Height;
 use skyshed::raster::{BitGrid, GeoRef, Raster};
-use skyshed::scene::{
-    BuiltUp, BuiltUpCity, FootprintOptions, Ground, NodataAs, Scene, Site, Solids, SurfaceOptions, read_footprints,
-    read_surface,
-};
+use skyshed::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
+use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, NodataAs, Scene, Site, Solids};
 
 use crate::program::Folder;
 use crate::support::{Random, slow, truth};

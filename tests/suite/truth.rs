@@ -10,15 +10,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use skyshed::coverage::{Control, MapOptions, SiteCoverage, Uav, class, map_site};
+use skyshed::formats::GeoTiff;
 use skyshed::height_field::{HeightField, Station};
 use skyshed::los::MethodChoice;
 use skyshed::los::link_los;
 use skyshed::quantity::{Height, LatticePoint, VOID, height_steps};
-use skyshed::raster::GeoTiff;
-use skyshed::scene::{
-    DataAreaChoice, Footprint, FootprintOptions, MissingHeight, NodataAs, Scene, Site, Solids, SurfaceOptions,
-    read_footprints, read_surface,
-};
+use skyshed::read::{DataAreaChoice, FootprintOptions, MissingHeight, SurfaceOptions, read_footprints, read_surface};
+use skyshed::scene::{Footprint, NodataAs, Scene, Site, Solids};
 
 use crate::oracle;
 use crate::support::Random;

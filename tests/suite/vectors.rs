@@ -6,7 +6,8 @@ use std::process::Command;
 
 use rusqlite::Connection;
 use serde_json::{Value, json};
-use skyshed::scene::{MeshOptions, Solids, read_mesh};
+use skyshed::read::{MeshOptions, read_mesh};
+use skyshed::scene::Solids;
 
 use crate::program::Folder;
 use crate::vector_files::{

@@ -6,10 +6,8 @@ use skyshed::height_field::HeightField;
 use skyshed::overlay::even_odd;
 use skyshed::quantity::Frame;
 use skyshed::raster::{GeoRef, Raster};
-use skyshed::scene::{
-    BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, FootprintOptions, Ground, NodataAs, Scene, Solids,
-    SurfaceOptions, read_footprints, read_surface,
-};
+use skyshed::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
+use skyshed::scene::{BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, Ground, NodataAs, Scene, Solids};
 use skyshed::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
 use crate::support::{Random, truth};

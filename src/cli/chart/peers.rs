@@ -10,9 +10,10 @@ use crate::accuracy::chart::Truth;
 use crate::cli::interrupt;
 use crate::coverage::{Seen, Uav};
 use crate::error::io_words;
+use crate::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::quantity::{BLOCKS_ALL, VOID, meters};
-use crate::raster::{Bands, BitGrid, GeoRef, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
+use crate::raster::{BitGrid, GeoRef};
 use crate::report::Cost;
 
 /// Runs after the first one, of which the median is taken; a program above two seconds is run once.

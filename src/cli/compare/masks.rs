@@ -6,9 +6,10 @@ use serde_json::Value;
 
 use crate::coverage::class;
 use crate::error::{Error, Result, Warning};
-use crate::raster::{GeoRef, LargeVec, RasterFile};
+use crate::formats::RasterFile;
+use crate::raster::{GeoRef, LargeVec};
+use crate::read::refuse_two_crs;
 use crate::report::Position;
-use crate::scene::refuse_two_crs;
 
 /// A mask of an earlier run.
 #[derive(Debug)]

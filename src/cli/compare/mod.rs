@@ -26,8 +26,9 @@ use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules};
 use crate::los::Method;
 use crate::raster::{CellBlocks, LargeVec};
+use crate::read::source_of;
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
-use crate::scene::{GivenSite, Source};
+use crate::scene::GivenSite;
 use crate::zones::{NONE, ZoneMap};
 
 /// Formats of `skyshed compare`.
@@ -221,7 +222,7 @@ fn saved(path: &Path, args: &CompareArgs, scene: &mut Ready) -> Result<Vec<Place
         radius_m: args.engine.radius,
     };
     let masks = read_masks(path, &setting, &mut scene.warnings)?;
-    scene.sources.push(Source::of(path, args.scene.hash)?);
+    scene.sources.push(source_of(path, args.scene.hash)?);
     let placed = masks.into_iter().map(|saved| Placed {
         id: saved.id,
         origin: Origin::File { path: saved.path, place: saved.place },

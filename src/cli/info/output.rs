@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::coverage::class;
 use crate::export::with_suffix;
-use crate::raster::{RasterFile, origin_of};
+use crate::formats::{RasterFile, origin_of};
 use crate::render::grouped;
 use crate::report::MaskDigest;
 

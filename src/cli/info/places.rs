@@ -8,10 +8,12 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use crate::cli::args::SceneArgs;
+use crate::crs;
 use crate::error::{Error, Result};
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef};
-use crate::scene::{BadRows, GivenSite, read_sites, read_track};
+use crate::read::{BadRows, read_sites, read_track};
+use crate::scene::GivenSite;
 
 /// Places that a file names.
 pub(super) struct Places {
@@ -45,11 +47,11 @@ impl Places {
             return Ok(None);
         }
         let crs =
-            args.crs.as_deref().map(Crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
+            args.crs.as_deref().map(crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
         let places = match read(path, looks, crs.clone()) {
             // Degrees without a scene to bring them into stay degrees.
             Err(error) if error.code() == "E206" && crs.is_none() => {
-                let degrees = Some(Crs::from_epsg(4326)?);
+                let degrees = Some(crs::from_epsg(4326)?);
                 Places { path: path.to_path_buf(), what: read(path, looks, degrees.clone())?, crs: degrees }
             }
             read => Places { path: path.to_path_buf(), what: read?, crs },

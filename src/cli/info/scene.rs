@@ -14,14 +14,16 @@ use crate::cli::tables::UavsAsked;
 use crate::cli::words::pretty;
 use crate::cli::zones::ZoneFiles;
 use crate::cli::{interrupt, messages};
+use crate::crs::VerticalCrs;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::height_field::{CellKind, HeightField};
 use crate::quantity::{Frame, VOID, counted, meters, tidy};
-use crate::raster::{Crs, VerticalCrs};
+use crate::raster::Crs;
+use crate::read::vertical_of;
 use crate::render::grouped;
 use crate::report::RunFacts;
-use crate::scene::{BuiltUp, Footprint, FootprintFaults, HeightGap, Scene, Solids, Source, vertical_of};
+use crate::scene::{BuiltUp, Footprint, FootprintFaults, HeightGap, Scene, Solids, Source};
 use crate::zones::{Zone, ZoneMap};
 
 const FORMATS: [Format; 8] = [

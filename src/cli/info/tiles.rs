@@ -9,10 +9,11 @@ use crate::cli::interrupt;
 use crate::cli::words::pretty;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, encode_table, with_suffix};
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::los_probability::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
 use crate::quantity::{Frame, tidy};
-use crate::raster::{Bands, GeoRef, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::raster::GeoRef;
 use crate::render::grouped;
 use crate::scene::Footprint;
 

@@ -5,11 +5,14 @@ use super::super::tables::bad_rows;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Whom};
 use crate::error::{Error, Result, Warning};
+use crate::formats::RasterFile;
 use crate::height_field::HeightField;
 use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
 use crate::quantity::{Height, tidy};
-use crate::raster::{GeoRef, RasterFile};
-use crate::scene::{Area, GivenSite, Source, read_area, read_sites, refuse_two_crs};
+use crate::raster::GeoRef;
+use crate::read::{read_area, read_sites};
+use crate::read::{refuse_two_crs, source_of};
+use crate::scene::{Area, GivenSite, Source};
 use crate::zones::{Zone, ZoneMap};
 
 /// More candidates than this are refused.
@@ -86,11 +89,7 @@ impl Inputs {
             heights,
             area: area(&args.area)?,
             weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,
-            sources: files
-                .into_iter()
-                .flatten()
-                .map(|path| Source::of(path, args.scene.hash))
-                .collect::<Result<_>>()?,
+            sources: files.into_iter().flatten().map(|path| source_of(path, args.scene.hash)).collect::<Result<_>>()?,
             spots,
             within: area(&args.within)?,
             keep_out: area(&args.keep_out)?,

@@ -11,9 +11,9 @@ use super::{picture, winner_map};
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, with_suffix};
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::placement::PlaceGrid;
 use crate::quantity::tidy;
-use crate::raster::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::report::{PlaceFacts, PlaceReport, PlaceValue, Timing};
 
 /// Nodata of the raster.

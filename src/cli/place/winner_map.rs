@@ -11,7 +11,7 @@ use crate::cli::args::ReceiversArg;
 use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
-use crate::raster::TiffLayout;
+use crate::formats::TiffLayout;
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::report::SiteFacts;
 use crate::zones::Zone;

@@ -4,14 +4,15 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use super::args::PlosArgs;
+use super::curve_file::read_curve;
 use crate::cli::os_words::split;
 use crate::cli::tables::bad_rows;
 use crate::error::{Error, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};
 use crate::los_probability::study::Estimator;
+use crate::read::read_text;
 use crate::report::MethodFacts;
-use crate::scene::read_text;
 
 /// A way to P_LoS.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +109,7 @@ pub(super) fn read_curves(args: &PlosArgs, warnings: &mut Vec<Warning>) -> Resul
             return Err(Error::usage(123, format!("cannot name a curve `{name}`: another method has that name")));
         }
         let text = read_text(&path)?;
-        curves.push((UserCurve::parse(name, &text, bad_rows(args.skip_bad, warnings))?, path));
+        curves.push((read_curve(name, &text, bad_rows(args.skip_bad, warnings))?, path));
     }
     Ok(curves)
 }

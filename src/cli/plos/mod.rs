@@ -2,6 +2,7 @@
 
 mod args;
 mod coarser;
+mod curve_file;
 mod heat;
 mod methods;
 mod plot;
@@ -26,6 +27,7 @@ use super::{interrupt, messages};
 use crate::accuracy::CONFIDENCE;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, with_suffix};
+use crate::formats::{NpyArray, write_npz};
 use crate::los::MethodChoice;
 use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
@@ -33,9 +35,9 @@ use crate::los_probability::product::SHIFTS;
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, Estimator, estimate_all};
 use crate::quantity::{counted, tidy};
-use crate::raster::{NpyArray, write_npz};
+use crate::read::source_of;
 use crate::report::{PlosReport, PlosRow, PlosValue};
-use crate::scene::{BuiltUp, Source};
+use crate::scene::BuiltUp;
 
 /// Formats of `skyshed plos`.
 const FORMATS: [Format; 7] =
@@ -79,7 +81,7 @@ pub(super) fn run(args: &PlosArgs, command: Vec<String>) -> Result<()> {
     let mut plot = plot::Facts::default();
     let mut cautions = Cautions::default();
     for (_, path) in &curves {
-        report.sources.push(Source::of(path, args.scene.hash)?);
+        report.sources.push(source_of(path, args.scene.hash)?);
     }
     let curves: Vec<UserCurve> = curves.into_iter().map(|(curve, _)| curve).collect();
     plot.curves.clone_from(&curves);

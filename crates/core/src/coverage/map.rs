@@ -1,0 +1,492 @@
+//! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::cell_classes::{RowSets, write_classes};
+use super::cell_heights::{CellHeights, least_height_and_margin};
+use super::elevation::RowElevations;
+use super::range::Range;
+use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
+use super::stability::{Decided, ShiftedRoofs};
+use super::{Stability, Tally, Uav};
+use crate::error::{Error, ErrorClass, Result};
+use crate::height_field::{Casters, GridPositions, HeightField, Station};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_los};
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::{BitGrid, LargeVec, set_bits};
+
+/// Strips in which a map is decided that is handed over while it is made.
+const STRIPS: usize = 4;
+
+/// Which cells hold receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Receivers {
+    /// All cells of open ground.
+    #[default]
+    Ground,
+    /// Building cells only, standing on the roof.
+    Roof,
+    /// Both.
+    All,
+}
+
+/// How a map is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapOptions {
+    /// Height of the receivers above what they stand on \[1/1024 m\].
+    pub rx_height: i32,
+    /// Which cells hold receivers.
+    pub receivers: Receivers,
+    /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
+    pub within: Option<BitGrid>,
+    /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
+    pub radius: Option<f64>,
+    /// Length of a CRS unit \[m\], for elevation angles.
+    pub meters_per_unit: f64,
+    /// Which layers of heights to make.
+    pub layers: HeightLayers,
+    /// Which engine decides; all are exact but those that say they are not.
+    pub method: MethodChoice,
+}
+
+impl Default for MapOptions {
+    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
+    fn default() -> Self {
+        MapOptions {
+            rx_height: 3 * STEPS_PER_UNIT / 2,
+            receivers: Receivers::Ground,
+            within: None,
+            radius: None,
+            meters_per_unit: 1.0,
+            layers: HeightLayers::default(),
+            method: MethodChoice::Auto,
+        }
+    }
+}
+
+/// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HeightLayers {
+    /// Receiver height less the least visible height.
+    pub margin: bool,
+    /// Least receiver height in line of sight.
+    pub least_receiver_height: bool,
+    /// Least UAV height, over its place, that sees the receiver.
+    pub least_height: bool,
+    /// How many of eight moves by one lattice step turn the answer, see [`Stability`].
+    pub stability: bool,
+}
+
+impl HeightLayers {
+    /// Whether a link must be walked for any of them.
+    fn has_heights(self) -> bool {
+        self.margin || self.least_receiver_height || self.least_height
+    }
+}
+
+/// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
+#[derive(Debug, Clone)]
+pub struct SiteCoverage {
+    /// The UAV.
+    pub uav: Uav,
+    /// Classes of [`super::class`].
+    pub mask: LargeVec<u8>,
+    /// Receiver height less the least visible height \[m\]; ≥ 0 exactly where LoS, NaN where there is no receiver.
+    pub margin: Option<Vec<f32>>,
+    /// Least receiver height in line of sight \[m above the datum\], never below what the receiver stands on.
+    pub least_receiver_height: Option<Vec<f32>>,
+    /// Least UAV height over its place that sees the receiver \[m above the datum\], never below the surface there; +∞
+    /// where none within ±32 768 m does.
+    pub least_height: Option<Vec<f32>>,
+    /// How stable the answers are.
+    pub stability: Option<Stability>,
+    /// Counts.
+    pub tally: Tally,
+}
+
+/// What a UAV sees, as sets of cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Seen {
+    /// The receivers in range.
+    pub receivers: BitGrid,
+    /// Those in line of sight.
+    pub los: BitGrid,
+}
+
+/// Progress out of, and the wish to stop into, a running map.
+#[derive(Debug, Default)]
+pub struct Control {
+    /// Cells decided so far.
+    pub done: AtomicU64,
+    /// Set it to stop at the next row.
+    pub stop: AtomicBool,
+}
+
+/// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
+///
+/// # Errors
+/// As those two.
+pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &Control) -> Result<SiteCoverage> {
+    Mapper::new(field, options)?.map(uav, control)
+}
+
+/// A scene and options made ready for any number of UAVs.
+#[derive(Debug)]
+pub struct Mapper<'a> {
+    field: &'a HeightField,
+    options: &'a MapOptions,
+    engine: GridLos<'a>,
+    /// The same, for many UAVs of which each has a thread of its own.
+    alone: GridLos<'a>,
+    why: &'static str,
+    /// Receivers on the ground, on roofs, or both.
+    receivers: Vec<GridReceivers<'a>>,
+    /// World x of the columns of cells, whole words of them \[CRS units\].
+    xs: Vec<f64>,
+    /// The scene with other roofs, where stability is asked for.
+    roofs: Option<Box<ShiftedRoofs>>,
+}
+
+impl<'a> Mapper<'a> {
+    /// Makes ready what does not depend on the UAV.
+    ///
+    /// # Errors
+    /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
+    /// one.
+    pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
+        let (method, why) = Method::choose(field, options.method).map_err(|wrong| {
+            Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
+                .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
+        })?;
+        if !method.is_exact() && options.layers != HeightLayers::default() {
+            let text =
+                format!("layers of heights with `{method}`, which is approximate: they are exact, and would not agree");
+            return Err(Error::usage(118, text).with_hint("`--method auto`, or `--layers los` alone"));
+        }
+        let cells = field.cells();
+        let within = |cells: &'a BitGrid| match &options.within {
+            Some(within) => Cow::Owned(cells.clone().and(within)),
+            None => Cow::Borrowed(cells),
+        };
+        let ground = || GridReceivers::new(within(&cells.open), field.ground_of_cells(), options.rx_height);
+        let roof = || GridReceivers::new(within(&cells.building), field.roof_of_cells(), options.rx_height);
+        let receivers = match options.receivers {
+            Receivers::Ground => vec![ground()],
+            Receivers::Roof => vec![roof()],
+            Receivers::All => vec![ground(), roof()],
+        };
+        let n_cols = field.grid().n_cols();
+        let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
+        xs.resize(n_cols.div_ceil(64) * 64, 0.0);
+        let engine = GridLos::new(field, method);
+        let alone = engine.clone().in_one_band();
+        let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
+        Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })
+    }
+
+    /// The engine that decides, and why it was chosen.
+    pub fn method(&self) -> (Method, &'static str) {
+        (self.engine.method(), self.why)
+    }
+
+    /// The cells that hold receivers, in range or not.
+    pub fn receiver_cells(&self) -> BitGrid {
+        let grid = self.field.grid();
+        let none = BitGrid::new(grid.n_rows(), grid.n_cols());
+        self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
+    }
+
+    /// The engine, shared by all threads.
+    pub(super) fn engine(&self) -> &GridLos<'a> {
+        &self.engine
+    }
+
+    /// Range \[CRS units\], if it is limited.
+    pub(super) fn radius(&self) -> Option<f64> {
+        self.options.radius
+    }
+
+    /// Casts the shadows of these alone.
+    pub(super) fn cast_only(&mut self, casters: Casters) {
+        let casters = Arc::new(casters);
+        self.engine = self.engine.clone().with_casters(Arc::clone(&casters));
+        self.alone = self.alone.clone().with_casters(casters);
+    }
+
+    /// Number of cells of the grid.
+    pub(super) fn n_cells(&self) -> usize {
+        self.field.grid().n_cells()
+    }
+
+    /// Number of columns of the grid.
+    pub(super) fn n_cols(&self) -> usize {
+        self.field.grid().n_cols()
+    }
+
+    /// The scene.
+    pub(super) fn field(&self) -> &'a HeightField {
+        self.field
+    }
+
+    /// Receivers on the ground, on roofs, or both.
+    pub(super) fn receivers(&self) -> &[GridReceivers<'a>] {
+        &self.receivers
+    }
+
+    /// Positions of the receivers.
+    pub(super) fn positions(&self) -> &GridPositions {
+        self.engine.positions()
+    }
+
+    /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
+    /// without a mask. For many UAVs at once: each is the work of one thread.
+    pub fn count(&self, uav: &Uav) -> (u64, u64) {
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        self.receivers.iter().fold((0, 0), |sum, receivers| {
+            let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
+            (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
+        })
+    }
+
+    /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
+    pub fn seen(&self, uav: &Uav) -> Seen {
+        let grid = self.field.grid();
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
+        self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
+            let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
+            Seen { receivers: sum.receivers.or(wanted), los: sum.los.or(&los) }
+        })
+    }
+
+    /// The cells that hold receivers in range of a UAV.
+    pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
+        Range::of(self.engine.positions(), &uav.station.place, self.options.radius).cut(&self.receiver_cells())
+    }
+
+    /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
+    /// receiver there.
+    pub fn is_los(&self, uav: &Uav, (row, col): (usize, usize)) -> Option<bool> {
+        let (receivers, _) = self.receivers_at((row, col)).next()?;
+        let cell = row * self.field.grid().n_cols() + col;
+        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+        Some(link_los(self.field, &uav.station, &receiver))
+    }
+
+    /// The receivers in range, where not all are, and those in line of sight.
+    fn decide(&self, engine: &GridLos<'_>, uav: &Uav, (receivers, range): (&GridReceivers<'_>, &Range)) -> Decided {
+        let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
+        self.decide_wanted(engine, uav, (receivers, range), wanted)
+    }
+
+    /// The same of some receivers in range; of all there are, if `None`.
+    fn decide_wanted(
+        &self,
+        engine: &GridLos<'_>,
+        uav: &Uav,
+        (receivers, range): (&GridReceivers<'_>, &Range),
+        wanted: Option<BitGrid>,
+    ) -> Decided {
+        let los = {
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells);
+            engine.los(&uav.station, receivers, wanted, range.window())
+        };
+        (wanted, los)
+    }
+
+    /// Maps what a UAV sees.
+    ///
+    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for the layers of heights. Shared
+    /// by all threads of the current pool.
+    ///
+    /// # Errors
+    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
+        self.map_in_parts(uav, control, None, true)
+    }
+
+    /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made. Unless
+    /// `keep`, that is all there is of the mask, and there are no layers of heights.
+    pub(super) fn map_in_parts(
+        &self,
+        uav: &Uav,
+        control: &Control,
+        mut each_part: Option<EachPart<'_>>,
+        keep: bool,
+    ) -> Result<SiteCoverage> {
+        let grid = self.field.grid();
+        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
+        let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
+        let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
+        let strip = n_rows.div_ceil(if rayon::current_num_threads() > 1 { n_strips } else { 1 });
+        let decide = |first: usize| -> Vec<Decided> {
+            let rows = first..(first + strip).min(n_rows);
+            let of_kind = |receivers: &GridReceivers<'_>| {
+                if control.stop.load(Ordering::Relaxed) {
+                    return (None, BitGrid::new(n_rows, n_cols));
+                }
+                if rows.len() == n_rows {
+                    return self.decide(&self.engine, uav, (receivers, &range));
+                }
+                let wanted = range.cut_rows(&receivers.cells, rows.clone());
+                self.decide_wanted(&self.engine, uav, (receivers, &range), Some(wanted))
+            };
+            self.receivers.iter().map(of_kind).collect()
+        };
+        let mut decided = decide(0);
+
+        let layers = if keep { self.options.layers } else { HeightLayers::default() };
+        let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
+        let mut mask = if keep { LargeVec::<u8>::zeroed(grid.n_cells()) } else { LargeVec::default() };
+        let mut margin = layer(layers.margin);
+        let mut least_receiver_height = layer(layers.least_receiver_height);
+        let mut least_height = layer(layers.least_height);
+        let heights = CellHeights::new(self.field, uav, layers);
+        let is_stopped = || control.stop.load(Ordering::Relaxed);
+        let fill = |decided: &[Decided], row: usize, out: &mut Row<'_>| {
+            let mut tally = Tally::default();
+            if is_stopped() {
+                return tally;
+            }
+            let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
+            for (receivers, (wanted, los)) in self.receivers.iter().zip(decided) {
+                let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
+                sets.add(wanted, los.row(row));
+                tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
+                if layers.has_heights() {
+                    heights.fill(out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
+                }
+            }
+            tally.add_others(&sets, n_cols);
+            write_classes(&sets, out.mask);
+            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+            tally
+        };
+        // Rows enough for every thread, also of wide grids; all of them where nobody takes parts.
+        let n_at_once = match &each_part {
+            Some(_) => BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads()),
+            None => n_rows,
+        };
+        let mut hand_over = |cells: &[u8]| match &mut each_part {
+            Some(each_part) if !is_stopped() => each_part(cells),
+            _ => {}
+        };
+        let tally = if keep {
+            let rows = split(&mut mask, n_rows, n_cols)
+                .zip(split(&mut margin, n_rows, n_cols))
+                .zip(split(&mut least_receiver_height, n_rows, n_cols))
+                .zip(split(&mut least_height, n_rows, n_cols))
+                .map(|(((mask, margin), least_receiver_height), least_height)| Row {
+                    mask,
+                    margin,
+                    least_receiver_height,
+                    least_height,
+                })
+                .enumerate();
+            in_bands(rows, n_at_once, |row, out| fill(&decided, row, out), &mut hand_over)
+        } else {
+            let mut tally = Tally::default();
+            for first in (0..n_rows).step_by(strip) {
+                let rows = first..(first + strip).min(n_rows);
+                let fill = |row: usize, mask: &mut [u8]| {
+                    let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
+                    fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
+                };
+                let (next, of_strip) = rayon::join(
+                    || if rows.end < n_rows { decide(rows.end) } else { Vec::new() },
+                    || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut hand_over),
+                );
+                tally = tally.plus(&of_strip);
+                decided = next;
+            }
+            tally
+        };
+        if control.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let stability =
+            self.roofs.as_ref().filter(|_| keep).map(|roofs| self.stability((uav, &range), &decided, roofs, control));
+        let stability = stability.transpose()?;
+        let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
+        Ok(SiteCoverage {
+            uav: uav.clone(),
+            tally,
+            mask,
+            margin: some(layers.margin, margin),
+            least_receiver_height: some(layers.least_receiver_height, least_receiver_height),
+            least_height: some(layers.least_height, least_height),
+            stability,
+        })
+    }
+
+    /// The receiver in range with the least margin, the first of equal ones among those of `first` and then row by row;
+    /// `None` without any.
+    ///
+    /// Cost: a walk along each link; on the calling thread.
+    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let all = self.receivers.iter().flat_map(|receivers| {
+            let rows = 0..receivers.cells.n_rows();
+            rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
+        });
+        let hard = first.iter().flat_map(|cell| self.receivers_at(*cell));
+        let mut worst: Option<WorstReceiver> = None;
+        for (receivers, cell) in hard.chain(all).filter(|(_, cell)| range.contains(*cell)) {
+            let margin_m = self.margin_at(uav, receivers, cell);
+            if worst.is_none_or(|w| margin_m < w.margin_m) {
+                worst = Some(WorstReceiver { margin_m, cell });
+            }
+        }
+        worst
+    }
+
+    /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
+    pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
+        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
+        in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
+    }
+
+    /// The receivers of a cell, on the ground or on the roof.
+    fn receivers_at(&self, cell: (usize, usize)) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
+        self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1)).map(move |r| (r, cell))
+    }
+
+    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
+        let cell = row * self.field.grid().n_cols() + col;
+        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+        least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
+    }
+
+    fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {
+        let grid = self.field.grid();
+        RowElevations {
+            xs: &self.xs,
+            n_cols: grid.n_cols(),
+            uav: (uav.station.place.x, uav.station.place.y, uav.station.z),
+            y: grid.world_from_cell(row, 0).1,
+            meters_per_unit: self.options.meters_per_unit,
+            receivers,
+            first_cell: row * grid.n_cols(),
+        }
+    }
+}
+
+/// The error of work that was told to stop.
+pub fn interrupted() -> Error {
+    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
+}
+
+/// The receiver of a UAV with the least margin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstReceiver {
+    /// Its margin \[m\], as the layer `margin` holds it; −∞ where no receiver height is enough.
+    pub margin_m: f32,
+    /// Its row and column.
+    pub cell: (usize, usize),
+}

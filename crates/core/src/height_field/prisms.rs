@@ -1,0 +1,314 @@
+//! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
+
+use super::casters::Casters;
+use crate::quantity::VOID;
+
+/// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Piece {
+    first: u32,
+    len: u32,
+    /// Top \[1/1024 m above the datum\].
+    pub top: i32,
+    /// The building (footprint) that this piece belongs to.
+    pub building: u32,
+}
+
+/// The closed union B of the prisms of a vector scene.
+#[derive(Debug, Clone)]
+pub struct Prisms {
+    vertices: Vec<[i32; 2]>,
+    pieces: Vec<Piece>,
+    buckets: Buckets,
+    casters: Casters,
+    max_top: i32,
+}
+
+/// A grid of square buckets, each listing the pieces whose bounding box meets its closed square.
+#[derive(Debug, Clone)]
+pub struct Buckets {
+    /// Lattice position of the south-west corner of bucket (0, 0), a multiple of the bucket size.
+    pub origin: (i64, i64),
+    /// Edge length of a bucket \[lattice steps\].
+    pub size: i64,
+    /// Number of buckets along x and y.
+    pub shape: (i64, i64),
+    start: Vec<u32>,
+    items: Vec<u32>,
+    max_tops: Vec<i32>,
+}
+
+impl Buckets {
+    /// The bucket at `(east, north)`: its highest top and its pieces; `None` outside the grid.
+    #[inline]
+    pub fn at(&self, east: i64, north: i64) -> Option<(i32, &[u32])> {
+        if east < 0 || north < 0 || east >= self.shape.0 || north >= self.shape.1 {
+            return None;
+        }
+        let i = usize::try_from(north * self.shape.0 + east).ok()?;
+        Some((self.max_tops[i], &self.items[self.start[i] as usize..self.start[i + 1] as usize]))
+    }
+
+    /// The bucket that holds a lattice position, half-open towards the north-east.
+    pub fn index_of(&self, x: i64, y: i64) -> (i64, i64) {
+        ((x - self.origin.0).div_euclid(self.size), (y - self.origin.1).div_euclid(self.size))
+    }
+}
+
+impl Prisms {
+    /// Prisms from convex counterclockwise rings, each with its top and the index of its building.
+    ///
+    /// # Panics
+    /// If there are more than 2^32 vertices.
+    pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
+        let mut vertices: Vec<[i32; 2]> = Vec::new();
+        let pieces: Vec<Piece> = pieces
+            .into_iter()
+            .map(|(ring, top, building)| {
+                let ring = ring.as_ref();
+                let count = |n: usize| u32::try_from(n).expect("fewer than 2^32 vertices fit in memory");
+                let piece = Piece { first: count(vertices.len()), len: count(ring.len()), top, building };
+                vertices.extend(ring);
+                piece
+            })
+            .collect();
+        let max_top = pieces.iter().map(|p| p.top).max().unwrap_or(VOID);
+        let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
+        let (buckets, casters) =
+            rayon::join(|| build_buckets(&vertices, &pieces), || Casters::new(pieces.iter().map(|p| (p.top, ring(p)))));
+        Prisms { vertices, pieces, buckets, casters, max_top }
+    }
+
+    /// All convex pieces.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The ring of a piece.
+    #[inline]
+    pub fn ring(&self, piece: &Piece) -> &[[i32; 2]] {
+        &self.vertices[piece.first as usize..(piece.first + piece.len) as usize]
+    }
+
+    /// The grid that finds pieces by place.
+    pub fn buckets(&self) -> &Buckets {
+        &self.buckets
+    }
+
+    /// The prisms as casters of shadows.
+    pub fn casters(&self) -> &Casters {
+        &self.casters
+    }
+
+    /// The highest top, [`VOID`] if there is no prism.
+    pub fn max_top(&self) -> i32 {
+        self.max_top
+    }
+
+    /// The pieces whose closed ring contains the lattice position.
+    fn touching(&self, x: i64, y: i64) -> impl Iterator<Item = (usize, &[[i32; 2]])> {
+        let (east, north) = self.buckets.index_of(x, y);
+        let items = self.buckets.at(east, north).map_or(&[][..], |(_, items)| items);
+        items.iter().map(|&i| (i as usize, self.ring(&self.pieces[i as usize]))).filter(move |(_, ring)| {
+            let n = ring.len();
+            (0..n).all(|k| side(ring[k], ring[(k + 1) % n], x, y) >= 0)
+        })
+    }
+
+    /// The height below which the vertical line at `(x, y)` is in the interior of B, and the piece that sets it: `None`
+    /// if the position is not interior to the union of the footprints.
+    ///
+    /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
+    pub fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
+        /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
+        struct Sector {
+            from: [i64; 2],
+            to: [i64; 2],
+            roof: (i32, usize),
+        }
+        // The highest roof all around the point, and those above it on some sides.
+        let mut all_around: Option<(i32, usize)> = None;
+        let mut sectors: Vec<Sector> = Vec::new();
+        for (i, ring) in self.touching(x, y) {
+            let roof = (self.pieces[i].top, i);
+            match sector_at(ring, x, y) {
+                None => all_around = all_around.max(Some(roof)),
+                // Of walls on one another the highest counts.
+                Some((from, to)) => match sectors.iter_mut().find(|s| (s.from, s.to) == (from, to)) {
+                    Some(known) => known.roof = known.roof.max(roof),
+                    None => sectors.push(Sector { from, to, roof }),
+                },
+            }
+        }
+        sectors.retain(|sector| Some(sector.roof) > all_around);
+        let cross =
+            |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]);
+        let dot = |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[0]) + i128::from(a[1]) * i128::from(b[1]);
+        // Whether a sector covers the directions just counterclockwise of `d`.
+        let covers = |Sector { from, to, .. }: &Sector, d: [i64; 2]| {
+            (cross(*from, d) == 0 && dot(*from, d) > 0) || (cross(*from, d) > 0 && cross(d, *to) > 0)
+        };
+        let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max().max(all_around);
+        // What lies around the point changes only where a sector begins or ends.
+        sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).min().unwrap_or(all_around)
+    }
+
+    /// The height of [`Prisms::solid_at`], [`VOID`] where there is none.
+    pub fn solid_below(&self, x: i64, y: i64) -> i32 {
+        self.solid_at(x, y).map_or(VOID, |(top, _)| top)
+    }
+
+    /// The top of the roof at `(x, y)` and its building: the highest of the pieces that hold the position, counting a
+    /// point on an edge to what lies east, then north of it. `None` off all footprints.
+    pub fn roof_at(&self, x: i64, y: i64) -> Option<(i32, u32)> {
+        let holding = self.touching(x, y).filter(|(_, ring)| holds_half_open(ring, x, y));
+        holding.map(|(i, _)| (self.pieces[i].top, self.pieces[i].building)).max()
+    }
+}
+
+/// Whether a convex counterclockwise ring holds a position under the half-open rule: a position on an edge belongs to
+/// what lies just east, then just north of it. Rings with disjoint interiors never share a position.
+#[inline]
+pub(super) fn holds_half_open(ring: &[[i32; 2]], x: i64, y: i64) -> bool {
+    let n = ring.len();
+    (0..n).all(|k| {
+        let (a, b) = (ring[k], ring[(k + 1) % n]);
+        let side = side(a, b, x, y);
+        side > 0 || (side == 0 && (b[1] < a[1] || (b[1] == a[1] && b[0] > a[0])))
+    })
+}
+
+/// Twice the signed area of `a`, `b`, `(x, y)`: positive if the position is left of the edge.
+#[inline]
+pub(super) fn side(a: [i32; 2], b: [i32; 2], x: i64, y: i64) -> i64 {
+    let (ax, ay, bx, by) = (i64::from(a[0]), i64::from(a[1]), i64::from(b[0]), i64::from(b[1]));
+    (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+}
+
+/// The directions that a convex ring covers around a position which its closed region contains: `None` for all of them.
+fn sector_at(ring: &[[i32; 2]], x: i64, y: i64) -> Option<([i64; 2], [i64; 2])> {
+    let n = ring.len();
+    let to = |k: usize| [i64::from(ring[k % n][0]) - x, i64::from(ring[k % n][1]) - y];
+    let at = |k: usize| shortest(to(k));
+    if let Some(k) = (0..n).find(|&k| to(k) == [0, 0]) {
+        return Some((at(k + 1), at(k + n - 1)));
+    }
+    let k = (0..n).find(|&k| side(ring[k], ring[(k + 1) % n], x, y) == 0)?;
+    Some((at(k + 1), at(k)))
+}
+
+/// The shortest vector of integers in a direction, so that equal directions are equal.
+fn shortest(direction: [i64; 2]) -> [i64; 2] {
+    let [mut a, mut divisor] = direction;
+    while a != 0 {
+        (a, divisor) = (divisor % a, a);
+    }
+    direction.map(|v| v / divisor.abs().max(1))
+}
+
+/// Buckets sized so that there is about one for every piece, between 8 m and 256 m.
+fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
+    let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
+    let bounds = |ring: &[[i32; 2]]| {
+        ring.iter().fold([i64::MAX, i64::MAX, i64::MIN, i64::MIN], |[x0, y0, x1, y1], v| {
+            let (x, y) = (i64::from(v[0]), i64::from(v[1]));
+            [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
+        })
+    };
+    if pieces.is_empty() {
+        return Buckets {
+            origin: (0, 0),
+            size: 1024,
+            shape: (0, 0),
+            start: vec![0],
+            items: Vec::new(),
+            max_tops: Vec::new(),
+        };
+    }
+    let [x0, y0, x1, y1] = bounds(vertices);
+    let (smallest, largest) = (8 * 1024_i64, 256 * 1024_i64);
+    let mut size = smallest;
+    let n_pieces = i64::try_from(pieces.len()).unwrap_or(i64::MAX);
+    while size < largest && ((x1 - x0) / size + 1) * ((y1 - y0) / size + 1) > n_pieces.saturating_mul(4).max(1 << 14) {
+        size *= 2;
+    }
+    let origin = (x0.div_euclid(size) * size, y0.div_euclid(size) * size);
+    let shape = ((x1 - origin.0) / size + 1, (y1 - origin.1) / size + 1);
+    let spans = |p: &Piece| {
+        let [px0, py0, px1, py1] = bounds(ring(p));
+        let cell = |v: i64, o: i64| (v - o).div_euclid(size);
+        // A closed square also meets what only touches its east or north edge; visits are half-open, so the bucket of
+        // each of the piece's points is enough.
+        (cell(px0, origin.0)..=cell(px1, origin.0), cell(py0, origin.1)..=cell(py1, origin.1))
+    };
+    let index = |n: i64| usize::try_from(n).unwrap_or(0);
+    let n_buckets = index(shape.0 * shape.1);
+    let each = |f: &mut dyn FnMut(usize, usize)| {
+        for (k, piece) in pieces.iter().enumerate() {
+            let (cols, rows) = spans(piece);
+            for row in rows {
+                for col in cols.clone() {
+                    f(index(row * shape.0 + col), k);
+                }
+            }
+        }
+    };
+    let mut start = vec![0_u32; n_buckets + 1];
+    let mut max_tops = vec![VOID; n_buckets];
+    each(&mut |bucket, k| {
+        start[bucket + 1] += 1;
+        max_tops[bucket] = max_tops[bucket].max(pieces[k].top);
+    });
+    for i in 0..n_buckets {
+        start[i + 1] += start[i];
+    }
+    let mut next = start.clone();
+    let mut items = vec![0_u32; start[n_buckets] as usize];
+    each(&mut |bucket, k| {
+        items[next[bucket] as usize] = u32::try_from(k).unwrap_or(u32::MAX);
+        next[bucket] += 1;
+    });
+    Buckets { origin, size, shape, start, items, max_tops }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::triangulate::Ring;
+    use super::*;
+
+    fn square(x: i32, y: i32, edge: i32) -> Ring {
+        vec![[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]]
+    }
+
+    #[test]
+    fn a_shared_wall_is_inside_up_to_the_lower_roof_and_a_free_wall_is_not() {
+        let prisms = Prisms::new([(square(0, 0, 100), 30, 0), (square(100, 0, 100), 20, 1)]);
+        assert_eq!(prisms.solid_below(50, 50), 30);
+        assert_eq!(prisms.solid_below(100, 50), 20);
+        assert_eq!(prisms.solid_below(0, 50), VOID);
+        assert_eq!(prisms.solid_below(100, 0), VOID);
+        assert_eq!(prisms.solid_below(500, 50), VOID);
+    }
+
+    #[test]
+    fn the_point_where_four_prisms_meet_is_inside_up_to_the_lowest() {
+        let mut four = vec![
+            (square(0, 0, 100), 30, 0),
+            (square(100, 0, 100), 20, 1),
+            (square(0, 100, 100), 25, 2),
+            (square(100, 100, 100), 40, 3),
+        ];
+        assert_eq!(Prisms::new(four.clone()).solid_below(100, 100), 20);
+        four.remove(1);
+        assert_eq!(Prisms::new(four).solid_below(100, 100), VOID);
+    }
+
+    #[test]
+    fn the_roof_of_a_point_on_an_edge_is_the_one_to_its_north_east() {
+        let prisms = Prisms::new([(square(0, 0, 100), 30, 0), (square(100, 0, 100), 20, 1)]);
+        assert_eq!(prisms.roof_at(100, 50), Some((20, 1)));
+        assert_eq!(prisms.roof_at(0, 0), Some((30, 0)));
+        assert_eq!(prisms.roof_at(200, 50), None);
+        assert_eq!(prisms.roof_at(50, 100), None);
+    }
+}

@@ -1,0 +1,252 @@
+//! Cuts footprint polygons into convex pieces whose shadows and crossings are simple.
+//!
+//! A convex ring without holes is kept as it is. Anything else goes through a constrained Delaunay triangulation
+//! (spade); the triangles inside are found by counting the constraint edges between them and the outside, and joined into
+//! larger convex pieces, each of which costs a ray as much as a triangle. Coordinates
+//! are integers far below 2^53, so spade's predicates see them exactly, and the outcome is checked in integers: twice
+//! the area of the pieces equals twice the area of the polygon.
+
+use std::collections::HashMap;
+
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use super::merge::merged;
+
+/// A ring of lattice points, not closed (the first point is not repeated).
+pub type Ring = Vec<[i32; 2]>;
+
+/// The outcome of [`convex_pieces`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ConvexPieces {
+    /// Convex counterclockwise rings with disjoint interiors whose union is the polygon.
+    Exact(Vec<Ring>),
+    /// The triangulation failed its check; this one ring is the convex hull of the polygon.
+    Hull(Ring),
+}
+
+/// Cuts a polygon into convex pieces.
+///
+/// `contours` are the rings of one polygon whose edges do not cross: the shell first, then its holes, in any winding. Collinear vertices are removed. An empty polygon has no pieces.
+pub fn convex_pieces(contours: &[Ring]) -> ConvexPieces {
+    if let [ring] = contours {
+        let ring = without_collinear(ring);
+        if is_convex(&ring) {
+            return ConvexPieces::Exact(vec![counterclockwise(ring)]);
+        }
+    }
+    match triangles(contours) {
+        Some(triangles) => ConvexPieces::Exact(merged(triangles)),
+        None => ConvexPieces::Hull(convex_hull(contours.iter().flatten().copied().collect())),
+    }
+}
+
+/// Twice the area between a ring and its winding: positive counterclockwise.
+pub(super) fn doubled_area(ring: &[[i32; 2]]) -> i128 {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(a, b)| i128::from(a[0]) * i128::from(b[1]) - i128::from(b[0]) * i128::from(a[1])).sum()
+}
+
+/// Twice the signed area of the triangle `a`, `b`, `c`. Coordinates differ by at most 2^28, so this is exact.
+pub(super) fn turn(a: [i32; 2], b: [i32; 2], c: [i32; 2]) -> i64 {
+    let d = |p: [i32; 2], q: [i32; 2]| (i64::from(q[0]) - i64::from(p[0]), i64::from(q[1]) - i64::from(p[1]));
+    let ((ux, uy), (vx, vy)) = (d(a, b), d(a, c));
+    ux * vy - uy * vx
+}
+
+pub(super) fn without_collinear(ring: &[[i32; 2]]) -> Ring {
+    let mut kept: Ring = Vec::with_capacity(ring.len());
+    for &p in ring {
+        while kept.last() == Some(&p) || (kept.len() >= 2 && turn(kept[kept.len() - 2], kept[kept.len() - 1], p) == 0) {
+            kept.pop();
+        }
+        kept.push(p);
+    }
+    // The seam between the last and the first point.
+    loop {
+        let n = kept.len();
+        if n >= 3 && turn(kept[n - 2], kept[n - 1], kept[0]) == 0 {
+            kept.pop();
+        } else if n >= 3 && turn(kept[n - 1], kept[0], kept[1]) == 0 {
+            kept.remove(0);
+        } else {
+            return kept;
+        }
+    }
+}
+
+/// Whether a ring without collinear triples turns the same way everywhere, and only once around.
+fn is_convex(ring: &[[i32; 2]]) -> bool {
+    let n = ring.len();
+    if n < 3 {
+        return false;
+    }
+    let left = turn(ring[0], ring[1], ring[2]) > 0;
+    let same_way = (0..n).all(|i| (turn(ring[i], ring[(i + 1) % n], ring[(i + 2) % n]) > 0) == left);
+    // A star also turns one way only; a convex ring has one westmost run, so its x direction reverses just twice.
+    let directions: Vec<i32> =
+        (0..n).map(|i| (ring[(i + 1) % n][0].cmp(&ring[i][0])) as i32).filter(|&s| s != 0).collect();
+    let reversals = (0..directions.len()).filter(|&i| directions[i] != directions[(i + 1) % directions.len()]).count();
+    same_way && reversals == 2
+}
+
+fn counterclockwise(mut ring: Ring) -> Ring {
+    if doubled_area(&ring) < 0 {
+        ring.reverse();
+    }
+    ring
+}
+
+/// The triangles inside, or `None` if the triangulation does not cover the polygon exactly.
+fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
+    let mut index: HashMap<[i32; 2], usize> = HashMap::new();
+    let mut points = Vec::new();
+    let mut edges: Vec<[usize; 2]> = Vec::new();
+    for contour in contours {
+        let ids: Vec<usize> = contour
+            .iter()
+            .map(|&p| {
+                *index.entry(p).or_insert_with(|| {
+                    points.push(p);
+                    points.len() - 1
+                })
+            })
+            .collect();
+        let next = ids.iter().cycle().skip(1);
+        edges.extend(ids.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]));
+    }
+    if points.len() < 3 {
+        return Some(Vec::new());
+    }
+    let vertices = points.iter().map(|p| Point2::new(f64::from(p[0]), f64::from(p[1]))).collect();
+    let mut conflict = false;
+    let triangulation =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| conflict = true)
+            .ok()?;
+    if conflict {
+        return None;
+    }
+
+    // Flood from the outer face; crossing a constraint edge changes sides.
+    let mut inside: Vec<Option<bool>> = vec![None; triangulation.num_all_faces()];
+    let outer = triangulation.outer_face().fix();
+    inside[outer.index()] = Some(false);
+    let mut queue: Vec<_> = Vec::new();
+    let neighbors = |edge: spade::handles::DirectedEdgeHandle<'_, _, _, _, _>, here: bool| {
+        let crossed = edge.as_undirected().is_constraint_edge();
+        (edge.rev().face().fix(), here != crossed)
+    };
+    for edge in triangulation.convex_hull() {
+        // Hull edges belong to the outer face.
+        let (face, side) = neighbors(edge, false);
+        if inside[face.index()].is_none() {
+            inside[face.index()] = Some(side);
+            queue.push(face);
+        }
+    }
+    while let Some(face) = queue.pop() {
+        let Some(triangle) = triangulation.face(face).as_inner() else { continue };
+        let here = inside[face.index()]?;
+        for edge in triangle.adjacent_edges() {
+            let (next, side) = neighbors(edge, here);
+            match inside[next.index()] {
+                None => {
+                    inside[next.index()] = Some(side);
+                    queue.push(next);
+                }
+                Some(known) if known != side => return None,
+                Some(_) => {}
+            }
+        }
+    }
+
+    let pieces: Vec<Ring> = triangulation
+        .inner_faces()
+        .filter(|face| inside[face.fix().index()] == Some(true))
+        .map(|face| counterclockwise(face.vertices().map(|v| points[v.fix().index()]).to_vec()))
+        .collect();
+    let covered: i128 = pieces.iter().map(|p| doubled_area(p)).sum();
+    (covered == polygon_doubled_area(contours)).then_some(pieces)
+}
+
+/// Twice the area of a polygon: that of its shell, which comes first, less that of its holes.
+fn polygon_doubled_area(contours: &[Ring]) -> i128 {
+    let area = |ring: &Ring| doubled_area(ring).abs();
+    contours.first().map_or(0, area) - contours.iter().skip(1).map(area).sum::<i128>()
+}
+
+/// The convex hull, counterclockwise (Andrew 1979, monotone chain).
+fn convex_hull(mut points: Vec<[i32; 2]>) -> Ring {
+    points.sort_unstable();
+    points.dedup();
+    let half = |points: &mut dyn Iterator<Item = [i32; 2]>| {
+        let mut chain: Ring = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter().copied());
+    hull.extend(half(&mut points.iter().rev().copied()));
+    hull
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exact(contours: &[Ring]) -> Vec<Ring> {
+        match convex_pieces(contours) {
+            ConvexPieces::Exact(pieces) => pieces,
+            ConvexPieces::Hull(_) => panic!("fell back to the hull"),
+        }
+    }
+
+    #[test]
+    fn a_rectangle_stays_one_piece_whatever_its_winding_and_extra_vertices() {
+        let clockwise = vec![[0, 0], [0, 5], [0, 10], [20, 10], [20, 0]];
+        assert_eq!(exact(&[clockwise]), vec![vec![[20, 0], [20, 10], [0, 10], [0, 0]]]);
+    }
+
+    #[test]
+    fn an_l_shape_with_a_hole_is_covered_by_few_convex_pieces_of_the_same_area() {
+        let shell = vec![[0, 0], [100, 0], [100, 50], [50, 50], [50, 100], [0, 100]];
+        let hole = vec![[10, 10], [30, 10], [20, 30]];
+        let pieces = exact(&[shell, hole]);
+        let area: i128 = pieces.iter().map(|p| doubled_area(p)).sum();
+        assert_eq!(area, 2 * 7500 - 400);
+        assert!(pieces.iter().all(|p| is_convex(p) && doubled_area(p) > 0));
+        // Nine vertices and a hole take nine triangles.
+        assert!(pieces.len() <= 6, "{}", pieces.len());
+    }
+
+    #[test]
+    fn a_hole_that_touches_the_shell_is_kept_open() {
+        let shell = vec![[0, 0], [100, 0], [100, 100], [0, 100]];
+        let hole = vec![[0, 50], [90, 10], [90, 90]];
+        let area: i128 = exact(&[shell, hole]).iter().map(|p| doubled_area(p)).sum();
+        assert_eq!(area, 20_000 - 90 * 80);
+    }
+
+    #[test]
+    fn a_pentagram_is_not_taken_for_convex() {
+        let star = vec![[0, 100], [59, -81], [-95, 31], [95, 31], [-59, -81]];
+        assert!(!is_convex(&star));
+    }
+
+    #[test]
+    fn crossing_contours_fall_back_to_the_hull_instead_of_panicking() {
+        let a = vec![[0, 0], [100, 0], [100, 10], [0, 10]];
+        let b = vec![[50, -50], [60, -50], [60, 50], [50, 50]];
+        assert!(matches!(convex_pieces(&[a, b]), ConvexPieces::Hull(hull) if hull.len() == 8));
+    }
+
+    #[test]
+    fn degenerate_rings_have_no_pieces() {
+        assert_eq!(exact(&[vec![[0, 0], [5, 5], [9, 9]]]), Vec::<Ring>::new());
+        assert_eq!(exact(&[]), Vec::<Ring>::new());
+    }
+}

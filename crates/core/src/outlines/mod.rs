@@ -1,0 +1,11 @@
+//! Sets of cells as shapes: their connected parts, the outlines of these, and the cells that polygons overlap.
+
+mod cell_outline;
+mod cell_parts;
+mod overlapped_cells;
+mod simpler_rings;
+
+pub use cell_outline::traced_around;
+pub use cell_parts::{CellPart, cell_parts, labelled_parts, n_cell_parts};
+pub use overlapped_cells::{covered_shares, overlapped_cells};
+pub use simpler_rings::simpler_rings;

@@ -1,0 +1,65 @@
+//! Rasters in memory: rows of cells on a georeferenced grid, sets of cells, and what their coordinates mean.
+//!
+//! Rows run north to south and columns west to east, in every file and every array; a cell is an area, and its value
+//! holds for the whole of it.
+
+mod bit_grid;
+mod cell_blocks;
+mod cell_lattice;
+mod crs;
+mod georef;
+mod large_vec;
+mod row_runs;
+
+use bytemuck::Pod;
+
+pub use bit_grid::{BitGrid, bits_between, set_bits};
+pub use cell_blocks::CellBlocks;
+pub use cell_lattice::CellLattice;
+pub use crs::{Crs, CrsDefinition, CrsKind};
+pub use georef::{CellWindow, GeoRef};
+pub use large_vec::LargeVec;
+pub use row_runs::{CELLS_PER_RUN, RowGroup, RowRuns};
+
+/// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster<T: Pod> {
+    georef: GeoRef,
+    cells: LargeVec<T>,
+}
+
+impl<T: Pod> Raster<T> {
+    /// A raster from its cells.
+    ///
+    /// # Panics
+    /// If `cells` does not hold exactly `georef.n_cells()` values.
+    pub fn new(georef: GeoRef, cells: impl Into<LargeVec<T>>) -> Self {
+        let cells = cells.into();
+        assert_eq!(cells.len(), georef.n_cells(), "a raster holds one value per cell of its grid");
+        Raster { georef, cells }
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// All values, row by row from the north-west cell.
+    pub fn cells(&self) -> &[T] {
+        &self.cells
+    }
+
+    /// One row of values, row 0 being the northernmost.
+    ///
+    /// # Panics
+    /// If `row` is not below the number of rows.
+    pub fn row(&self, row: usize) -> &[T] {
+        let n_cols = self.georef.n_cols();
+        &self.cells[row * n_cols..(row + 1) * n_cols]
+    }
+
+    /// The values without their grid.
+    pub fn into_cells(self) -> LargeVec<T> {
+        self.cells
+    }
+}

@@ -1,0 +1,46 @@
+//! Where a UAV hovers, as it was asked for.
+
+use crate::quantity::Height;
+
+/// The record of a UAV: a name, a position in the scene's CRS and a height.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Site {
+    /// Name, unique in a run.
+    pub id: String,
+    /// East \[CRS units\].
+    pub x: f64,
+    /// North \[CRS units\].
+    pub y: f64,
+    /// Height and what it is above.
+    pub height: Height,
+}
+
+/// A site as it was given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenSite {
+    /// The site.
+    pub site: Site,
+    /// Its longitude and latitude \[deg\], if it was given by these.
+    pub lonlat: Option<[f64; 2]>,
+}
+
+impl std::ops::Deref for GivenSite {
+    type Target = Site;
+
+    fn deref(&self) -> &Site {
+        &self.site
+    }
+}
+
+impl std::borrow::Borrow<Site> for GivenSite {
+    fn borrow(&self) -> &Site {
+        &self.site
+    }
+}
+
+impl From<Site> for GivenSite {
+    /// A site that was given in the scene's CRS.
+    fn from(site: Site) -> Self {
+        GivenSite { site, lonlat: None }
+    }
+}

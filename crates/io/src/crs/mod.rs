@@ -1,0 +1,497 @@
+//! Coordinate reference systems: what they are called, which units they have, and how to get from one to another.
+//!
+//! Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever order an authority
+//! assigns: that is how rasters, GeoJSON and every GIS store them. Only the horizontal part of a compound system is
+//! kept. The registry and the projections come from `proj-core`, the text forms from `proj-wkt`; what those two do not
+//! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
+
+mod degrees;
+mod vertical;
+mod wkt;
+
+pub use degrees::{InputKind, degrees_refusal, utm_for};
+pub use vertical::{VerticalCrs, VerticalDifference};
+
+use std::fmt;
+use std::mem::discriminant;
+
+use proj_core::{
+    AreaOfInterest, AxisOrder, CrsDef, ProjectionMethod, SelectionOptions, Transform,
+    operation_candidates_between_with_selection_options,
+};
+
+use crate::error::{Error, Result};
+use crate::raster::{Crs, CrsDefinition, CrsKind};
+
+/// The reference system with an EPSG code; of a compound system its horizontal part.
+///
+/// # Errors
+/// E310 if the registry does not know the code.
+pub fn from_epsg(code: u32) -> Result<Crs> {
+    let horizontal = registry_entry(code).ok_or_else(|| {
+        Error::file(310, format!("unknown coordinate reference system: no EPSG code `{code}` in the registry"))
+            .with_hint("give another EPSG code, or the definition as WKT or PROJ string")
+    })?;
+    Ok(Crs::new(Some(horizontal.epsg()), horizontal.name(), kind_of(&horizontal), CrsDefinition::Registry))
+}
+
+/// Reads any common notation: `EPSG:25832`, `25832`, `urn:ogc:def:crs:EPSG::25832`,
+/// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings,
+/// PROJJSON.
+///
+/// A definition without an EPSG code gets one if a registry entry has the same projection, unit, ellipsoid and
+/// name of geographic base. A WKT with a projection that is not supported is kept by name and unit, so that its
+/// rasters can be used, but not transformed.
+///
+/// # Errors
+/// E310 if `text` is none of these, or names a system that the registry does not know.
+pub fn parse(text: &str) -> Result<Crs> {
+    let text = text.trim_start_matches('\u{feff}').trim_matches(|c: char| c.is_whitespace() || c == '\0');
+    let is_wkt = text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.contains('[');
+    if is_wkt {
+        return from_wkt(text);
+    }
+    if let Some(code) = code_in(text) {
+        return from_epsg(code);
+    }
+    let parsed = proj_wkt::parse_crs(text).map_err(|cause| unreadable(text, &cause.to_string()))?;
+    let horizontal = east_north(parsed).ok_or_else(|| unreadable(text, "it has no horizontal part"))?;
+    if horizontal.epsg() != 0 {
+        return from_epsg(horizontal.epsg());
+    }
+    // A PROJ string names no geographic base; only WGS 84 is said unmistakably.
+    if text.contains("datum=WGS84")
+        && let Some(crs) = registry_match(&horizontal, "WGS 84", None)
+    {
+        return Ok(crs);
+    }
+    let name = if horizontal.name().is_empty() { text } else { horizontal.name() }.to_string();
+    let kind = checked_unit(kind_of(&horizontal), text)?;
+    Ok(Crs::new(None, name, kind, CrsDefinition::Proj(text.to_string())))
+}
+
+fn from_wkt(text: &str) -> Result<Crs> {
+    if !wkt::is_whole(text) {
+        return Err(unreadable(text, "it ends before its brackets and quotes do"));
+    }
+    let node = wkt::horizontal_node(text).ok_or_else(|| unreadable(text, "it has no horizontal part"))?;
+    if let Some(code) = wkt::epsg_of(node)
+        && let Ok(crs) = from_epsg(code)
+    {
+        return Ok(crs);
+    }
+    let name = wkt::name_of(node).ok_or_else(|| unreadable(text, "it has no name"))?.to_string();
+    let parsed = proj_wkt::parse_crs(&wkt::for_proj_wkt(node)).ok().and_then(east_north);
+    if let Some(horizontal) = &parsed {
+        let base = if horizontal.is_projected() { wkt::base_name_of(node) } else { Some(name.as_str()) };
+        if let Some(crs) = base.and_then(|base| registry_match(horizontal, base, Some(&name))) {
+            return Ok(crs);
+        }
+    }
+    // As it is written: where the unit is 0 the parser takes another one.
+    let written = checked_unit(wkt::kind_of(node), text)?;
+    let kind = parsed.as_ref().map_or(written, kind_of);
+    Ok(Crs::new(None, name, kind, CrsDefinition::Wkt(node.to_string())))
+}
+
+/// A system of which only name and unit are known, as in the GeoKeys of a user-defined projection.
+///
+/// Its rasters can be used; coordinates in it cannot be transformed. `meters_per_unit` counts for projected systems.
+pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographic: bool) -> Crs {
+    let kind = match meters_per_unit {
+        _ if geographic => CrsKind::Geographic,
+        Some(meters) if SENSIBLE_UNITS_M.contains(&meters) => CrsKind::Projected { meters_per_unit: meters },
+        _ => CrsKind::Other,
+    };
+    let name = if name.trim().is_empty() { "unnamed" } else { name.trim() };
+    Crs::new(None, name, kind, CrsDefinition::Described)
+}
+
+/// Whether two definitions certainly mean different systems: different EPSG codes, or degrees and meters. Of two
+/// writers of one system one may know its code and the other not.
+pub(crate) fn contradicts(one: &Crs, other: &Crs) -> bool {
+    match (one.epsg(), other.epsg()) {
+        (Some(one), Some(other)) => one != other,
+        _ => discriminant(&one.kind()) != discriminant(&other.kind()),
+    }
+}
+
+/// Whether this is the Web Mercator projection, whose meters are true at the equator only.
+pub fn is_web_mercator(crs: &Crs) -> bool {
+    horizontal(crs)
+        .and_then(|crs| crs.as_projected().map(|projected| projected.method()))
+        .is_some_and(|method| matches!(method, ProjectionMethod::WebMercator))
+}
+
+/// The definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if it cannot be written.
+pub fn wkt_of(crs: &Crs) -> Option<String> {
+    match crs.definition() {
+        CrsDefinition::Wkt(text) => Some(text.clone()),
+        CrsDefinition::Described => None,
+        CrsDefinition::Registry | CrsDefinition::Proj(_) => wkt::for_gdal(&horizontal(crs)?),
+    }
+}
+
+/// The definition that the projections work with, in x, y order.
+fn horizontal(crs: &Crs) -> Option<CrsDef> {
+    match crs.definition() {
+        CrsDefinition::Registry => registry_entry(crs.epsg()?),
+        CrsDefinition::Wkt(text) => proj_wkt::parse_crs(&wkt::for_proj_wkt(text)).ok().and_then(east_north),
+        CrsDefinition::Proj(text) => proj_wkt::parse_crs(text).ok().and_then(east_north),
+        CrsDefinition::Described => None,
+    }
+}
+
+/// A prepared way from one [`Crs`] to another, for many points of one place.
+#[derive(Clone)]
+pub struct Transformation {
+    operation: Option<Transform>,
+    labels: (String, String),
+}
+
+impl fmt::Debug for Transformation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let operation = self.operation.as_ref().map_or("none", |transform| &transform.selected_operation().name);
+        write!(f, "Transformation({} to {} by {operation})", self.labels.0, self.labels.1)
+    }
+}
+
+impl Transformation {
+    /// Prepares the way from `from` to `to` for data around the point `near`, in coordinates of `from`.
+    ///
+    /// Datums are tied together by different operations in different regions; `near` decides between them. Operations
+    /// that need a grid file are not available.
+    ///
+    /// # Errors
+    /// E310 if one of the two is only described, if the registry has no way from one to the other, or if `near` is
+    /// outside the domain of the projections.
+    pub fn new(from: &Crs, to: &Crs, near: (f64, f64)) -> Result<Transformation> {
+        let labels = (from.label(), to.label());
+        if from == to {
+            return Ok(Transformation { operation: None, labels });
+        }
+        let refuse = |why: &str| {
+            let (from, to) = &labels;
+            Error::file(310, format!("cannot transform coordinates near `{near:?}` from `{from}` to `{to}`: {why}"))
+                .with_hint("bring the files into one coordinate reference system, for example with gdalwarp or ogr2ogr")
+        };
+        let defined = |crs: &Crs| {
+            horizontal(crs).ok_or_else(|| refuse(&format!("the projection of `{}` is not known", crs.label())))
+        };
+        let operation =
+            operation_near(&defined(from)?, &defined(to)?, near).map_err(|cause| refuse(&cause.to_string()))?;
+        Ok(Transformation { operation: Some(operation), labels })
+    }
+
+    /// Takes one point over: x, y in, x, y out \[CRS units; degrees if geographic\].
+    ///
+    /// # Errors
+    /// E310 if the point is not finite or lies outside the domain of the projections.
+    pub fn apply(&self, (x, y): (f64, f64)) -> Result<(f64, f64)> {
+        let refuse = |why: &str| {
+            let (from, to) = &self.labels;
+            Error::file(310, format!("cannot transform `{x} {y}` from `{from}` to `{to}`: {why}"))
+        };
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(refuse("coordinates must be finite"));
+        }
+        let Some(operation) = &self.operation else { return Ok((x, y)) };
+        let (x, y) = operation.convert((x, y)).map_err(|cause| refuse(&cause.to_string()))?;
+        if x.is_finite() && y.is_finite() { Ok((x, y)) } else { Err(refuse("the result is not finite")) }
+    }
+}
+
+/// The best operation of the registry around a point that is neither withdrawn nor in need of a grid file.
+///
+/// `proj-core` ranks some withdrawn operations first: EPSG 1508 (CH1903 to WGS 84) is wrong by 100 km.
+fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Result<Transform> {
+    let area = AreaOfInterest::source_crs_point(near.into());
+    let options = SelectionOptions::new().with_area_of_interest(area).with_wgs84_pivot();
+    let first = Transform::from_crs_defs_with_selection_options(from, to, options.clone())?;
+    if !first.selected_operation().deprecated {
+        return Ok(first);
+    }
+    let others = operation_candidates_between_with_selection_options(from, to, &options)?;
+    let valid = others.iter().filter(|other| !other.deprecated && !other.uses_grids).filter_map(|other| other.id);
+    let built = |id| Transform::from_crs_defs_with_selection_options(from, to, options.clone().with_operation(id)).ok();
+    Ok(valid.filter_map(built).next().unwrap_or(first))
+}
+
+/// Takes one point from one system to another; for many points prepare a [`Transformation`].
+///
+/// # Errors
+/// E310 as for [`Transformation`].
+pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
+    Transformation::new(from, to, xy)?.apply(xy)
+}
+
+/// Lengths that a unit of coordinates may have \[m\].
+const SENSIBLE_UNITS_M: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
+
+/// Refuses a unit of coordinates that nobody measures in.
+fn checked_unit(kind: CrsKind, text: &str) -> Result<CrsKind> {
+    match kind {
+        CrsKind::Projected { meters_per_unit } if !SENSIBLE_UNITS_M.contains(&meters_per_unit) => {
+            Err(unreadable(text, &format!("its unit is {meters_per_unit:e} m, wanted 0.001 to 100000 m")))
+        }
+        kind => Ok(kind),
+    }
+}
+
+fn unreadable(text: &str, why: &str) -> Error {
+    let shown: String = text.chars().take(80).collect();
+    Error::file(310, format!("cannot read the coordinate reference system `{shown}`: {why}"))
+        .with_hint("wanted for example `EPSG:25832`, a WKT or a PROJ string")
+}
+
+/// The horizontal part of a registry entry.
+fn registry_entry(code: u32) -> Option<CrsDef> {
+    proj_core::lookup_epsg(code).and_then(east_north)
+}
+
+fn east_north(crs: CrsDef) -> Option<CrsDef> {
+    crs.horizontal_crs().map(|horizontal| horizontal.with_axis_order(AxisOrder::EastNorth))
+}
+
+fn kind_of(horizontal: &CrsDef) -> CrsKind {
+    match horizontal {
+        CrsDef::Geographic(_) => CrsKind::Geographic,
+        CrsDef::Projected(projected) => CrsKind::Projected { meters_per_unit: projected.linear_unit_to_meter() },
+        CrsDef::Geocentric(_) | CrsDef::Compound(_) => CrsKind::Other,
+    }
+}
+
+/// The code in `25832`, `EPSG:25832`, `EPSG:25832+5783` and the codes that stood for Web Mercator before it had one.
+fn code_in(text: &str) -> Option<u32> {
+    let bare = match text.split_once(':') {
+        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("EPSG") => rest,
+        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("ESRI") => rest,
+        Some(_) => return None,
+        None => text,
+    };
+    let code = bare.split('+').next()?.trim().parse().ok()?;
+    Some(if matches!(code, 3785 | 102_100 | 102_113 | 900_913) { 3857 } else { code })
+}
+
+/// Largest relative difference of two parameters that mean the same: a few millimeters in a false origin or an angle,
+/// more than the rounding of any writer of `.prj` files.
+const SAME_NUMBER: f64 = 1e-9;
+
+/// The registry entry with the same projection, unit, ellipsoid and base as `crs`, preferring one of the same name.
+///
+/// `base` is the name of the geographic base: entries of different datums can share all numbers.
+fn registry_match(crs: &CrsDef, base: &str, name: Option<&str>) -> Option<Crs> {
+    let (base, name) = (folded(base), name.map(folded));
+    let near = |a: f64, b: f64| (a - b).abs() <= SAME_NUMBER * a.abs().max(1.0);
+    let same_ellipsoid = |a: &CrsDef, b: &CrsDef| {
+        let (a, b) = (a.datum().ellipsoid(), b.datum().ellipsoid());
+        near(a.semi_major_axis(), b.semi_major_axis()) && near(a.flattening(), b.flattening())
+    };
+    let wanted = crs.as_projected().map(|projected| (projected.method(), wkt::conversion_of(crs)));
+    let same_conversion = |entry: &CrsDef| match (&wanted, entry.as_projected()) {
+        (None, None) => crs.is_geographic() && entry.is_geographic(),
+        (Some((method, Some(numbers))), Some(projected))
+            if discriminant(method) == discriminant(&projected.method()) =>
+        {
+            wkt::conversion_of(entry).is_some_and(|other| {
+                numbers.len() == other.len()
+                    && numbers.iter().zip(&other).all(|((name, a), (other, b))| name == other && near(*a, *b))
+            })
+        }
+        _ => false,
+    };
+    let same_numbers = |entry: &CrsDef| same_ellipsoid(crs, entry) && same_conversion(entry);
+    let same_base = |entry: &CrsDef| {
+        let entry_base = entry.base_geographic_crs_epsg().and_then(proj_core::lookup_epsg);
+        entry_base.is_some_and(|entry_base| folded(entry_base.name()) == base)
+    };
+    let candidates = (2_000..33_000).filter_map(registry_entry).filter(|entry| same_numbers(entry) && same_base(entry));
+    let rank = |entry: &CrsDef| {
+        let entry_name = folded(entry.name());
+        let same = name.as_ref().is_some_and(|name| entry_name == *name || entry_name.ends_with(name.as_str()));
+        (!same, entry.name().contains("(N-E)"), entry.epsg())
+    };
+    let best = candidates.min_by_key(rank)?;
+    from_epsg(best.epsg()).ok()
+}
+
+/// A name without the habits of its writer: `GCS_ETRS_1989` and `ETRS89` fold to the same.
+fn folded(name: &str) -> String {
+    let name = name.trim_start_matches("GCS_").to_uppercase();
+    let name: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
+    let name = name.replace("NORTHAMERICAN19", "NAD").replace("EUROPEAN19", "ED").replace("BELGE19", "BD");
+    let name = name.replace("DEUTSCHESHAUPTDREIECKSNETZ", "DHDN").replace("GAUSSZONE", "GAUSSKRUGERZONE");
+    // Four-digit years of the last century become two digits, as in EPSG names.
+    let mut short = String::with_capacity(name.len());
+    let mut rest = name.as_str();
+    while let Some(at) = rest.find("19") {
+        let (before, year) = rest.split_at(at);
+        let digits = year.chars().take_while(char::is_ascii_digit).count();
+        let free = !before.ends_with(|c: char| c.is_ascii_digit());
+        short.push_str(before);
+        short.push_str(if free && digits == 4 { "" } else { "19" });
+        rest = &year[2..];
+    }
+    short.push_str(rest);
+    short.strip_suffix("V1").map_or_else(|| short.replace("V1LAMBERT", "LAMBERT"), str::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: (f64, f64), b: (f64, f64), tolerance: f64) -> bool {
+        (a.0 - b.0).abs() <= tolerance && (a.1 - b.1).abs() <= tolerance
+    }
+
+    #[test]
+    fn notations_of_one_system_are_equal() {
+        let wanted = from_epsg(25832).unwrap();
+        assert_eq!(wanted.name(), "ETRS89 / UTM zone 32N");
+        assert_eq!(wanted.kind(), CrsKind::Projected { meters_per_unit: 1.0 });
+        for text in [
+            "EPSG:25832",
+            " epsg:25832\n",
+            "25832",
+            "urn:ogc:def:crs:EPSG::25832",
+            "http://www.opengis.net/def/crs/EPSG/0/25832",
+            "EPSG:25832+5783",
+            "EPSG:5555",
+            "+init=epsg:25832",
+        ] {
+            assert_eq!(parse(text).unwrap(), wanted, "{text}");
+        }
+        assert_eq!(parse("urn:ogc:def:crs:OGC:1.3:CRS84").unwrap().epsg(), Some(4326));
+        assert_eq!(parse("urn:ogc:def:crs:EPSG::4326").unwrap(), from_epsg(4326).unwrap());
+        assert_eq!(parse("+proj=utm +zone=33 +datum=WGS84").unwrap().epsg(), Some(32633));
+    }
+
+    #[test]
+    fn esri_names_are_recognized() {
+        let prj = |name: &str, base: &str, ellipsoid: &str, projection: &str| {
+            format!(
+                r#"PROJCS["{name}",GEOGCS["{base}",DATUM["D_X",SPHEROID["X",{ellipsoid}]],PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],{projection},UNIT["Meter",1.0]]"#
+            )
+        };
+        let utm = r#"PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0]"#;
+        let grs = "6378137.0,298.257222101";
+        let etrs = prj("ETRS_1989_UTM_Zone_32N", "GCS_ETRS_1989", grs, utm);
+        assert_eq!(parse(&etrs).unwrap().epsg(), Some(25832));
+        let wgs = prj("WGS_1984_UTM_Zone_32N", "GCS_WGS_1984", "6378137.0,298.257223563", utm);
+        assert_eq!(parse(&wgs).unwrap().epsg(), Some(32632));
+        let gauss =
+            utm.replace("Transverse_Mercator", "Gauss_Kruger").replace("500000", "3500000").replace("0.9996", "1.0");
+        let dhdn =
+            prj("DHDN_3_Degree_Gauss_Zone_3", "GCS_Deutsches_Hauptdreiecksnetz", "6377397.155,299.1528128", &gauss);
+        assert_eq!(parse(&dhdn).unwrap().epsg(), Some(31467));
+        let feet = r#"PROJECTION["Lambert_Conformal_Conic"],PARAMETER["False_Easting",984250.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",-74.0],PARAMETER["Standard_Parallel_1",40.66666666666666],PARAMETER["Standard_Parallel_2",41.03333333333333],PARAMETER["Latitude_Of_Origin",40.16666666666666]"#;
+        let name = "NAD_1983_StatePlane_New_York_Long_Island_FIPS_3104_Feet";
+        let state_plane = prj(name, "GCS_North_American_1983", grs, feet)
+            .replace(r#"UNIT["Meter",1.0]"#, r#"UNIT["Foot_US",0.3048006096012192]"#);
+        assert_eq!(parse(&state_plane).unwrap().epsg(), Some(2263));
+        let unknown = prj("My city", "GCS_ETRS_1989", grs, &utm.replace("9.0", "8.5"));
+        let unknown = parse(&unknown).unwrap();
+        assert_eq!((unknown.epsg(), unknown.label().as_str()), (None, "My city"));
+        assert_eq!(unknown.kind(), CrsKind::Projected { meters_per_unit: 1.0 });
+    }
+
+    #[test]
+    fn an_unsupported_projection_keeps_its_unit() {
+        let text = r#"PROJCS["odd",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Bonne"],PARAMETER["standard_parallel_1",60],UNIT["foot",0.3048]]"#;
+        let crs = parse(text).unwrap();
+        assert_eq!(crs.kind(), CrsKind::Projected { meters_per_unit: 0.3048 });
+        assert_eq!(wkt_of(&crs).as_deref(), Some(text));
+        assert!(transform(&crs, &from_epsg(4326).unwrap(), (0.0, 0.0)).is_err());
+    }
+
+    #[test]
+    fn nonsense_is_refused_in_one_line() {
+        for text in [
+            "",
+            "EPSG:",
+            "EPSG:99999",
+            "WGS 84",
+            "PROJCS",
+            "[",
+            "a[",
+            "VERT_CS[\"h\",UNIT[\"metre\",1]]",
+            "+proj=nowhere",
+        ] {
+            let error = parse(text).unwrap_err();
+            assert_eq!(error.code(), "E310", "{text}");
+        }
+    }
+
+    type Pair = (f64, f64);
+
+    /// EPSG code, point in degrees, and what PROJ 9.5.1 without grids makes of it
+    /// (`pyproj.Transformer.from_crs(4326, code, always_xy=True)`).
+    const PROJ_VALUES: [(u32, Pair, Pair); 17] = [
+        (25832, (9.18, 48.78), (513223.5394, 5403015.5180)),
+        (32632, (9.18, 48.78), (513223.5394, 5403015.5182)),
+        (25830, (-3.7, 40.4), (440598.0789, 4472390.0310)),
+        (2154, (2.35, 48.86), (652310.7180, 6862414.6368)),
+        (28992, (4.9, 52.37), (121819.3652, 487013.7615)),
+        (3857, (9.18, 48.78), (1021912.9255, 6237614.1076)),
+        (27700, (-0.13, 51.5), (529897.1019, 179553.2861)),
+        (2056, (8.54, 47.37), (2683186.2856, 1247156.7441)),
+        (3035, (9.18, 48.78), (4260716.6254, 2852189.9267)),
+        (31370, (4.35, 50.85), (148679.4474, 171066.8103)),
+        (5514, (14.42, 50.09), (-742860.0835, -1042721.3635)),
+        (31467, (9.18, 48.78), (3513304.5125, 5404737.5973)),
+        (21781, (8.54, 47.37), (683186.2856, 247156.7441)),
+        (2263, (-73.97, 40.78), (992558.4427, 223453.2998)),
+        (6677, (139.75, 35.68), (-7543.1243, -35499.1822)),
+        (28355, (144.96, -37.81), (320422.8203, 5813305.2226)),
+        (2193, (174.76, -36.85), (1756911.9449, 5920321.8182)),
+    ];
+
+    #[test]
+    fn values_agree_with_proj() {
+        let wgs84 = from_epsg(4326).unwrap();
+        for (code, lonlat, wanted) in PROJ_VALUES {
+            let crs = from_epsg(code).unwrap();
+            let found = transform(&wgs84, &crs, lonlat).unwrap();
+            // Where the registry has several datum operations of the same accuracy, PROJ may take another one.
+            let tolerance = match code {
+                21781 => 2.0,
+                31370 | 5514 => 0.1,
+                _ => 1e-3,
+            };
+            assert!(close(found, wanted, tolerance), "EPSG:{code}: {found:?}, wanted {wanted:?}");
+            let back = transform(&crs, &wgs84, found).unwrap();
+            assert!(close(back, lonlat, 2e-8), "EPSG:{code}: {back:?}, wanted {lonlat:?}");
+        }
+    }
+
+    #[test]
+    fn a_withdrawn_datum_operation_is_not_used() {
+        // The default of proj-core for this pair, EPSG operation 1508, is wrong by 100 km.
+        let (wgs84, lv03) = (from_epsg(4326).unwrap(), from_epsg(21781).unwrap());
+        let bern = transform(&wgs84, &lv03, (7.438637, 46.951082)).unwrap();
+        assert!(close(bern, (600_000.0, 200_000.0), 3.0), "{bern:?}");
+    }
+
+    #[test]
+    fn wkt_carries_the_code_and_is_read_back() {
+        for code in [25832, 32632, 25830, 2154, 28992, 3857, 4326, 27700, 2056, 3035, 31370, 5514, 31467, 2263] {
+            let crs = from_epsg(code).unwrap();
+            let wkt = wkt_of(&crs).unwrap();
+            assert!(wkt.ends_with(&format!(r#"AUTHORITY["EPSG","{code}"]]"#)), "{wkt}");
+            assert!(!wkt.contains("EPSG datum"), "{wkt}");
+            assert_eq!(parse(&wkt).unwrap(), crs);
+        }
+        // Longitude from Paris: better none than a wrong one.
+        assert_eq!(from_epsg(27572).ok().and_then(|crs| wkt_of(&crs)), None);
+    }
+
+    #[test]
+    fn a_described_system_cannot_be_transformed() {
+        let crs = from_geokeys_citation("City grid", Some(0.3048), false);
+        assert_eq!(crs.label(), "City grid");
+        assert_eq!(crs.kind(), CrsKind::Projected { meters_per_unit: 0.3048 });
+        assert_eq!(wkt_of(&crs), None);
+        assert!(transform(&crs, &from_epsg(25832).unwrap(), (0.0, 0.0)).is_err());
+        assert_eq!(transform(&crs, &crs.clone(), (1.0, 2.0)).unwrap(), (1.0, 2.0));
+    }
+}

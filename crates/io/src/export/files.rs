@@ -1,0 +1,270 @@
+//! Files of a run: their formats, and what is checked of them before any work.
+
+use std::path::{Path, PathBuf};
+
+use super::temporary::Hold;
+use crate::error::{Error, Result, io_words};
+
+/// A file format, told by the extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Picture, or one pixel per cell with `--bare`.
+    Png,
+    /// Picture as vectors.
+    Svg,
+    /// Picture as vectors on a page.
+    Pdf,
+    /// GeoTIFF.
+    GeoTiff,
+    /// OpenEXR.
+    Exr,
+    /// Esri ASCII grid.
+    AsciiGrid,
+    /// Raw numbers with a header.
+    Bil,
+    /// Numpy archive.
+    Npz,
+    /// Overlays for Google Earth.
+    Kmz,
+    /// Table.
+    Csv,
+    /// Document.
+    Json,
+    /// Features.
+    GeoJson,
+    /// Features with a spatial index.
+    FlatGeobuf,
+    /// Scene of Mitsuba, with its meshes.
+    Mitsuba,
+    /// Web page.
+    Html,
+    /// The document on standard output.
+    Stdout,
+}
+
+impl Format {
+    /// The format of a path.
+    ///
+    /// # Errors
+    /// Usage error (E104) for an unknown extension.
+    pub fn of(path: &Path) -> Result<Format> {
+        if path.as_os_str() == "-" {
+            return Ok(Format::Stdout);
+        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        Ok(match extension.as_str() {
+            "png" => Format::Png,
+            "svg" => Format::Svg,
+            "pdf" => Format::Pdf,
+            "tif" | "tiff" => Format::GeoTiff,
+            "exr" => Format::Exr,
+            "asc" => Format::AsciiGrid,
+            "bil" => Format::Bil,
+            "npz" => Format::Npz,
+            "kmz" => Format::Kmz,
+            "csv" => Format::Csv,
+            "json" => Format::Json,
+            "geojson" => Format::GeoJson,
+            "fgb" => Format::FlatGeobuf,
+            "xml" => Format::Mitsuba,
+            "html" => Format::Html,
+            "" => {
+                let text = format!("cannot write {}: it has no extension, which tells the format", path.display());
+                return Err(Error::usage(104, text));
+            }
+            _ => {
+                let text = format!("cannot write {}: unknown extension `.{extension}`", path.display());
+                return Err(Error::usage(104, text));
+            }
+        })
+    }
+
+    /// Whether it holds a picture.
+    pub fn is_picture(self) -> bool {
+        matches!(self, Format::Png | Format::Svg | Format::Pdf)
+    }
+    /// The extension that stands for it.
+    fn extension(self) -> &'static str {
+        match self {
+            Format::Png => ".png",
+            Format::Svg => ".svg",
+            Format::Pdf => ".pdf",
+            Format::GeoTiff => ".tif",
+            Format::Exr => ".exr",
+            Format::AsciiGrid => ".asc",
+            Format::Bil => ".bil",
+            Format::Npz => ".npz",
+            Format::Kmz => ".kmz",
+            Format::Csv => ".csv",
+            Format::Json => ".json",
+            Format::GeoJson => ".geojson",
+            Format::FlatGeobuf => ".fgb",
+            Format::Mitsuba => ".xml",
+            Format::Html => ".html",
+            Format::Stdout => "`-` for standard output",
+        }
+    }
+}
+
+/// What may be written, for a hint.
+fn listed(allowed: &[Format]) -> String {
+    let (streams, files): (Vec<Format>, Vec<Format>) = allowed.iter().partition(|format| **format == Format::Stdout);
+    let files: Vec<&str> = files.into_iter().map(Format::extension).collect();
+    let streams = streams.first().map_or(String::new(), |format| format!(", and {}", format.extension()));
+    format!("wanted {}{streams}", files.join(" "))
+}
+
+/// What the outputs of a run must comply with.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputRules<'a> {
+    /// Formats that the command writes.
+    pub allowed: &'a [Format],
+    /// Files that the run reads.
+    pub inputs: &'a [PathBuf],
+    /// Whether existing files may be replaced.
+    pub overwrite: bool,
+    /// Whether a PNG is bare, with a world file and a sidecar.
+    pub bare: bool,
+}
+
+/// Checks the outputs of a run before any work: formats that the command writes, folders that can be written, no file or
+/// sidecar replaced without leave, no file given twice, no input overwritten.
+///
+/// # Errors
+/// Usage errors E104–E106; E401 for a folder that is not there or refuses files.
+pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
+    let mut checked: Vec<(PathBuf, Format)> = Vec::new();
+    let mut places: Vec<PathBuf> = Vec::new();
+    let mut folders: Vec<PathBuf> = Vec::new();
+    for path in outputs {
+        let format = Format::of(path).map_err(|error| error.with_hint(listed(rules.allowed)))?;
+        let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
+        if !rules.allowed.contains(&format) {
+            return Err(refuse("this command does not write that format").with_hint(listed(rules.allowed)));
+        }
+        if format == Format::Stdout {
+            if checked.iter().any(|(_, f)| *f == Format::Stdout) {
+                return Err(refuse("it is named twice"));
+            }
+            checked.push((path.clone(), format));
+            continue;
+        }
+        let folder = folder_of(path);
+        if !folders.contains(&folder) {
+            check_folder(path)?;
+            folders.push(folder.clone());
+        }
+        if path.is_dir() {
+            return Err(refuse("it is a folder"));
+        }
+        let place = std::fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default());
+        if places.contains(&place) {
+            return Err(refuse("it is named twice"));
+        }
+        let is_input = |file: &Path| {
+            let same = |input: &PathBuf| match (std::fs::canonicalize(input), std::fs::canonicalize(file)) {
+                (Ok(a), Ok(b)) => a == b,
+                _ => false,
+            };
+            rules.inputs.iter().any(same)
+        };
+        if is_input(path) {
+            return Err(refuse("it is an input of this run"));
+        }
+        let is_tile = |input: &PathBuf| {
+            let folder = std::fs::canonicalize(input).ok().filter(|folder| folder.is_dir());
+            folder.is_some_and(|folder| place.parent() == Some(&folder))
+        };
+        if matches!(format, Format::GeoTiff | Format::AsciiGrid) && rules.inputs.iter().any(is_tile) {
+            return Err(refuse("it would be a tile of the folder that this run reads"));
+        }
+        refuse_to_replace(path, rules.overwrite)?;
+        for sidecar in sidecars(path, format, rules.bare) {
+            if is_input(&sidecar) {
+                return Err(refuse(&format!("its sidecar {} is an input of this run", sidecar.display())));
+            }
+            refuse_to_replace(&sidecar, rules.overwrite)?;
+        }
+        places.push(place);
+        checked.push((path.clone(), format));
+    }
+    Ok(checked)
+}
+
+/// Refuses a file whose folder is not there, is a file, or cannot be written.
+///
+/// # Errors
+/// E401.
+pub fn check_folder(path: &Path) -> Result<()> {
+    let folder = folder_of(&followed(path));
+    let refuse =
+        |why: &str| Error::file(401, format!("cannot write {}: folder {} {why}", path.display(), folder.display()));
+    match std::fs::metadata(&folder) {
+        Ok(found) if !found.is_dir() => return Err(refuse("is a file")),
+        Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Err(refuse("does not exist")),
+        _ => {}
+    }
+    // Who may write where is known to the system alone: it is asked for a file, which is gone at once.
+    let probe = Hold::of(&folder);
+    probe.map(|_| ()).map_err(|cause| refuse(&format!("cannot be written: {}", io_words(&cause))))
+}
+
+/// The files that may be written beside an output.
+pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
+    let beside = |suffix: &str| super::with_suffix(path, suffix);
+    match format {
+        Format::GeoTiff => vec![beside(".aux.xml")],
+        Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
+        Format::Bil => vec![path.with_extension("hdr"), path.with_extension("prj"), beside(".json")],
+        Format::Csv => vec![beside(".json")],
+        Format::Mitsuba => MESHES.iter().map(|mesh| mesh_name(path, mesh)).chain([beside(".json")]).collect(),
+        Format::Png if bare => vec![path.with_extension("pgw"), path.with_extension("prj"), beside(".json")],
+        _ => Vec::new(),
+    }
+}
+
+/// The meshes of a Mitsuba scene.
+pub(super) const MESHES: [&str; 2] = ["ground", "buildings"];
+
+/// The file of a mesh beside its scene: `NAME_MESH.ply`.
+pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
+    // Named in XML, which holds Unicode alone.
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{mesh}.ply"))
+}
+
+/// Refuses what is there, unless it may be replaced, and what is no file.
+pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
+    let found = std::fs::metadata(path);
+    if found.as_ref().is_ok_and(|found| !found.is_file()) {
+        let text = format!("cannot write {}: it is a folder, a pipe or a device, wanted a file", path.display());
+        return Err(Error::usage(105, text).with_hint("where a command offers `-o -`, that writes to standard output"));
+    }
+    if !overwrite && found.is_ok() {
+        return Err(Error::usage(106, format!("cannot write {}: it exists", path.display()))
+            .with_hint("`--overwrite` replaces it"));
+    }
+    Ok(())
+}
+
+pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
+    Error::file(401, format!("cannot write {}: {}", path.display(), io_words(cause)))
+}
+
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// Where a file is written: behind a symbolic link what it points to, which need not be there.
+pub(super) fn followed(path: &Path) -> PathBuf {
+    const MOST_LINKS: usize = 40;
+    let mut place = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(target) = std::fs::read_link(&place) else { break };
+        place = folder_of(&place).join(target);
+    }
+    place
+}

@@ -1,0 +1,414 @@
+//! The coverage of a run as raster files.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use super::map_arrays::npz;
+use super::single_band::{ascii_grid, bil};
+use super::{Batch, Format};
+use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
+use crate::error::{Error, Result};
+use crate::formats::{
+    Bands, ClassColor, ClassImage, ClassPyramid, ExrChannel, GeoTiffImage, TiffLayout, pam_sidecar, write_exr,
+    write_geotiff,
+};
+use crate::raster::GeoRef;
+
+/// Nodata of float rasters in GeoTIFF and ASCII grids.
+pub(super) const NODATA: f32 = -9999.0;
+/// Nodata of counts.
+pub(super) const NO_COUNT: u32 = u32::MAX;
+
+/// A layer of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// The mask.
+    Los,
+    /// Receiver height less the least visible height \[m\].
+    Margin,
+    /// Least receiver height \[m above the datum\].
+    LeastReceiverHeight,
+    /// Least UAV height \[m above the datum\].
+    LeastHeight,
+    /// Number of UAVs, per run.
+    Count,
+    /// How many of eight moves by one lattice step turn the answer.
+    Stability,
+    /// Set of UAVs, per run.
+    Which,
+}
+
+impl Layer {
+    /// The word for it on the command line and in band names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Layer::Los => "los",
+            Layer::Margin => "margin",
+            Layer::LeastReceiverHeight => "least-receiver-height",
+            Layer::LeastHeight => "least-height",
+            Layer::Stability => "stability",
+            Layer::Count => "count",
+            Layer::Which => "which",
+        }
+    }
+
+    /// Whether the layer holds a float for each receiver: meters, or the number of moves that turn it.
+    pub fn is_measure(self) -> bool {
+        matches!(self, Layer::Margin | Layer::LeastReceiverHeight | Layer::LeastHeight | Layer::Stability)
+    }
+
+    /// The values of a layer that is a measure, if they were made.
+    pub(super) fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
+        match self {
+            Layer::Margin => site.margin.as_deref(),
+            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
+            Layer::LeastHeight => site.least_height.as_deref(),
+            Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
+            Layer::Los | Layer::Count | Layer::Which => None,
+        }
+    }
+}
+
+/// The coverage of a run, ready for files.
+#[derive(Debug)]
+pub struct MapResult<'a> {
+    /// The grid.
+    pub georef: &'a GeoRef,
+    /// One coverage per UAV.
+    pub sites: &'a [SiteCoverage],
+    /// The layers that were asked for, in order.
+    pub layers: &'a [Layer],
+    /// Provenance as one JSON text.
+    pub provenance: &'a str,
+    /// Arrangement of the cells in GeoTIFF files.
+    pub tif_layout: TiffLayout,
+    /// The values of masks in GeoTIFF and .bil files.
+    pub mask_values: MaskValues,
+}
+
+/// The values that stand for line of sight in a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MaskValues {
+    /// The [`class`]es.
+    #[default]
+    Classes,
+    /// 255 for line of sight and 0 for everything else, whatever its reason, as `gdal_viewshed` writes by default; without
+    /// nodata, colors or names.
+    Gdal,
+}
+
+impl MaskValues {
+    /// A mask with these values.
+    pub fn of<'a>(self, mask: &'a [u8]) -> Cow<'a, [u8]> {
+        match self {
+            MaskValues::Classes => Cow::Borrowed(mask),
+            MaskValues::Gdal => mask.iter().map(|c| if *c == class::LOS { 255 } else { 0 }).collect(),
+        }
+    }
+
+    /// The value that means no data, if one does.
+    pub(super) fn nodata(self) -> Option<u8> {
+        (self == MaskValues::Classes).then_some(class::NODATA)
+    }
+}
+
+/// All masks laid over each other.
+fn overlay_of(masks: &[&[u8]]) -> Overlay {
+    let mut overlay = Overlay::new(masks.first().map_or(0, |mask| mask.len()));
+    masks.iter().for_each(|mask| overlay.add(mask));
+    overlay
+}
+
+/// How many UAVs see each cell, [`NO_COUNT`] where it is a receiver of none.
+pub(super) fn count_of(masks: &[&[u8]]) -> Vec<u32> {
+    let overlay = overlay_of(masks);
+    let count = overlay.count().iter().zip(overlay.union());
+    count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT }).collect()
+}
+
+/// One band: a name and its values.
+pub(super) enum Band<'a> {
+    Class(&'a [u8]),
+    Measure(&'a [f32]),
+    Count(Vec<u32>),
+    Bits(Vec<u32>),
+}
+
+impl<'a> MapResult<'a> {
+    pub(super) fn bands(&self) -> Vec<(String, Band<'a>)> {
+        let masks: Vec<&[u8]> = self.sites.iter().map(|s| s.mask.as_slice()).collect();
+        let mut bands: Vec<(String, Band<'a>)> = Vec::new();
+        for &layer in self.layers {
+            for site in self.sites {
+                let name = band_name(&site.uav.id, layer);
+                let band = match layer {
+                    Layer::Los => Some(Band::Class(&site.mask)),
+                    _ => layer.measure_of(site).map(Band::Measure),
+                };
+                bands.extend(band.map(|b| (name, b)));
+            }
+            match layer {
+                Layer::Count => {
+                    bands.push(("count".into(), Band::Count(count_of(&masks))));
+                }
+                Layer::Which => {
+                    for (word, bits) in which_layer(&masks).into_iter().enumerate() {
+                        bands.push((format!("which.{word}"), Band::Bits(bits)));
+                    }
+                }
+                _ => {}
+            }
+        }
+        bands
+    }
+}
+
+/// The name of the band of a layer of one UAV.
+fn band_name(site: &str, layer: Layer) -> String {
+    format!("{site}.{}", layer.name())
+}
+
+/// The most sites whose set fits the 24 bits that an f32 holds exactly.
+const MOST_SITES_AS_F32: usize = 24;
+
+/// Refuses layers that a format cannot hold; to be asked before any work, too.
+///
+/// # Errors
+/// Usage error (E107).
+pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Format) -> Result<()> {
+    let n_bands: usize = layers
+        .iter()
+        .map(|layer| match layer {
+            Layer::Count => 1,
+            Layer::Which => n_sites.div_ceil(32),
+            _ => n_sites,
+        })
+        .sum();
+    let single = match format {
+        Format::AsciiGrid => Some("an ASCII grid"),
+        Format::Bil => Some("a .bil file"),
+        _ => None,
+    };
+    if let Some(single) = single.filter(|_| n_bands != 1) {
+        return Err(Error::usage(
+            107,
+            format!("cannot write {}: {single} holds one layer of one site, found {n_bands}", path.display()),
+        )
+        .with_hint("choose one site and one layer, or write .tif"));
+    }
+    if matches!(format, Format::Kmz | Format::FlatGeobuf) && !layers.contains(&Layer::Los) {
+        let text = format!("cannot write {}: it shows line of sight, which is not among the layers", path.display());
+        return Err(Error::usage(107, text).with_hint("add `los` to `--layers`, or write .tif"));
+    }
+    let has_sets = layers.contains(&Layer::Which) && n_sites > MOST_SITES_AS_F32;
+    if format == Format::GeoTiff && has_sets && layers.iter().any(|l| l.is_measure()) {
+        return Err(Error::usage(
+            107,
+            format!("cannot write {}: `which` of more than 24 sites beside measures", path.display()),
+        )
+        .with_hint("write `which` to a .tif of its own, or to .exr"));
+    }
+    // Nodata of counts is the set of 32 UAVs.
+    if format == Format::GeoTiff && layers.contains(&Layer::Which) && layers.contains(&Layer::Count) && n_sites >= 32 {
+        let text = format!("cannot write {}: `count` beside `which` of 32 sites or more", path.display());
+        return Err(Error::usage(107, text).with_hint("write each to a .tif of its own, or both to .exr"));
+    }
+    Ok(())
+}
+
+/// Adds a raster file of a map to a batch, and the files that go beside it.
+///
+/// # Errors
+/// Usage error (E107) if the layers do not fit the format; those of [`Batch::add`]; internal errors from the encoders.
+pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
+    check_layers(result.layers, result.sites.len(), path, format)?;
+    let files = match format {
+        Format::GeoTiff => return add_geotiff(batch, result, path),
+        Format::Exr => exr(result, path)?,
+        Format::AsciiGrid => ascii_grid(result, path)?,
+        Format::Bil => bil(result, path)?,
+        Format::Npz => npz(result, path)?,
+        _ => return Err(Error::internal(902, "a raster format was asked for")),
+    };
+    files.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
+}
+
+/// Written as it is made: the strips of a mask are the mask itself.
+fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result<()> {
+    let mut add = |image: &GeoTiffImage<'_>| batch.add_streamed(path, |file| write_geotiff(file, image));
+    let bands = result.bands();
+    let metadata = vec![("SKYSHED".to_string(), result.provenance.to_string())];
+    let image = |bands, nodata, palette| {
+        let layout = result.tif_layout;
+        GeoTiffImage { georef: result.georef, bands, nodata, palette, metadata: &metadata, layout }
+    };
+    if bands.iter().all(|(_, b)| matches!(b, Band::Class(_))) {
+        let masks: Vec<(String, Cow<'_, [u8]>)> = bands
+            .iter()
+            .filter_map(|(name, b)| match b {
+                Band::Class(mask) => Some((name.clone(), result.mask_values.of(mask))),
+                _ => None,
+            })
+            .collect();
+        let palette = palette();
+        let named = masks.len() == 1 && result.mask_values == MaskValues::Classes;
+        let borrowed = masks.iter().map(|(name, mask)| (name.clone(), mask.as_ref())).collect();
+        let nodata = result.mask_values.nodata().map(f64::from);
+        add(&image(Bands::Byte(borrowed), nodata, named.then_some(palette.as_slice())))?;
+        if named {
+            add_class_names(batch, path, &palette)?;
+        }
+        return Ok(());
+    }
+    if bands.iter().all(|(_, b)| !matches!(b, Band::Measure(_))) {
+        let has_bits = bands.iter().any(|(_, b)| matches!(b, Band::Bits(_)));
+        let is_any_number_a_set = has_bits && result.sites.len() >= u32::BITS as usize;
+        let values: Vec<(String, Vec<u32>)> = bands
+            .into_iter()
+            .map(|(name, band)| {
+                let values = match band {
+                    Band::Class(mask) => mask.iter().map(|c| u32::from(*c)).collect(),
+                    Band::Count(n) | Band::Bits(n) => n,
+                    Band::Measure(_) => Vec::new(),
+                };
+                (name, values)
+            })
+            .collect();
+        let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
+        let nodata = (!is_any_number_a_set).then_some(f64::from(NO_COUNT));
+        return add(&image(Bands::UInt32(borrowed), nodata, None));
+    }
+    let mut values: Vec<(String, Vec<f32>)> = Vec::new();
+    for (name, band) in bands {
+        let band: Vec<f32> = match band {
+            Band::Class(mask) => {
+                mask.iter().map(|c| if *c == class::NODATA { NODATA } else { f32::from(*c) }).collect()
+            }
+            Band::Measure(v) => v.iter().map(|v| finite(*v)).collect(),
+            Band::Count(n) => n.iter().map(|n| if *n == NO_COUNT { NODATA } else { exact_f32(*n) }).collect(),
+            Band::Bits(bits) => bits.iter().map(|n| exact_f32(*n)).collect(),
+        };
+        values.push((name, band));
+    }
+    let borrowed = values.iter().map(|(n, v)| (n.clone(), v.as_slice())).collect();
+    add(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))
+}
+
+/// Adds the GeoTIFF of the mask of one UAV, of which all rows were pushed, and the names of its classes.
+///
+/// # Errors
+/// Those of [`Batch::add`]; internal errors from the encoder.
+pub fn add_mask_geotiff(
+    batch: &mut Batch,
+    path: &Path,
+    pyramid: &ClassPyramid,
+    (georef, site, provenance): (&GeoRef, &str, &str),
+    mask_values: MaskValues,
+) -> Result<()> {
+    add_described(batch, path, (georef, site, provenance), mask_values, |batch, image, metadata| {
+        batch.add_streamed(path, |file| pyramid.write(file, image, metadata))
+    })
+}
+
+/// Adds the mask of one UAV, which `add` writes with what is to be said of it, and the names of its classes.
+pub(super) fn add_described(
+    batch: &mut Batch,
+    path: &Path,
+    (georef, site, provenance): (&GeoRef, &str, &str),
+    mask_values: MaskValues,
+    add: impl FnOnce(&mut Batch, &ClassImage<'_>, &[(String, String)]) -> Result<()>,
+) -> Result<()> {
+    let palette = palette();
+    let is_named = mask_values == MaskValues::Classes;
+    let image = ClassImage {
+        georef,
+        nodata: mask_values.nodata().map(f64::from),
+        palette: is_named.then_some(palette.as_slice()),
+        name: &band_name(site, Layer::Los),
+    };
+    let metadata = [("SKYSHED".to_string(), provenance.to_string())];
+    add(batch, &image, &metadata)?;
+    if is_named { add_class_names(batch, path, &palette) } else { Ok(()) }
+}
+
+/// Adds the sidecar with the names of the classes.
+fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
+    // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
+    let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
+    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())
+}
+
+/// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven
+/// range, for no height that is enough.
+pub(super) fn finite(v: f32) -> f32 {
+    const END: f32 = 32_768.0;
+    if v.is_nan() { NODATA } else { v.clamp(-END, END) }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of UAVs and sets of at most 24 bits are exact in f32")]
+fn exact_f32(n: u32) -> f32 {
+    n as f32
+}
+
+/// The classes with their names and colors.
+fn palette() -> Vec<ClassColor> {
+    let color = |(value, name): &(u8, &str)| ClassColor {
+        value: *value,
+        name: (*name).to_string(),
+        rgba: class::color(*value),
+    };
+    class::NAMES.iter().map(color).collect()
+}
+
+fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    enum Owned<'a> {
+        Float(Cow<'a, [f32]>),
+        UInt(Vec<u32>),
+    }
+    let bands = result.bands();
+    let channels: Vec<(String, Owned<'_>)> = bands
+        .into_iter()
+        .map(|(name, band)| {
+            let channel = match band {
+                Band::Class(mask) => Owned::UInt(mask.iter().map(|c| u32::from(*c)).collect()),
+                Band::Measure(v) => Owned::Float(v.into()),
+                Band::Count(n) => {
+                    Owned::Float(n.iter().map(|n| if *n == NO_COUNT { f32::NAN } else { exact_f32(*n) }).collect())
+                }
+                Band::Bits(n) => Owned::UInt(n),
+            };
+            (name, channel)
+        })
+        .collect();
+    let borrowed: Vec<(String, ExrChannel<'_>)> = channels
+        .iter()
+        .map(|(name, c)| {
+            let channel = match c {
+                Owned::Float(v) => ExrChannel::Float(v),
+                Owned::UInt(v) => ExrChannel::UInt(v),
+            };
+            (name.clone(), channel)
+        })
+        .collect();
+    let mut bytes = Vec::new();
+    let metadata = [("SKYSHED".to_string(), result.provenance.to_string())];
+    write_exr(&mut bytes, result.georef, &borrowed, &metadata)?;
+    Ok(vec![(path.to_path_buf(), bytes)])
+}
+
+/// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
+pub fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The name of the bare picture of one site beside that of all: `NAME.SITE.png`, odd characters replaced.
+pub fn bare_name(path: &Path, site: &str) -> PathBuf {
+    path.with_extension(format!("{}.png", site_in_names(site)))
+}
+
+/// The name of a site as file names hold it: odd characters replaced.
+pub fn site_in_names(site: &str) -> String {
+    site.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
+}

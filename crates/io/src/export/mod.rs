@@ -1,0 +1,36 @@
+//! What is written where: results into files, by extension, all or nothing.
+//!
+//! Every file is written under a temporary name beside its final one and renamed when all files of the run are complete,
+//! so that an error, a full disk or Ctrl-C leaves nothing half written.
+
+mod batch;
+mod city_mesh;
+mod compare;
+mod files;
+mod flatgeobuf;
+mod kmz;
+mod map;
+mod map_arrays;
+mod mask_strips;
+mod mitsuba;
+mod ns3_boxes;
+mod single_band;
+mod table;
+mod temporary;
+mod zones;
+
+pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
+pub use batch::Batch;
+pub use city_mesh::{CityMesh, Mesh, city_mesh};
+pub use compare::{Comparison, add_comparison};
+pub use files::{Format, OutputRules, check_outputs};
+pub use files::{check_folder, sidecars};
+pub use kmz::encode_kmz;
+pub use map::with_suffix;
+pub use map::{Layer, MapResult, MaskValues, add_map, add_mask_geotiff, bare_name, check_layers, site_in_names};
+pub use mask_strips::MaskStrips;
+pub use mitsuba::{MitsubaScene, add_mitsuba};
+pub use ns3_boxes::ns3_boxes;
+pub use table::{as_text, encode_table};
+pub use temporary::abandon_files;
+pub use zones::add_zones;

@@ -1,0 +1,448 @@
+//! Esri ASCII grid (`.asc`): a header of keys and numbers, then the heights row by row from the north.
+//!
+//! Keys come in any case and order; the corner is that of the grid (`xllcorner`) or the center of its first cell
+//! (`xllcenter`), the cells are square (`cellsize`) or not (`dx`, `dy`, as GDAL writes them). A missing `NODATA_value` is
+//! -9999, as Esri defines it. The coordinate reference system is in a file of the same name with the ending `.prj`.
+//! Numbers have a decimal point; decimal commas are refused, since they cannot be told from separators.
+//!
+//! The file is read as a stream of words, so that its size in memory is that of the cells asked for.
+//! Codes of errors and warnings are those of the GeoTIFF reader.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::file::{cannot_read, open_file, reserve_cells};
+use super::voids::Voids;
+use crate::crs;
+use crate::error::{Error, Result, Warning};
+use crate::raster::{CellWindow, Crs, GeoRef, Raster};
+
+const KEYS: [&str; 11] = [
+    "ncols",
+    "nrows",
+    "xllcorner",
+    "yllcorner",
+    "xllcenter",
+    "yllcenter",
+    "cellsize",
+    "dx",
+    "dy",
+    "nodata_value",
+    "nodata",
+];
+/// Nodata value of a grid that declares none.
+const DEFAULT_NODATA: f64 = -9999.0;
+/// Longest word of a grid \[bytes\].
+const MAX_WORD_BYTES: usize = 512;
+
+/// An Esri ASCII grid, its header read and checked.
+#[derive(Debug, Clone)]
+pub struct AsciiGrid {
+    path: PathBuf,
+    georef: GeoRef,
+    nodata: f64,
+    /// Byte and line at which the heights begin.
+    cells_at: u64,
+    cells_line: u64,
+}
+
+impl AsciiGrid {
+    /// Opens a file and reads its header, no cell.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises more cells than the
+    /// file can hold.
+    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
+        let (file, len) = open_file(path)?;
+        let mut words = Words::new(path, file, 0, 1);
+        let header = Header::read(&mut words)?;
+        let (cells_at, cells_line) = (words.word_at, words.word_line);
+        let shown = path.display();
+        let georef = header.georef(path)?;
+        // Each height takes a digit and, but for the last, a separator.
+        let (n_cells, left) = (georef.n_cells() as u64, len.saturating_sub(cells_at));
+        if n_cells.saturating_mul(2) - 1 > left {
+            let (cols, rows) = (georef.n_cols(), georef.n_rows());
+            let text = format!(
+                "cannot read `{shown}`: {left} bytes follow its header, too few for {cols} columns x {rows} rows"
+            );
+            return Err(Error::file(303, text).with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+        }
+        let crs = sidecar_crs(path, warnings);
+        if crs.is_none() {
+            let text = format!(
+                "`{shown}` has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed"
+            );
+            warnings.push(Warning::new(325, text));
+        }
+        let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
+        Ok(AsciiGrid { path: path.to_owned(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// How the file is encoded, in a few words.
+    pub fn description(&self) -> String {
+        format!("Esri ASCII grid, nodata {}", self.nodata)
+    }
+
+    /// Reads a part of the grid; `convert` turns a height into what the raster holds.
+    ///
+    /// Cells that hold no height (nodata, NaN, infinite) arrive in `convert` as NaN. Rows south of the part are not
+    /// looked at.
+    ///
+    /// # Errors
+    /// If the part does not fit in memory, a value is no number, there are too few or too many values, or no cell of the
+    /// part holds a height.
+    ///
+    /// # Panics
+    /// If `window` is empty or reaches beyond the grid.
+    pub fn read<T: bytemuck::Pod>(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        mut convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        let part = self.georef.part(window);
+        let mut cells = reserve_cells(&self.path, &part)?;
+        let mut voids = Voids::new(Some(self.nodata));
+        self.for_each_stored(window, |row, col, stored| cells.push(convert(voids.height(row, col, stored))))?;
+        voids.report(&self.path, warnings)?;
+        Ok(Raster::new(part, cells))
+    }
+
+    /// The value of cells without a height.
+    pub(super) fn nodata(&self) -> f64 {
+        self.nodata
+    }
+
+    /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
+    ///
+    /// # Errors
+    /// If a value is no number, or there are too few or too many values.
+    pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
+        let (mut file, _) = open_file(&self.path)?;
+        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.path, &e))?;
+        let mut words = Words::new(&self.path, file, self.cells_at, self.cells_line);
+        for row in 0..window.row + window.n_rows {
+            for col in 0..self.georef.n_cols() {
+                if !words.next()? {
+                    let (found, wanted) = (row * self.georef.n_cols() + col, self.georef.n_cells());
+                    let error = words.error(303, format!("the file ends after {found} values, wanted {wanted}"));
+                    return Err(error.with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+                }
+                if row >= window.row && (window.col..window.col + window.n_cols).contains(&col) {
+                    visit(row, col, self.stored(words.number()?));
+                }
+            }
+        }
+        if window.row + window.n_rows == self.georef.n_rows() && words.next()? {
+            let error =
+                words.error(302, format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells()));
+            return Err(error.with_hint("`ncols` and `nrows` may be wrong"));
+        }
+        Ok(())
+    }
+
+    /// The value as read, and the declared nodata value where the two are the same 32-bit number.
+    #[expect(
+        clippy::float_cmp,
+        clippy::cast_possible_truncation,
+        reason = "writers round nodata to 32 bits in one place only"
+    )]
+    fn stored(&self, value: f64) -> f64 {
+        if value as f32 == self.nodata as f32 { self.nodata } else { value }
+    }
+}
+
+/// Whether a word is a key of the header, in any case.
+pub(super) fn is_header_key(word: &str) -> bool {
+    KEYS.iter().any(|key| word.eq_ignore_ascii_case(key))
+}
+
+/// The keys of the header with their values and lines.
+#[derive(Debug, Default)]
+struct Header {
+    /// Key, value as written, line.
+    entries: Vec<(&'static str, String, u64)>,
+}
+
+impl Header {
+    /// Reads keys and values up to the first height, which is the current word afterwards.
+    fn read(words: &mut Words) -> Result<Header> {
+        let mut header = Header::default();
+        loop {
+            if !words.next()? {
+                return Err(words.error(303, "the file ends in its header, wanted heights"));
+            }
+            let word = words.text();
+            let Some(key) = KEYS.iter().find(|key| word.eq_ignore_ascii_case(key)) else {
+                // The first height; a word that is no number is a misspelled key.
+                let is_key = word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.parse::<f64>().is_err();
+                if is_key {
+                    let wanted = "ncols, nrows, xllcorner, yllcorner, cellsize, dx, dy or NODATA_value";
+                    return Err(words.error(302, format!("`{word}` is no key of the header, wanted {wanted}")));
+                }
+                header.check(words)?;
+                return Ok(header);
+            };
+            if header.entries.iter().any(|(k, ..)| k == key) {
+                return Err(words.error(302, format!("`{word}` is given twice")));
+            }
+            if !words.next()? {
+                return Err(words.error(303, format!("the file ends after `{word}`, wanted its value")));
+            }
+            let value = words.text();
+            // The value is checked where its line is at hand.
+            let number = words.number().map_err(|_| {
+                let error = words.error(302, format!("`{word}` is `{value}`, wanted a number with a decimal point"));
+                if value.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
+            })?;
+            let is_size = matches!(*key, "cellsize" | "dx" | "dy");
+            let is_count = matches!(*key, "ncols" | "nrows");
+            if is_size && !(number > 0.0 && number.is_finite()) {
+                return Err(words.error(302, format!("`{word}` is `{value}`, must be above 0")));
+            }
+            if is_count && !value.parse::<usize>().is_ok_and(|n| n > 0) {
+                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a whole number above 0")));
+            }
+            if !number.is_finite() && !key.starts_with("nodata") {
+                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a finite number")));
+            }
+            header.entries.push((key, value, words.word_line));
+        }
+    }
+
+    /// Checks that each number that the grid needs is there once.
+    fn check(&self, words: &Words) -> Result<()> {
+        let has = |key| self.entries.iter().any(|(k, ..)| *k == key);
+        for (one, other) in
+            [("ncols", "ncols"), ("nrows", "nrows"), ("xllcorner", "xllcenter"), ("yllcorner", "yllcenter")]
+        {
+            if !has(one) && !has(other) {
+                return Err(words.error(302, format!("the header ends without `{one}`")));
+            }
+            if one != other && has(one) && has(other) {
+                return Err(words.error(302, format!("the header has both `{one}` and `{other}`")));
+            }
+        }
+        let has_size = has("cellsize") || (has("dx") && has("dy"));
+        if !has_size {
+            return Err(words.error(302, "the header ends without `cellsize`, or `dx` and `dy`"));
+        }
+        Ok(())
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.entries.iter().find(|(k, ..)| *k == key).and_then(|(_, value, _)| value.parse().ok())
+    }
+
+    fn count(&self, key: &str) -> usize {
+        self.entries.iter().find(|(k, ..)| *k == key).and_then(|(_, value, _)| value.parse().ok()).unwrap_or(0)
+    }
+
+    fn georef(&self, path: &Path) -> Result<GeoRef> {
+        let (n_rows, n_cols) = (self.count("nrows"), self.count("ncols"));
+        let square = self.number("cellsize").unwrap_or(f64::NAN);
+        let (width, height) = (self.number("dx").unwrap_or(square), self.number("dy").unwrap_or(square));
+        let corner = |corner, center, size: f64| {
+            self.number(corner).or(self.number(center).map(|center| center - 0.5 * size)).unwrap_or(f64::NAN)
+        };
+        let x_min = corner("xllcorner", "xllcenter", width);
+        let y_max = corner("yllcorner", "yllcenter", height) + height * n_rows as f64;
+        GeoRef::new((x_min, y_max), (width, height), (n_rows, n_cols), None).ok_or_else(|| {
+            let text = format!("cannot read `{}`: {n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid", path.display());
+            Error::file(307, text)
+        })
+    }
+}
+
+/// The words of a file, one after the other.
+struct Words<'a> {
+    path: &'a Path,
+    reader: BufReader<File>,
+    /// Byte and line of the reader.
+    at: u64,
+    line: u64,
+    word: Vec<u8>,
+    /// Byte and line of the current word.
+    word_at: u64,
+    word_line: u64,
+}
+
+impl<'a> Words<'a> {
+    fn new(path: &'a Path, file: File, at: u64, line: u64) -> Self {
+        let reader = BufReader::with_capacity(1 << 18, file);
+        Words { path, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
+    }
+
+    /// An error on the line of the current word.
+    fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
+        Error::file(code, format!("cannot read `{}`: line {}: {}", self.path.display(), self.word_line, text.as_ref()))
+    }
+
+    /// Moves to the next word; false at the end of the file.
+    fn next(&mut self) -> Result<bool> {
+        self.word.clear();
+        loop {
+            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.path, &e))?;
+            if buffer.is_empty() {
+                return Ok(!self.word.is_empty());
+            }
+            let mut n_used = 0;
+            let mut done = false;
+            for byte in buffer {
+                // A byte-order mark is no part of the first word.
+                let is_mark = self.at + (n_used as u64) < 3 && matches!(byte, 0xef | 0xbb | 0xbf);
+                if byte.is_ascii_whitespace() || *byte == 0x0b || is_mark {
+                    if !self.word.is_empty() {
+                        done = true;
+                        break;
+                    }
+                    self.line += u64::from(*byte == b'\n');
+                } else {
+                    if self.word.is_empty() {
+                        (self.word_at, self.word_line) = (self.at + n_used as u64, self.line);
+                    }
+                    self.word.push(*byte);
+                    if self.word.len() > MAX_WORD_BYTES {
+                        break;
+                    }
+                }
+                n_used += 1;
+            }
+            self.reader.consume(n_used);
+            self.at += n_used as u64;
+            if self.word.len() > MAX_WORD_BYTES {
+                return Err(self.error(302, format!("a word of more than {MAX_WORD_BYTES} bytes, wanted a number")));
+            }
+            if done {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The current word, for a message.
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.word).into_owned()
+    }
+
+    /// The current word as a number.
+    fn number(&self) -> Result<f64> {
+        std::str::from_utf8(&self.word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| {
+            let text = self.text();
+            let error = self.error(302, format!("`{text}` is no number"));
+            if text.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
+        })
+    }
+}
+
+/// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.
+fn sidecar_crs(path: &Path, warnings: &mut Vec<Warning>) -> Option<Crs> {
+    let (sidecar, file) = ["prj", "PRJ"].iter().find_map(|extension| {
+        let sidecar = path.with_extension(extension);
+        let (file, _) = open_file(&sidecar).ok()?;
+        Some((sidecar, file))
+    })?;
+    let mut text = String::new();
+    let parsed = match file.take(1 << 20).read_to_string(&mut text) {
+        Ok(_) => crs::parse(&text).map_err(|e| e.to_string()),
+        Err(error) => Err(error.to_string()),
+    };
+    match parsed {
+        Ok(crs) => Some(crs),
+        Err(error) => {
+            let text = format!(
+                "`{}` holds no coordinate reference system that is understood ({error}): ignored",
+                sidecar.display()
+            );
+            warnings.push(Warning::new(326, text));
+            None
+        }
+    }
+}
+
+/// Writes a grid: the header, then `values` row by row from the north-west cell.
+///
+/// NaN and infinities are written as `nodata`; `decimals` is the number of digits behind the point, `None` the fewest
+/// that read back as the same number. Cells that are not square get `dx` and `dy`, as GDAL writes them. `out` is written
+/// once per row.
+///
+/// # Errors
+/// If `out` cannot be written, or there is not exactly one value per cell.
+pub fn write_ascii_grid(
+    out: &mut impl Write,
+    georef: &GeoRef,
+    nodata: f64,
+    mut values: impl Iterator<Item = f64>,
+    decimals: Option<usize>,
+) -> io::Result<()> {
+    let (width, height) = (georef.cell_width(), georef.cell_height());
+    writeln!(out, "ncols        {}", georef.n_cols())?;
+    writeln!(out, "nrows        {}", georef.n_rows())?;
+    writeln!(out, "xllcorner    {}", georef.x_min())?;
+    writeln!(out, "yllcorner    {}", georef.y_min())?;
+    if width.to_bits() == height.to_bits() {
+        writeln!(out, "cellsize     {width}")?;
+    } else {
+        writeln!(out, "dx           {width}")?;
+        writeln!(out, "dy           {height}")?;
+    }
+    writeln!(out, "NODATA_value {nodata}")?;
+    let miscounted =
+        |what| io::Error::new(io::ErrorKind::InvalidInput, format!("too {what} values for the cells of the grid"));
+    let mut line = String::new();
+    for _ in 0..georef.n_rows() {
+        line.clear();
+        for col in 0..georef.n_cols() {
+            if col > 0 {
+                line.push(' ');
+            }
+            let value = values.next().ok_or_else(|| miscounted("few"))?;
+            // Writing to a string cannot fail.
+            let _ = match decimals {
+                _ if !value.is_finite() => write!(line, "{nodata}"),
+                Some(decimals) => write!(line, "{value:.decimals$}"),
+                None => write!(line, "{value}"),
+            };
+        }
+        line.push('\n');
+        out.write_all(line.as_bytes())?;
+    }
+    if values.next().is_some() { Err(miscounted("many")) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_grid_has_the_keys_of_gdal() {
+        let georef = GeoRef::new((10.0, 26.0), (1.0, 2.0), (2, 3), None).expect("a valid grid");
+        let mut out = Vec::new();
+        let values = [0.1, -2.0, f64::NAN, 3.25, 1e-7, f64::INFINITY];
+        write_ascii_grid(&mut out, &georef, -9999.0, values.into_iter(), None).expect("memory");
+        assert_eq!(
+            String::from_utf8_lossy(&out),
+            "ncols        3\nnrows        2\nxllcorner    10\nyllcorner    22\ndx           1\ndy           2\n\
+             NODATA_value -9999\n0.1 -2 -9999\n3.25 0.0000001 -9999\n"
+        );
+        let mut out = Vec::new();
+        let georef = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 1), None).expect("a valid grid");
+        write_ascii_grid(&mut out, &georef, -1.0, [2.675].into_iter(), Some(2)).expect("memory");
+        assert!(String::from_utf8_lossy(&out).ends_with("cellsize     1\nNODATA_value -1\n2.67\n"));
+    }
+
+    #[test]
+    fn a_grid_is_not_written_with_a_wrong_number_of_values() {
+        let georef = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 2), None).expect("a valid grid");
+        for values in [vec![1.0], vec![1.0; 3]] {
+            assert!(write_ascii_grid(&mut Vec::new(), &georef, -1.0, values.into_iter(), None).is_err());
+        }
+    }
+}

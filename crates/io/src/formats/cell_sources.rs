@@ -1,0 +1,173 @@
+//! One grid over another in another reference system: which cell of the one holds the center of each cell of the other.
+
+use rayon::prelude::*;
+
+use crate::crs::Transformation;
+use crate::error::{Error, Result};
+use crate::raster::{Crs, CrsKind, GeoRef};
+
+/// Points along each side of a grid between which its outline in another system is taken for straight.
+const POINTS_PER_SIDE: usize = 32;
+/// No cell of the source.
+const NONE: u32 = u32::MAX;
+
+/// For each cell of a grid the cell of a source that holds its center.
+#[derive(Debug, Clone)]
+pub struct CellSources {
+    sources: Vec<u32>,
+}
+
+impl CellSources {
+    /// Looks up the center of each cell of `grid` in `source`; `way` leads from the system of the one to that of the other.
+    ///
+    /// A center on an edge between cells of the source belongs to the one north or east of it. A point that the projection
+    /// does not know lies in no cell. Degrees of longitude are taken a turn on or back where that leads into the source.
+    ///
+    /// Cost: one transformation per cell.
+    ///
+    /// # Errors
+    /// E502 if the source has more than 2^32 − 1 cells.
+    pub fn new(grid: &GeoRef, source: &GeoRef, way: &Transformation) -> Result<CellSources> {
+        if u32::try_from(source.n_cells()).is_err() {
+            return Err(Error::limit(502, format!("cannot reproject {} cells: wanted below 2^32", source.n_cells())));
+        }
+        let is_round = matches!(source.crs().map(Crs::kind), Some(CrsKind::Geographic));
+        let turned = |x: f64| match x {
+            _ if is_round && x < source.x_min() => x + 360.0,
+            _ if is_round && x >= source.x_max() => x - 360.0,
+            _ => x,
+        };
+        let sources = (0..grid.n_cells()).into_par_iter().map(|cell| {
+            let center = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
+            way.apply(center).map_or(NONE, |(x, y)| cell_at(source, (turned(x), y)))
+        });
+        Ok(CellSources { sources: sources.collect() })
+    }
+
+    /// The values of the cells of the source at the centers of these cells, `outside` where there is none.
+    pub fn resampled<T: Copy + Send + Sync>(&self, values: &[T], outside: T) -> Vec<T> {
+        let value = |source: &u32| values.get(*source as usize).copied().unwrap_or(outside);
+        self.sources.par_iter().map(value).collect()
+    }
+
+    /// Number of cells whose center lies in no cell of the source.
+    pub fn n_outside(&self) -> usize {
+        self.sources.iter().filter(|source| **source == NONE).count()
+    }
+}
+
+fn cell_at(grid: &GeoRef, (x, y): (f64, f64)) -> u32 {
+    let (east, north) = grid.cells_from_world(x, y);
+    let is_inside = east >= 0.0 && north >= 0.0 && east < grid.n_cols() as f64 && north < grid.n_rows() as f64;
+    if !is_inside {
+        return NONE;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
+    let (col, from_south) = (east as usize, north as usize);
+    u32::try_from((grid.n_rows() - 1 - from_south) * grid.n_cols() + col).unwrap_or(NONE)
+}
+
+/// Points around a grid, its corners among them.
+fn outline(grid: &GeoRef) -> impl Iterator<Item = (f64, f64)> {
+    let (west, east, south, north) = (grid.x_min(), grid.x_max(), grid.y_min(), grid.y_max());
+    (0..=POINTS_PER_SIDE).flat_map(move |k| {
+        let share = k as f64 / POINTS_PER_SIDE as f64;
+        let (x, y) = (west + share * (east - west), south + share * (north - south));
+        [(x, south), (x, north), (west, y), (east, y)]
+    })
+}
+
+/// West, south, east, north of a grid in another system: an outline that is bent reaches beyond its corners.
+///
+/// # Errors
+/// E310 if a part of it is outside the domain of the projection.
+pub fn bounds_through(grid: &GeoRef, way: &Transformation) -> Result<[f64; 4]> {
+    let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    for place in outline(grid) {
+        let (x, y) = way.apply(place)?;
+        bounds = [bounds[0].min(x), bounds[1].min(y), bounds[2].max(x), bounds[3].max(y)];
+    }
+    Ok(bounds)
+}
+
+/// How far a point can be from the center of the cell that holds it, at most: half the longest diagonal of the cells around
+/// a grid, in units of another system.
+///
+/// # Errors
+/// E310 if a cell is outside the domain of the projection.
+pub fn half_diagonal_through(grid: &GeoRef, way: &Transformation) -> Result<f64> {
+    let (width, height) = (grid.cell_width(), grid.cell_height());
+    let mut longest: f64 = 0.0;
+    for (x, y) in outline(grid) {
+        // The cell next to the point that lies inside of the grid.
+        let (west, south) = (x.min(grid.x_max() - width), y.min(grid.y_max() - height));
+        let corner = |dx: f64, dy: f64| way.apply((west + dx * width, south + dy * height));
+        for (a, b) in [(corner(0.0, 0.0)?, corner(1.0, 1.0)?), (corner(1.0, 0.0)?, corner(0.0, 1.0)?)] {
+            longest = longest.max((a.0 - b.0).hypot(a.1 - b.1));
+        }
+    }
+    Ok(longest / 2.0)
+}
+
+/// A north-up grid of square cells over a grid in another system, its diagonal as many cells long: what `gdalwarp` chooses
+/// where no cell size is given. `None` where the grid shrinks to nothing.
+///
+/// # Errors
+/// E310 if a part of the grid is outside the domain of the projection.
+pub fn suggested_grid(source: &GeoRef, way: &Transformation, crs: Crs) -> Result<Option<GeoRef>> {
+    let [west, south, east, north] = bounds_through(source, way)?;
+    let cell = (east - west).hypot(north - south) / (source.n_cols() as f64).hypot(source.n_rows() as f64);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "about as many as the source has")]
+    let cells = |length: f64| (length / cell).round().max(1.0) as usize;
+    Ok(GeoRef::new((west, north), (cell, cell), (cells(north - south), cells(east - west)), Some(crs)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn degrees(west: f64, north: f64) -> GeoRef {
+        let wgs84 = crate::crs::from_epsg(4326).unwrap();
+        GeoRef::new((west, north), (0.001, 0.001), (40, 60), Some(wgs84)).unwrap()
+    }
+
+    fn ways(to: u32, near: (f64, f64)) -> (Crs, Transformation, Transformation) {
+        let (wgs84, utm) = (crate::crs::from_epsg(4326).unwrap(), crate::crs::from_epsg(to).unwrap());
+        let way = Transformation::new(&wgs84, &utm, near).unwrap();
+        let back = Transformation::new(&utm, &wgs84, way.apply(near).unwrap()).unwrap();
+        (utm, way, back)
+    }
+
+    #[test]
+    fn a_grid_of_square_cells_has_the_diagonal_of_its_source() {
+        let source = degrees(11.5, 48.2);
+        let (utm, way, back) = ways(32632, (11.53, 48.18));
+        let grid = suggested_grid(&source, &way, utm).unwrap().unwrap();
+        // 0.06° × cos 48.18° are 4.46 km, 0.04° are 4.45 km; turned by 1.9°. 72.1 cells diagonally.
+        assert!((grid.cell_width() - 89.0).abs() < 2.5 && grid.cell_width().to_bits() == grid.cell_height().to_bits());
+        let sources = CellSources::new(&grid, &source, &back).unwrap();
+        // The corners are empty, the rest is not.
+        assert!((20..200).contains(&sources.n_outside()), "{}", sources.n_outside());
+        let ids: Vec<u32> = (0..2400).collect();
+        let half = half_diagonal_through(&source, &way).unwrap();
+        // 0.001° by 0.001° are 74.3 m × 111.2 m, turned a little: a diagonal of 134 m.
+        assert!((half - 67.0).abs() < 1.5, "{half}");
+        for (cell, id) in sources.resampled(&ids, NONE).iter().enumerate().filter(|(_, id)| **id != NONE) {
+            let center = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
+            let id = *id as usize;
+            let of_source = way.apply(source.world_from_cell(id / 60, id % 60)).unwrap();
+            assert!((center.0 - of_source.0).hypot(center.1 - of_source.1) <= half * 1.001);
+        }
+    }
+
+    #[test]
+    fn longitudes_a_turn_on_are_the_same_places() {
+        let (utm, way, back) = ways(32760, (179.9, -17.0));
+        let east = degrees(179.9, -17.0);
+        let grid = suggested_grid(&east, &way, utm).unwrap().unwrap();
+        let west = degrees(179.9 - 360.0, -17.0);
+        let found = |source: &GeoRef| CellSources::new(&grid, source, &back).unwrap();
+        assert_eq!(found(&east).n_outside(), found(&west).n_outside());
+        assert!(found(&west).n_outside() < grid.n_cells() / 2);
+    }
+}

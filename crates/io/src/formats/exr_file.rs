@@ -1,0 +1,218 @@
+//! OpenEXR out: named channels of 32-bit numbers, lossless, in one part, placed on the map as GDAL does it.
+//!
+//! GDAL and QGIS read the definition of the coordinate system from the string attribute `gdal:crsWkt`, the place from
+//! `gdal:geoTransform` of type `m33d` (rows `[dx, 0, x0]`, `[0, −dy, y0]`, `[0, 0, 1]`), and any other string attribute
+//! `gdal:NAME` as metadata item NAME. Channels come as bands in the order of their names. No data is NaN.
+//!
+//! # References
+//! OpenEXR file layout (openexr.com, version 3); the EXR driver of GDAL, `frmts/exr/exrdataset.cpp`.
+
+use std::io::{Cursor, Write};
+
+use exr::block::BlockIndex;
+use exr::image::write::WritableImage;
+use exr::image::write::channels::{ChannelsWriter, WritableChannels};
+use exr::image::{Encoding, Image, Layer};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, LevelMode, LineOrder, SampleType, Text};
+use exr::meta::header::{Header, LayerAttributes};
+use exr::prelude::{Blocks, Compression};
+
+use crate::error::{Error, Result, io_words};
+use crate::raster::GeoRef;
+
+/// The values of a channel, row by row from the north-west cell.
+#[derive(Debug, Clone, Copy)]
+pub enum ExrChannel<'a> {
+    /// Measures; NaN where there is none.
+    Float(&'a [f32]),
+    /// Classes, counts or sets of bits.
+    UInt(&'a [u32]),
+}
+
+/// Writes channels and metadata as an OpenEXR file, compressed with ZIP in blocks of 16 rows.
+///
+/// # Errors
+/// E401 if `out` refuses the bytes, E402 if the format cannot hold the image (no channel, two channels of one name, a
+/// name of more than 255 bytes, more than 2³¹ rows or columns).
+///
+/// # Panics
+/// If a channel does not hold one value per cell.
+pub fn write_exr(
+    out: &mut impl Write,
+    georef: &GeoRef,
+    channels: &[(String, ExrChannel<'_>)],
+    metadata: &[(String, String)],
+) -> Result<()> {
+    let channels = Channels::new(georef, channels)?;
+    let mut attributes = LayerAttributes::default();
+    let mut add = |name: &str, value| attributes.other.insert(text(&format!("gdal:{name}")), value);
+    for (name, value) in metadata {
+        add(name, AttributeValue::Text(text(value)));
+    }
+    if let Some(wkt) = georef.crs().and_then(crate::crs::wkt_of) {
+        add("crsWkt", AttributeValue::Text(text(&wkt)));
+    }
+    add("geoTransform", geo_transform(georef));
+
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer = Layer::new((georef.n_cols(), georef.n_rows()), attributes, encoding, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(|cause| cannot_encode(&cause.to_string()))?;
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes).ok_or_else(|| cannot_encode("its header is not as expected"))?;
+    out.write_all(&bytes)
+        .map_err(|cause| Error::file(401, format!("cannot write an OpenEXR file: {}", io_words(&cause))))
+}
+
+fn cannot_encode(why: &str) -> Error {
+    Error::internal(402, format!("cannot encode an OpenEXR file: {why}"))
+}
+
+/// The bytes of a string; readers take them as UTF-8.
+fn text(string: &str) -> Text {
+    Text::from_slice_unchecked(string.as_bytes())
+}
+
+/// Nine numbers in 64 bits, row by row.
+fn geo_transform(georef: &GeoRef) -> AttributeValue {
+    let (dx, dy) = (georef.cell_width(), georef.cell_height());
+    let matrix = [dx, 0.0, georef.x_min(), 0.0, -dy, georef.y_max(), 0.0, 0.0, 1.0];
+    AttributeValue::Custom {
+        kind: text("m33d"),
+        bytes: matrix.iter().flat_map(|number| number.to_le_bytes()).collect(),
+    }
+}
+
+/// Borrowed channels in the order of their names.
+struct Channels<'a> {
+    sorted: Vec<(&'a str, ExrChannel<'a>)>,
+    n_cols: usize,
+}
+
+impl<'a> Channels<'a> {
+    fn new(georef: &GeoRef, channels: &'a [(String, ExrChannel<'a>)]) -> Result<Self> {
+        let mut sorted: Vec<(&str, ExrChannel<'_>)> = channels.iter().map(|(name, c)| (name.as_str(), *c)).collect();
+        sorted.sort_by_key(|(name, _)| *name);
+        if sorted.is_empty() {
+            return Err(cannot_encode("it has no channel"));
+        }
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return Err(cannot_encode(&format!("two channels are called `{}`", pair[0].0)));
+        }
+        for (name, channel) in &sorted {
+            let len = match channel {
+                ExrChannel::Float(values) => values.len(),
+                ExrChannel::UInt(values) => values.len(),
+            };
+            assert_eq!(len, georef.n_cells(), "channel `{name}` holds one value per cell");
+        }
+        Ok(Channels { sorted, n_cols: georef.n_cols() })
+    }
+}
+
+impl<'slf> WritableChannels<'slf> for Channels<'slf> {
+    type Writer = BlockWriter<'slf>;
+
+    fn infer_channel_list(&self) -> ChannelList {
+        let description = |(name, channel): &(&str, ExrChannel<'_>)| {
+            let sample_type = match channel {
+                ExrChannel::Float(_) => SampleType::F32,
+                ExrChannel::UInt(_) => SampleType::U32,
+            };
+            ChannelDescription::new(text(name), sample_type, false)
+        };
+        ChannelList::new(self.sorted.iter().map(description).collect())
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_writer(&'slf self, _: &Header) -> BlockWriter<'slf> {
+        BlockWriter(self)
+    }
+}
+
+/// Hands out blocks of rows: in each row all of the first channel, then all of the second, and so on.
+struct BlockWriter<'a>(&'a Channels<'a>);
+
+impl ChannelsWriter for BlockWriter<'_> {
+    fn extract_uncompressed_block(&self, _: &Header, block: BlockIndex) -> Vec<u8> {
+        let Channels { sorted, n_cols } = self.0;
+        let (first_row, n_rows) = (block.pixel_position.1, block.pixel_size.1);
+        let mut bytes = Vec::with_capacity(n_rows * n_cols * sorted.len() * 4);
+        for row in first_row..first_row + n_rows {
+            let cells = row * n_cols..(row + 1) * n_cols;
+            for (_, channel) in sorted {
+                match channel {
+                    ExrChannel::Float(values) => {
+                        bytes.extend(values[cells.clone()].iter().flat_map(|value| value.to_ne_bytes()));
+                    }
+                    ExrChannel::UInt(values) => {
+                        bytes.extend(values[cells.clone()].iter().flat_map(|value| value.to_ne_bytes()));
+                    }
+                }
+            }
+        }
+        bytes
+    }
+}
+
+/// Brings the attributes in the header of a one-part file into the order of their names.
+///
+/// The crate keeps them in a hash map, so that the same image would give other bytes in each run. The length of the
+/// header stays the same, and with it all offsets. `None` if the file does not begin with a header.
+fn sort_attributes(file: &mut [u8]) -> Option<()> {
+    // Magic number and version, then `name 0 type 0 length value` for each attribute, then one more 0.
+    let start = 8;
+    let (mut at, mut attributes) = (start, Vec::new());
+    while *file.get(at)? != 0 {
+        let name = file[at..].iter().position(|&byte| byte == 0)?;
+        let kind = file[at + name + 1..].iter().position(|&byte| byte == 0)?;
+        let value = at + name + kind + 2;
+        let len = u32::from_le_bytes(file.get(value..value + 4)?.try_into().ok()?);
+        let end = value + 4 + usize::try_from(len).ok()?;
+        attributes.push(file.get(at..end)?.to_vec());
+        at = end;
+    }
+    attributes.sort();
+    file[start..at].copy_from_slice(&attributes.concat());
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_image_gives_the_same_bytes_with_sorted_attributes() {
+        let georef = GeoRef::new((10.0, 20.0), (1.0, 2.0), (40, 30), None).unwrap();
+        let values: Vec<f32> = (0..1200_u16).map(f32::from).collect();
+        let channels = [("b".to_string(), ExrChannel::Float(&values)), ("a".to_string(), ExrChannel::Float(&values))];
+        let metadata: Vec<(String, String)> = (0..9).map(|i| (format!("key{i}"), "täxt".to_string())).collect();
+        let write = || {
+            let mut bytes = Vec::new();
+            write_exr(&mut bytes, &georef, &channels, &metadata).unwrap();
+            bytes
+        };
+        let bytes = write();
+        assert_eq!(bytes, write());
+        let positions: Vec<usize> =
+            ["channels\0", "gdal:geoTransform\0m33d\0", "gdal:key0\0", "gdal:key8\0", "lineOrder\0"]
+                .iter()
+                .map(|name| bytes.windows(name.len()).position(|window| window == name.as_bytes()).unwrap())
+                .collect();
+        assert!(positions.is_sorted(), "{positions:?}");
+    }
+
+    #[test]
+    fn unusable_channels_are_refused() {
+        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), None).unwrap();
+        let twice = [("a".to_string(), ExrChannel::UInt(&[1])), ("a".to_string(), ExrChannel::UInt(&[2]))];
+        let error = write_exr(&mut Vec::new(), &georef, &twice, &[]).unwrap_err();
+        assert_eq!(error.to_string(), "cannot encode an OpenEXR file: two channels are called `a`");
+        assert_eq!(write_exr(&mut Vec::new(), &georef, &[], &[]).unwrap_err().code(), "E402");
+    }
+}

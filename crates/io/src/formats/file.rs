@@ -1,0 +1,372 @@
+//! Raster files of any format, and folders of them: told apart by what they hold, not by what they are called.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+
+use super::mosaic::Nesting;
+use super::{AsciiGrid, GeoTiff, Mosaic};
+use crate::crs::VerticalCrs;
+use crate::error::{Error, Result, Warning, io_words};
+use crate::raster::{CellWindow, GeoRef, Raster};
+
+/// Most memory that the cells of one read may take \[bytes\].
+pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
+
+/// A raster file, or a folder of them, whose headers have been read.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "one value per input file")]
+pub enum RasterFile {
+    /// A GeoTIFF, cloud-optimized or not.
+    GeoTiff(GeoTiff),
+    /// An Esri ASCII grid.
+    AsciiGrid(AsciiGrid),
+    /// A virtual raster of GDAL, or a folder of tiles.
+    Mosaic(Mosaic),
+}
+
+impl RasterFile {
+    /// Opens a raster file and reads its header, no cell; of a folder and of a virtual raster those of all tiles.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
+    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        if path.is_dir() {
+            return Mosaic::open_folder(path, warnings).map(RasterFile::Mosaic);
+        }
+        RasterFile::open_within(path, Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0) }, warnings)
+    }
+
+    /// Opens a raster file that is part of virtual rasters.
+    pub(super) fn open_within(path: &Path, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        let (mut file, len) = open_file(path)?;
+        let mut head = Vec::new();
+        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(path, &e))?;
+        match kind_of(&head) {
+            Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
+            Kind::VirtualRaster => Mosaic::open_vrt(path, nesting, warnings).map(RasterFile::Mosaic),
+            Kind::Other(kind) => {
+                let shown = path.display();
+                let text = format!(
+                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
+                );
+                Err(Error::file(302, text)
+                    .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
+            }
+        }
+    }
+
+    /// Length of the file's height unit \[m\], if it names one; values are read as they are.
+    pub fn meters_per_height_unit(&self) -> Option<f64> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
+            RasterFile::AsciiGrid(_) => None,
+            RasterFile::Mosaic(mosaic) => mosaic.meters_per_height_unit(),
+        }
+    }
+
+    /// What heights are above, where the file names it.
+    pub fn vertical(&self) -> Option<&VerticalCrs> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.vertical(),
+            RasterFile::AsciiGrid(_) => None,
+            RasterFile::Mosaic(mosaic) => mosaic.vertical(),
+        }
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.georef(),
+            RasterFile::AsciiGrid(grid) => grid.georef(),
+            RasterFile::Mosaic(mosaic) => mosaic.georef(),
+        }
+    }
+
+    /// The files that the raster is made of beside its own, in their order.
+    pub fn tile_paths(&self) -> Vec<&Path> {
+        match self {
+            RasterFile::Mosaic(mosaic) => mosaic.tile_paths(),
+            RasterFile::GeoTiff(_) | RasterFile::AsciiGrid(_) => Vec::new(),
+        }
+    }
+
+    /// How the file is encoded, in a few words.
+    pub fn description(&self) -> String {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.description(),
+            RasterFile::AsciiGrid(grid) => grid.description(),
+            RasterFile::Mosaic(mosaic) => mosaic.description(),
+        }
+    }
+
+    /// All heights on the lattice \[1/1024 m\], where the file stores them so plainly that no cell needs a word, and the
+    /// number of cells without one; `None` else.
+    ///
+    /// # Errors
+    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
+    pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.read_plain_heights(warnings),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => Ok(None),
+        }
+    }
+
+    /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
+    ///
+    /// # Errors
+    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
+    ///
+    /// # Panics
+    /// If `window` is empty or reaches beyond the grid.
+    pub fn read<T: bytemuck::Pod>(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.read(window, warnings, convert),
+            RasterFile::AsciiGrid(grid) => grid.read(window, warnings, convert),
+            RasterFile::Mosaic(mosaic) => mosaic.read(window, warnings, convert),
+        }
+    }
+
+    /// Whether reading a part costs what the part costs: not in strips of compressed rows, nor in text.
+    pub fn reads_parts(&self) -> bool {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.reads_parts(),
+            RasterFile::AsciiGrid(_) => false,
+            RasterFile::Mosaic(_) => true,
+        }
+    }
+
+    /// Bytes that reading takes beside the cells that are read: a strip or tile, unpacked.
+    pub fn block_bytes(&self) -> u64 {
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.block_bytes(),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => 0,
+        }
+    }
+
+    /// Whether the file stores no cell at all, whatever size it claims.
+    pub fn is_empty(&self) -> bool {
+        matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_empty())
+    }
+
+    /// Calls `visit` with the index and the heights of every row, from the north or from the south as they are stored;
+    /// NaN where there is none. Memory is that of a row of blocks.
+    ///
+    /// # Errors
+    /// As [`RasterFile::read`].
+    pub fn for_each_row(&self, warnings: &mut Vec<Warning>, mut visit: impl FnMut(usize, &[f64])) -> Result<()> {
+        let (n_rows, n_cols) = (self.georef().n_rows(), self.georef().n_cols());
+        let is_from_south = matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_south_up());
+        let mut heights = Vec::with_capacity(n_cols);
+        let mut n_done = 0;
+        // Cells of no size: nothing is held but the row.
+        self.read(self.georef().window(), warnings, |height| {
+            heights.push(height);
+            if heights.len() == n_cols {
+                visit(if is_from_south { n_rows - 1 - n_done } else { n_done }, &heights);
+                heights.clear();
+                n_done += 1;
+            }
+        })?;
+        Ok(())
+    }
+}
+
+/// What the first bytes of a file say that it is.
+#[derive(Debug, PartialEq, Eq)]
+enum Kind {
+    Tiff,
+    AsciiGrid,
+    VirtualRaster,
+    Other(&'static str),
+}
+
+fn kind_of(head: &[u8]) -> Kind {
+    const MAGIC: [(&[u8], &str); 14] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"GIF8", "a GIF picture"),
+        (b"RIFF", "a RIFF file (WebP?)"),
+        (b"v/1\x01", "an OpenEXR picture"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\x1f\x8b", "a gzip file"),
+        (b"\x89HDF", "an HDF5 file"),
+        (b"CDF", "a netCDF file"),
+        (b"GRIB", "a GRIB file"),
+        (b"LASF", "a LAS point cloud"),
+        (b"SQLite format 3", "an SQLite or GeoPackage file"),
+        (b"\x00\x00\x00\x0cjP", "a JPEG 2000 picture"),
+    ];
+    if head.is_empty() {
+        return Kind::Other("empty");
+    }
+    if head.starts_with(b"II") || head.starts_with(b"MM") {
+        // A text may begin with these letters as well.
+        if matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]) || head.len() < 4 {
+            return Kind::Tiff;
+        }
+    }
+    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Kind::Other(kind);
+    }
+    let Some(text) = leading_text(head) else { return Kind::Other("a binary file of an unknown kind") };
+    let first = text.split_whitespace().next().unwrap_or_default();
+    match first.chars().next() {
+        _ if super::ascii_grid::is_header_key(first) => Kind::AsciiGrid,
+        Some('{' | '[') => Kind::Other("JSON text"),
+        Some('<') if text.contains("<VRTDataset") => Kind::VirtualRaster,
+        Some('<') => Kind::Other("XML or HTML text"),
+        Some(_) => Kind::Other("text"),
+        None => Kind::Other("blank text"),
+    }
+}
+
+/// The start of a file as text, `None` if it is binary.
+fn leading_text(head: &[u8]) -> Option<&str> {
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let text = match std::str::from_utf8(head) {
+        Ok(text) => text,
+        // The last character may be cut off.
+        Err(error) => std::str::from_utf8(&head[..error.valid_up_to()]).unwrap_or_default(),
+    };
+    let is_text = text.len() + 4 > head.len() && text.chars().all(|c| !c.is_control() || c.is_whitespace());
+    is_text.then_some(text)
+}
+
+/// Opens a file for reading and returns it with its length \[bytes\]; the error names the path.
+pub(crate) fn open_file(path: &Path) -> Result<(File, u64)> {
+    let fail = |cause: std::io::Error| cannot_read(path, &cause);
+    // Opening a pipe waits for who writes into it.
+    let metadata = std::fs::metadata(path).map_err(fail)?;
+    if metadata.is_dir() {
+        return Err(fail(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !metadata.is_file() {
+        let text =
+            format!("cannot read {}: it is a pipe or a device, wanted a file: it is read in any order", path.display());
+        return Err(Error::file(301, text).with_hint("save it as a file first"));
+    }
+    let file = File::open(path).map_err(fail)?;
+    Ok((file, metadata.len()))
+}
+
+/// E301: what the system says of a file that cannot be read; where there is none, the name beside it that was meant.
+pub fn cannot_read(path: &Path, cause: &std::io::Error) -> Error {
+    let error = Error::file(301, format!("cannot read {}: {}", path.display(), io_words(cause)));
+    match near_name(path).filter(|_| cause.kind() == std::io::ErrorKind::NotFound) {
+        Some(near) => error.with_hint(format!("did you mean {}?", near.display())),
+        None => error,
+    }
+}
+
+/// The file whose name is most like that of a missing one in the same folder: few letters differ, or only the extension.
+fn near_name(path: &Path) -> Option<PathBuf> {
+    const MOST_FILES: usize = 10_000;
+    const MOST_EDITS: usize = 2;
+    let lower = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = lower(path);
+    let edits = |other: &Path| match other.file_stem() == path.file_stem() {
+        true => 1,
+        false => edits_between(&wanted, &lower(other)),
+    };
+    let files =
+        std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten().map(|entry| path.with_file_name(entry.file_name()));
+    let near =
+        files.map(|file| (edits(&file), file)).filter(|(n, _)| *n <= MOST_EDITS && 2 * n < wanted.chars().count());
+    near.min().map(|(_, file)| file)
+}
+
+/// How many letters must be put in, left out or changed to make one word of another (Levenshtein).
+fn edits_between(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (k, letter) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = k + 1;
+        for (j, other) in to.iter().enumerate() {
+            let changed = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[to.len()]
+}
+
+/// An empty vector with room for all cells of `georef`.
+///
+/// # Errors
+/// If these are more than may be held in memory.
+pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
+    check_cells::<T>(path, georef)?;
+    let mut cells = Vec::new();
+    let reserved = cells.try_reserve_exact(georef.n_cells());
+    reserved.map_err(|_| too_many_cells::<T>(path, georef, "more than there is"))?;
+    Ok(cells)
+}
+
+/// Refuses more cells than may be held in memory.
+///
+/// # Errors
+/// E501.
+pub(super) fn check_cells<T>(path: &Path, georef: &GeoRef) -> Result<()> {
+    if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
+        return Err(too_many_cells::<T>(path, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
+    }
+    Ok(())
+}
+
+fn too_many_cells<T>(path: &Path, georef: &GeoRef, why: &str) -> Error {
+    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
+    let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
+    let path = path.display();
+    let text = format!("cannot read `{path}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
+    Error::limit(501, text).with_hint(
+        "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
+         LRX LRY IN OUT`",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_told_apart_by_their_content() {
+        assert_eq!(kind_of(b"II*\0\x08\0\0\0"), Kind::Tiff);
+        assert_eq!(kind_of(b"MM\0+\0\x08\0\0"), Kind::Tiff);
+        assert_eq!(kind_of(b"\r\n  NCOLS 4\nnrows 3\n"), Kind::AsciiGrid);
+        assert_eq!(kind_of(b"\xef\xbb\xbfcellsize 2"), Kind::AsciiGrid);
+        assert_eq!(kind_of(b"\x89PNG\r\n\x1a\n"), Kind::Other("a PNG picture"));
+        assert_eq!(kind_of(b"{\"type\":"), Kind::Other("JSON text"));
+        assert_eq!(kind_of(b"<VRTDataset>"), Kind::VirtualRaster);
+        assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
+        assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
+        assert_eq!(kind_of(b""), Kind::Other("empty"));
+    }
+
+    #[test]
+    fn edits_are_counted() {
+        for (from, to, n) in
+            [("", "", 0), ("dsm.tif", "dsm.tif", 0), ("dem.tif", "dsm.tif", 1), ("ab", "ba", 2), ("abc", "", 3)]
+        {
+            assert_eq!((edits_between(from, to), edits_between(to, from)), (n, n), "{from} {to}");
+        }
+    }
+
+    #[test]
+    fn memory_is_checked_before_it_is_taken() {
+        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
+        let error = reserve_cells::<f32>(Path::new("x.tif"), &georef).expect_err("too large");
+        assert_eq!(error.code(), "E501");
+        assert!(error.to_string().contains("149.0 GiB"), "{error}");
+    }
+}

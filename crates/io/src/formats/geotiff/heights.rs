@@ -1,0 +1,191 @@
+//! Heights straight onto the lattice, where a file stores them plainly.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+use tiff_reader::ByteOrder;
+
+use super::header::Codec;
+use super::tags::TiffSource;
+use super::{GeoTiff, turn_over};
+use crate::error::{Result, Warning};
+use crate::formats::file::{cannot_read, reserve_cells};
+use crate::formats::lattice_rows::put_on_lattice;
+use crate::formats::sample::Sample;
+use crate::formats::voids::Voids;
+use crate::quantity::VOID;
+use crate::raster::{CELLS_PER_RUN, LargeVec, Raster, RowGroup, RowRuns};
+
+/// Bytes that a thread reads at a time, mostly: they are looked at while they are in its cache.
+const READ_BYTES: usize = 256 << 10;
+
+/// Rows that are looked at together for runs, at least: each is compared with the one before.
+const ROWS_OF_RUNS: usize = 16;
+
+impl GeoTiff {
+    /// All heights of the first band on the lattice \[1/1024 m\], [`crate::quantity::VOID`] where nodata, and
+    /// the number of nodata cells.
+    ///
+    /// `None` if the file is not stored plainly (uncompressed strips of one band of 32-bit floats in meters, without a mask)
+    /// or holds a value that deserves a word: [`GeoTiff::read`] has it then. Threads of the current pool read and convert
+    /// parts of the file; memory is that of the result. Heights of few runs, such as those of a block model along the grid, are
+    /// held as such.
+    ///
+    /// # Errors
+    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
+    pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
+        let image = &self.image;
+        let is_plain = image.codec == Codec::None
+            && image.sample == Sample::F32
+            && image.n_bands == 1
+            && !image.tiled
+            && !image.bits_reversed
+            && self.mask.is_none()
+            && self.metadata.scaling(0) == (1.0, 0.0)
+            && self.meters_per_height_unit().is_none_or(|unit| (unit - 1.0).abs() < f64::EPSILON)
+            && image.blocks.iter().all(|(_, len)| *len > 0);
+        if !is_plain {
+            return Ok(None);
+        }
+        let (source, _) = TiffSource::open(&self.path)?;
+        if source.len() != self.len {
+            return Err(source.error(303, "the file has changed since it was opened"));
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
+        let nodata = self.nodata.map(|nodata| nodata as f32);
+        let rows = PlainRows {
+            path: &self.path,
+            n_cols: image.n_cols,
+            is_swapped: (source.byte_order() == ByteOrder::BigEndian) != cfg!(target_endian = "big"),
+            nodata,
+        };
+        // Strips that lie one behind the other in the file are one run of rows.
+        let mut strips: Vec<(u64, usize)> = Vec::new();
+        for (strip, (offset, _)) in image.blocks.iter().enumerate() {
+            let n_rows = image.stored_rows(strip);
+            match strips.last_mut() {
+                Some((start, rows)) if *start + 4 * (*rows * image.n_cols) as u64 == *offset => *rows += n_rows,
+                _ => strips.push((*offset, n_rows)),
+            }
+        }
+        // Who asks for all heights one by one gets them.
+        drop(reserve_cells::<i32>(&self.path, self.georef())?);
+        let as_runs = if self.placement.south_up { None } else { rows.as_runs(&strips)? };
+        let (cells, n_nodata) = match as_runs {
+            Some(found) => found,
+            None => {
+                let mut cells = LargeVec::<i32>::zeroed(self.georef().n_cells());
+                let Some(n_nodata) = rows.one_by_one(&strips, &mut cells)? else { return Ok(None) };
+                if self.placement.south_up {
+                    turn_over(&mut cells, image.n_cols);
+                }
+                (cells, n_nodata)
+            }
+        };
+        let mut voids = Voids::new(self.nodata);
+        voids.n_nodata = n_nodata;
+        voids.n_heights = cells.len() as u64 - n_nodata;
+        voids.report(&self.path, warnings)?;
+        Ok(Some((Raster::new(self.georef().clone(), cells), n_nodata)))
+    }
+}
+
+/// Rows of 32-bit floats in a file.
+struct PlainRows<'a> {
+    path: &'a Path,
+    n_cols: usize,
+    is_swapped: bool,
+    nodata: Option<f32>,
+}
+
+impl PlainRows<'_> {
+    /// Parts of some strips that are read at once, of `rows_at_once` rows or fewer: where their bytes begin, and the number of
+    /// their rows.
+    fn parts(strips: &[(u64, usize)], n_cols: usize, rows_at_once: usize) -> Vec<(u64, usize)> {
+        let parts_of = |(offset, n_rows): &(u64, usize)| {
+            let (offset, n_rows) = (*offset, *n_rows);
+            let part = move |first| (offset + 4 * (first * n_cols) as u64, rows_at_once.min(n_rows - first));
+            (0..n_rows).step_by(rows_at_once).map(part)
+        };
+        strips.iter().flat_map(parts_of).collect()
+    }
+
+    /// Reads cells, as the bits of their floats, from an offset on; opens the file if it is not open.
+    fn read(&self, file: &mut Option<File>, offset: u64, cells: &mut [i32]) -> Result<()> {
+        let failed = |e: std::io::Error| cannot_read(self.path, &e);
+        if file.is_none() {
+            *file = Some(File::open(self.path).map_err(failed)?);
+        }
+        let Some(file) = file else { return Ok(()) };
+        let bytes = bytemuck::cast_slice_mut(cells);
+        file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(bytes)).map_err(failed)?;
+        if self.is_swapped {
+            cells.iter_mut().for_each(|bits| *bits = bits.swap_bytes());
+        }
+        Ok(())
+    }
+
+    /// All heights as runs of equal ones, and the number of nodata cells; `None` if there are too many runs for that to
+    /// save anything, or a value that deserves a word.
+    fn as_runs(&self, strips: &[(u64, usize)]) -> Result<Option<(LargeVec<i32>, u64)>> {
+        let n_cols = self.n_cols;
+        let rows_at_once = (READ_BYTES / (4 * n_cols)).max(ROWS_OF_RUNS);
+        // One part alone tells most files that are not of runs.
+        let is_given_up = AtomicBool::new(false);
+        let read = |(file, cells): &mut (Option<File>, Vec<i32>), (offset, n_rows): (u64, usize)| {
+            if is_given_up.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            cells.resize(n_rows * n_cols, 0);
+            self.read(file, offset, cells)?;
+            let runs = RowRuns::of_part(cells, n_cols, rows_at_once * n_cols / CELLS_PER_RUN).and_then(|mut runs| {
+                put_on_lattice(runs.values_mut(), self.nodata)?;
+                Some(runs)
+            });
+            is_given_up.fetch_or(runs.is_none(), Ordering::Relaxed);
+            Ok(runs)
+        };
+        let parts = PlainRows::parts(strips, n_cols, rows_at_once);
+        let found: Vec<Option<RowRuns<i32>>> =
+            parts.into_par_iter().map_init(|| (None, Vec::new()), read).collect::<Result<_>>()?;
+        let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+        let runs = RowRuns::joined(found);
+        let n_void_of = |group: RowGroup<'_, i32>| {
+            let n_cols: usize = group.runs().filter(|(_, top)| **top == VOID).map(|(cols, _)| cols.len()).sum();
+            (n_cols * group.rows.len()) as u64
+        };
+        let n_nodata = runs.groups().map(n_void_of).sum();
+        Ok(Some((LargeVec::from_runs(runs), n_nodata)))
+    }
+
+    /// All heights, and the number of nodata cells; `None` if a value deserves a word.
+    fn one_by_one(&self, strips: &[(u64, usize)], cells: &mut [i32]) -> Result<Option<u64>> {
+        let n_cols = self.n_cols;
+        let rows_at_once = (READ_BYTES / (4 * n_cols)).max(1);
+        // Where the bytes of a part begin, and its cells.
+        let mut parts: Vec<(u64, &mut [i32])> = Vec::new();
+        let mut rest = cells;
+        for (offset, n_rows) in PlainRows::parts(strips, n_cols, rows_at_once) {
+            let (part, after) = std::mem::take(&mut rest).split_at_mut(n_rows * n_cols);
+            rest = after;
+            parts.push((offset, part));
+        }
+        let (is_odd, n_nodata) = (AtomicBool::new(false), AtomicU64::new(0));
+        let read = |file: &mut Option<File>, (offset, cells): (u64, &mut [i32])| {
+            if is_odd.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            self.read(file, offset, cells)?;
+            match put_on_lattice(cells, self.nodata) {
+                Some(found) => n_nodata.fetch_add(found, Ordering::Relaxed),
+                None => u64::from(is_odd.swap(true, Ordering::Relaxed)),
+            };
+            Ok(())
+        };
+        parts.into_par_iter().map_init(|| None, read).collect::<Result<()>>()?;
+        Ok((!is_odd.into_inner()).then(|| n_nodata.into_inner()))
+    }
+}

@@ -1,0 +1,320 @@
+//! Where a TIFF lies: tie point and cell size, or a matrix, or a world file; and the coordinate reference system that
+//! its GeoKeys name.
+//!
+//! Reference: OGC 19-008r4 (GeoTIFF 1.1), sections 7.4 and B.6; a negative cell height in the pixel scale is read as
+//! GDAL reads it.
+
+use std::io::Read;
+use std::path::Path;
+
+use super::tags::{Directory, TiffSource, tag};
+use crate::crs;
+use crate::crs::VerticalCrs;
+use crate::error::{Result, Warning};
+use crate::raster::{Crs, GeoRef};
+
+/// Meters in a foot and in a US survey foot.
+const FOOT: f64 = 0.3048;
+const US_FOOT: f64 = 1200.0 / 3937.0;
+/// Value of a key for a system that other keys define.
+const USER_DEFINED: u16 = 32767;
+/// Value of the key of the raster type for tie points in the middle of cells.
+const PIXEL_IS_POINT: u16 = 2;
+/// Largest shift across the whole raster that still counts as north-up \[cells\].
+const MAX_SHEAR_CELLS: f64 = 1e-3;
+
+/// The place of a raster, and how its rows run.
+#[derive(Debug, Clone)]
+pub(super) struct Placement {
+    pub(super) georef: GeoRef,
+    /// The first row of the file is the southernmost.
+    pub(super) south_up: bool,
+    /// Meters per unit of height, where the CRS says so.
+    pub(super) meters_per_height_unit: Option<f64>,
+    /// What heights are above, where the file names it.
+    pub(super) vertical: Option<VerticalCrs>,
+}
+
+/// Affine map from (column, row) of a file to the plane: `x = a·col + b·row + c`, `y = d·col + e·row + f`.
+#[derive(Debug, Clone, Copy)]
+struct Affine {
+    a: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+    e: f64,
+    f: f64,
+}
+
+/// Reads the place of a raster of `n_rows` rows of `n_cols` cells.
+pub(super) fn read_placement(
+    source: &mut TiffSource,
+    directory: &Directory,
+    (n_rows, n_cols): (usize, usize),
+    warnings: &mut Vec<Warning>,
+) -> Result<Placement> {
+    let shown = source.path().display().to_string();
+    let keys = GeoKeys::read(source, directory).unwrap_or_else(|error| {
+        warnings.push(Warning::new(326, format!("`{shown}` has damaged GeoKeys, which are ignored: {error}")));
+        GeoKeys::default()
+    });
+    let mut affine = affine(source, directory, warnings)?;
+    if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
+        // The tie point names the center of a cell.
+        affine.c -= 0.5 * (affine.a + affine.b);
+        affine.f -= 0.5 * (affine.d + affine.e);
+    }
+    let affine = affine.or_else(|| world_file(source.path())).unwrap_or_else(|| {
+        let text = format!(
+            "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
+        );
+        warnings.push(Warning::new(327, text));
+        Affine { a: 1.0, b: 0.0, c: 0.0, d: 0.0, e: -1.0, f: n_rows as f64 }
+    });
+    let Affine { a, b, c, d, e, f } = affine;
+    let irregular = || {
+        let text =
+            format!("cells of {a} x {e} at {c}, {f}, wanted finite numbers and cells that do not vanish beside them");
+        source.error(307, text).with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`")
+    };
+    if ![a, b, c, d, e, f].iter().all(|number| number.is_finite()) {
+        return Err(irregular());
+    }
+    let remedy = "resample it with `gdalwarp IN OUT`, which makes it north-up";
+    let (shear_x, shear_y) = (b * n_rows as f64, d * n_cols as f64);
+    if shear_x.abs() > MAX_SHEAR_CELLS * a.abs() || shear_y.abs() > MAX_SHEAR_CELLS * e.abs() {
+        let angle = d.atan2(a).to_degrees();
+        let error = source.error(306, format!("its rows run {angle:.1} degrees off east, wanted a north-up raster"));
+        return Err(error.with_hint(remedy));
+    }
+    if a < 0.0 {
+        let error = source.error(306, "its columns run from east to west, wanted a north-up raster");
+        return Err(error.with_hint(remedy));
+    }
+    let south_up = e > 0.0;
+    if south_up {
+        warnings.push(Warning::new(330, format!("`{shown}` has its southernmost row first: its rows are turned over")));
+    }
+    let y_max = if south_up { f + e * n_rows as f64 } else { f };
+    let crs = crs(&keys, &shown, warnings);
+    let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
+    let vertical = vertical(&keys);
+    // The unit of a system of the registry is part of it, and often not repeated.
+    let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
+    let meters_per_height_unit = keys.meters_per_unit(4099, 4098).or(of_system);
+    Ok(Placement { georef, south_up, meters_per_height_unit, vertical })
+}
+
+/// The affine map that the tags of the file give.
+fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<Warning>) -> Result<Option<Affine>> {
+    let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
+    let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
+    let matrix = directory.floats(source, tag::MODEL_TRANSFORMATION)?;
+    match (scale.as_deref(), tie_points.as_deref(), matrix.as_deref()) {
+        (Some([width, height, ..]), Some([col, row, _, x, y, _, ..]), _) => {
+            if *height < 0.0 {
+                let text =
+                    format!("`{}` has a negative cell height: read as positive, north up", source.path().display());
+                warnings.push(Warning::new(330, text));
+            }
+            let height = height.abs();
+            Ok(Some(Affine { a: *width, b: 0.0, c: x - col * width, d: 0.0, e: -height, f: y + row * height }))
+        }
+        (_, _, Some([a, b, _, c, d, e, _, f, ..])) => Ok(Some(Affine { a: *a, b: *b, c: *c, d: *d, e: *e, f: *f })),
+        (None, None, None) => Ok(None),
+        (None, Some(points), None) if points.len() >= 6 => {
+            let text = format!("it is placed by {} ground control points, wanted a regular grid", points.len() / 6);
+            Err(source.error(307, text).with_hint("resample it with `gdalwarp IN OUT`"))
+        }
+        _ => {
+            let error = source.error(307, "the tags of its place are incomplete, wanted a tie point and a cell size");
+            Err(error.with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`"))
+        }
+    }
+}
+
+/// The world file beside a raster that has no place of its own: six numbers, the last two the center of the first cell.
+fn world_file(path: &Path) -> Option<Affine> {
+    ["tfw", "TFW", "tifw", "wld"].iter().find_map(|extension| {
+        let (file, _) = super::super::file::open_file(&path.with_extension(extension)).ok()?;
+        let mut text = String::new();
+        file.take(4096).read_to_string(&mut text).ok()?;
+        let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
+        let [a, d, b, e, x, y] = *numbers.as_slice() else { return None };
+        Some(Affine { a, b, c: x - 0.5 * (a + b), d, e, f: y - 0.5 * (d + e) })
+    })
+}
+
+/// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
+fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
+    let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
+        (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
+        (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
+        (None, None, None) => {
+            let text =
+                format!("`{path}` names no coordinate reference system: local coordinates in meters are assumed");
+            warnings.push(Warning::new(325, text));
+            return None;
+        }
+        (Some(model), _, _) => {
+            let text = format!(
+                "`{path}` has GeoTIFF model type `{model}`, neither projected nor geographic: local coordinates in meters are assumed"
+            );
+            warnings.push(Warning::new(325, text));
+            return None;
+        }
+    };
+    let meters_per_unit = if geographic { None } else { keys.meters_per_unit(3076, 3077) };
+    let citation = keys.text(citation_key).or_else(|| keys.text(1026)).unwrap_or_default();
+    let named = |name: &str| Some(crs::from_geokeys_citation(name, meters_per_unit, geographic));
+    let crs = match keys.short(code_key) {
+        Some(code) if code != USER_DEFINED && code != 0 => match crs::from_epsg(u32::from(code)) {
+            Ok(crs) => Some(crs),
+            Err(error) => {
+                let text = format!(
+                    "`{path}` names a coordinate reference system that is not known ({error}): used by its name only"
+                );
+                warnings.push(Warning::new(326, text));
+                named(&format!("EPSG:{code}"))
+            }
+        },
+        // Esri writes the whole definition into the citation.
+        _ => match citation.split_once("ESRI PE String = ").map(|(_, wkt)| crs::parse(wkt)) {
+            Some(Ok(crs)) => Some(crs),
+            _ if citation.is_empty() => named("user-defined"),
+            _ => named(&citation),
+        },
+    };
+    if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
+        let text = format!(
+            "`{path}` is in web Mercator (EPSG:3857), whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
+        );
+        warnings.push(Warning::new(331, text));
+    }
+    crs
+}
+
+/// The vertical system that the keys name.
+fn vertical(keys: &GeoKeys) -> Option<VerticalCrs> {
+    let citation = keys.text(4097);
+    match keys.short(4096) {
+        Some(code) if code != USER_DEFINED && code != 0 => {
+            Some(VerticalCrs::from_epsg(u32::from(code), citation.as_deref()))
+        }
+        _ => citation.map(|name| VerticalCrs::named(&name)),
+    }
+}
+
+/// The GeoKey directory: numbers and texts by key.
+#[derive(Debug, Default)]
+struct GeoKeys {
+    keys: Vec<(u16, GeoValue)>,
+}
+
+#[derive(Debug)]
+enum GeoValue {
+    Short(u16),
+    Double(f64),
+    Text(String),
+}
+
+impl GeoKeys {
+    fn read(source: &mut TiffSource, directory: &Directory) -> Result<GeoKeys> {
+        let Some(table) = directory.integers(source, tag::GEO_KEY_DIRECTORY)? else { return Ok(GeoKeys::default()) };
+        let table: Vec<u16> = table.iter().map(|v| u16::try_from(*v).unwrap_or(u16::MAX)).collect();
+        let doubles = directory.floats(source, tag::GEO_DOUBLE_PARAMS)?.unwrap_or_default();
+        let texts = directory.text(source, tag::GEO_ASCII_PARAMS)?.unwrap_or_default();
+        GeoKeys::parse(&table, &doubles, texts.as_bytes())
+            .ok_or_else(|| source.error(302, "a key points outside the GeoKey tables"))
+    }
+
+    /// `None` if the table is not of version 1 or points outside itself.
+    fn parse(table: &[u16], doubles: &[f64], texts: &[u8]) -> Option<GeoKeys> {
+        let [1, _, _, n_keys, rest @ ..] = table else { return None };
+        let mut keys = Vec::new();
+        for key in rest.chunks_exact(4).take(usize::from(*n_keys)) {
+            let (at, count) = (usize::from(key[3]), usize::from(key[2]));
+            let value = match key[1] {
+                0 => GeoValue::Short(key[3]),
+                tag::GEO_DOUBLE_PARAMS => GeoValue::Double(*doubles.get(at)?),
+                tag::GEO_ASCII_PARAMS => {
+                    // Writers differ in whether the final separator is part of the text, and of the tag.
+                    let text = texts.get(at..(at + count).min(texts.len()))?;
+                    GeoValue::Text(String::from_utf8_lossy(text).trim_end_matches(['|', '\0']).trim().to_owned())
+                }
+                _ => continue,
+            };
+            keys.push((key[0], value));
+        }
+        Some(GeoKeys { keys })
+    }
+
+    fn get(&self, key: u16) -> Option<&GeoValue> {
+        self.keys.iter().find(|(k, _)| *k == key).map(|(_, value)| value)
+    }
+
+    fn short(&self, key: u16) -> Option<u16> {
+        match self.get(key)? {
+            GeoValue::Short(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    fn text(&self, key: u16) -> Option<String> {
+        match self.get(key)? {
+            GeoValue::Text(text) if !text.is_empty() => Some(text.clone()),
+            _ => None,
+        }
+    }
+
+    /// Meters per linear unit from an EPSG unit code, or from the key that holds the size of a user-defined one.
+    fn meters_per_unit(&self, unit_key: u16, size_key: u16) -> Option<f64> {
+        match self.short(unit_key)? {
+            9001 => Some(1.0),
+            9002 => Some(FOOT),
+            9003 => Some(US_FOOT),
+            9036 => Some(1000.0),
+            USER_DEFINED => match self.get(size_key)? {
+                GeoValue::Double(size) if size.is_finite() && *size > 0.0 => Some(*size),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// Meters per unit of height from the name that GDAL stores for a band.
+pub(in crate::formats) fn meters_per_named_unit(name: &str) -> Option<f64> {
+    match name.trim().to_ascii_lowercase().as_str() {
+        "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),
+        "ft" | "foot" | "feet" | "international foot" => Some(FOOT),
+        "ftus" | "us survey foot" | "us-ft" | "us_survey_foot" | "foot_us" | "sfoot" => Some(US_FOOT),
+        "cm" | "centimeter" | "centimetre" => Some(0.01),
+        "dm" | "decimeter" | "decimetre" => Some(0.1),
+        "mm" | "millimeter" | "millimetre" => Some(0.001),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn geo_keys_give_numbers_texts_and_units() {
+        let table = [1, 1, 0, 4, 1024, 0, 1, 1, 3073, 34737, 5, 0, 3076, 0, 1, 32767, 3077, 34736, 1, 1];
+        let keys = GeoKeys::parse(&table, &[7.0, 0.3], b"abcd|").expect("a valid table");
+        assert_eq!(keys.short(1024), Some(1));
+        assert_eq!(keys.text(3073).as_deref(), Some("abcd"));
+        assert_eq!(keys.meters_per_unit(3076, 3077), Some(0.3));
+        assert_eq!(keys.short(2048), None);
+    }
+
+    #[test]
+    fn geo_keys_that_point_outside_their_tables_are_refused() {
+        assert!(GeoKeys::parse(&[1, 1, 0, 1, 3077, 34736, 1, 1], &[0.3], b"").is_none());
+        assert!(GeoKeys::parse(&[1, 1, 0, 1, 3073, 34737, 2, 9], &[], b"abc").is_none());
+        assert!(GeoKeys::parse(&[7, 1, 0, 0], &[], b"").is_none());
+        assert!(GeoKeys::parse(&[], &[], b"").is_none());
+    }
+}

@@ -1,0 +1,38 @@
+//! Formats of rasters: one file or folder for each.
+//!
+//! Formats know nothing of line of sight.
+
+mod ascii_grid;
+mod bil_file;
+mod cell_sources;
+mod exr_file;
+mod file;
+mod geotiff;
+mod lattice_rows;
+mod lonlat;
+mod mosaic;
+mod npz;
+mod origin;
+mod sample;
+mod tile_store;
+mod voids;
+mod world_file;
+
+pub use ascii_grid::{AsciiGrid, write_ascii_grid};
+pub use bil_file::{BilValues, bil_header};
+pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
+pub use exr_file::{ExrChannel, write_exr};
+pub use file::RasterFile;
+pub use file::cannot_read;
+pub(crate) use file::{open_file, reserve_cells};
+pub use geotiff::xml_text;
+pub use geotiff::{
+    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
+    pam_sidecar, write_geotiff,
+};
+pub use lonlat::LonLatGrid;
+pub use mosaic::Mosaic;
+pub use npz::{NpyArray, write_npz};
+pub use origin::origin_of;
+pub use tile_store::{TileStore, TileStoreWriter};
+pub use world_file::world_file;

@@ -1,0 +1,195 @@
+//! A folder of tiles on one grid.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+
+use super::covered::n_covered_cells;
+use super::numbers::Rule;
+use super::placed::covered_area;
+use super::tile::{Header, read_headers, told_once};
+use super::{Kind, MAX_SIDE, Mosaic, Nesting, Piece};
+use crate::error::{Error, Result, Warning};
+use crate::formats::cannot_read;
+use crate::raster::{Crs, GeoRef};
+
+/// How far the grids of two tiles may be apart \[cells\].
+const MAX_SHIFT_CELLS: f64 = 1e-3;
+
+impl Mosaic {
+    /// Opens a folder of tiles and reads their headers, no cell.
+    ///
+    /// # Errors
+    /// If the folder cannot be read or holds no raster, a tile cannot be opened, or two of them differ in cell size, grid,
+    /// reference system or unit of height: the error names them.
+    pub fn open_folder(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mosaic> {
+        let paths = tile_files(path)?;
+        let n_opened = AtomicUsize::new(0);
+        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened })?;
+        warnings.extend(told_once(headers.iter_mut(), &[]));
+        warn_of_bands(path, &headers, warnings);
+        let Some(first) = headers.first() else { return Err(no_tiles(path)) };
+        // What has no CRS is taken to be in that of the others.
+        let named = headers.iter().find(|header| header.georef.crs().is_some());
+        for other in &headers[1..] {
+            if let Some(named) = named {
+                refuse_other_crs(path, named, other)?;
+            }
+            refuse_other_grid(path, first, other)?;
+        }
+        let georef = common_grid(path, &headers)?;
+        let (first_col, first_row) = cells_from(&headers[0].georef, &georef);
+        let place = |(k, header): (usize, &Header)| {
+            // Both are whole numbers to a thousandth, so their difference is one.
+            let (col, row) = cells_from(&headers[0].georef, &header.georef);
+            #[expect(clippy::cast_possible_truncation, reason = "within the checked size of the mosaic")]
+            let (row, col) = ((row - first_row).round() as i64, (col - first_col).round() as i64);
+            let area = covered_area((georef.n_rows(), georef.n_cols()), &header.tile, (row, col), None)?;
+            Some(Piece { tile: k, band: 0, row, col, area, rule: Rule::Heights })
+        };
+        let pieces: Vec<Piece> = headers.iter().enumerate().filter_map(place).collect();
+        let areas: Vec<_> = pieces.iter().map(|piece| piece.area).collect();
+        let n_gaps = georef.n_cells() as u64 - n_covered_cells(&areas);
+        Ok(Mosaic {
+            path: path.to_owned(),
+            kind: Kind::Folder,
+            vertical: headers.iter().find_map(|header| header.vertical.clone()),
+            meters_per_height_unit: headers.iter().find_map(|header| header.meters_per_height_unit),
+            georef,
+            tiles: headers.into_iter().map(|header| header.tile).collect(),
+            pieces,
+            empty: f64::NAN,
+            nodata: Some(f64::NAN),
+            scaling: (1.0, 0.0),
+            n_gaps,
+        })
+    }
+}
+
+/// The rasters in a folder, sorted by name.
+fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let failed = |e: std::io::Error| cannot_read(folder, &e);
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        let is_raster = path
+            .extension()
+            .is_some_and(|extension| ["tif", "tiff", "asc"].iter().any(|known| extension.eq_ignore_ascii_case(known)));
+        if is_raster && !is_hidden && path.is_file() {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    if paths.is_empty() { Err(no_tiles(folder)) } else { Ok(paths) }
+}
+
+fn no_tiles(folder: &Path) -> Error {
+    let text = format!("cannot read `{}`: a folder without .tif, .tiff or .asc files, wanted tiles", folder.display());
+    Error::file(308, text).with_hint("folders in it are not looked into: name the one that holds the tiles")
+}
+
+/// West and north edge of a grid in cells of another one, east and south of its north-west corner.
+fn cells_from(reference: &GeoRef, grid: &GeoRef) -> (f64, f64) {
+    (
+        (grid.x_min() - reference.x_min()) / reference.cell_width(),
+        (reference.y_max() - grid.y_max()) / reference.cell_height(),
+    )
+}
+
+/// The refusal of two tiles that do not belong together.
+fn refusal(folder: &Path, (first, other): (&Header, &Header), code: u16, (found, wanted): (&str, &str)) -> Error {
+    let text = format!(
+        "cannot put `{}` together: `{}` and `{}` {found}, wanted {wanted}",
+        folder.display(),
+        first.tile.path.display(),
+        other.tile.path.display()
+    );
+    Error::file(code, text)
+}
+
+fn refuse_other_crs(folder: &Path, first: &Header, other: &Header) -> Result<()> {
+    match (first.georef.crs(), other.georef.crs()) {
+        (Some(a), Some(b)) if !a.same_as(b) => {
+            let found = format!("are in {} and {}", a.label(), b.label());
+            let hint = format!("gdalwarp -t_srs {} {} tile_reprojected.tif", a.label(), other.tile.path.display());
+            Err(refusal(folder, (first, other), 311, (&found, "one CRS")).with_hint(hint))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a tile that is not on the grid of the first one, or has another unit of height.
+fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()> {
+    let (one, two) = (&first.georef, &other.georef);
+    let refuse = |found: String, wanted: &str| {
+        let hint = "`gdalbuildvrt ALL.vrt FILE …`, then `gdal_translate ALL.vrt ALL.tif`, brings them onto one grid";
+        Err(refusal(folder, (first, other), 307, (&found, wanted)).with_hint(hint))
+    };
+    let drift = |a: f64, b: f64, n: usize| (a - b).abs() * n as f64 > MAX_SHIFT_CELLS * a;
+    if drift(one.cell_width(), two.cell_width(), two.n_cols())
+        || drift(one.cell_height(), two.cell_height(), two.n_rows())
+    {
+        let size = |grid: &GeoRef| format!("{}×{}", grid.cell_width(), grid.cell_height());
+        return refuse(format!("have cells of {} and {}", size(one), size(two)), "one size");
+    }
+    let (col, row) = cells_from(one, two);
+    let off = |position: f64| (position - position.round()).abs();
+    // NaN is neither.
+    if !(off(col) <= MAX_SHIFT_CELLS && off(row) <= MAX_SHIFT_CELLS) {
+        let text = format!("are {:.4} cells east and {:.4} cells south off a common grid", off(col), off(row));
+        return refuse(text, "at most 0.001");
+    }
+    let (a, b) = (first.meters_per_height_unit.unwrap_or(1.0), other.meters_per_height_unit.unwrap_or(1.0));
+    if (a - b).abs() > 1e-9 {
+        return refuse(format!("give heights in units of {a} m and {b} m"), "one unit");
+    }
+    Ok(())
+}
+
+/// The smallest grid that holds all tiles.
+fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
+    let first = &headers[0].georef;
+    let grids = || headers.iter().map(|header| &header.georef);
+    let x_min = grids().map(GeoRef::x_min).fold(f64::INFINITY, f64::min);
+    let y_max = grids().map(GeoRef::y_max).fold(f64::NEG_INFINITY, f64::max);
+    let x_max = grids().map(GeoRef::x_max).fold(f64::NEG_INFINITY, f64::max);
+    let y_min = grids().map(GeoRef::y_min).fold(f64::INFINITY, f64::min);
+    let (width, height) = (first.cell_width(), first.cell_height());
+    let (n_cols, n_rows) = (((x_max - x_min) / width).round(), ((y_max - y_min) / height).round());
+    let too_far = || {
+        let text = format!(
+            "cannot put `{}` together: its tiles lie in {n_cols} columns x {n_rows} rows, wanted at most {MAX_SIDE} a side",
+            folder.display()
+        );
+        Error::limit(501, text).with_hint("is there a tile of another place in the folder?")
+    };
+    if !(n_cols <= MAX_SIDE && n_rows <= MAX_SIDE) {
+        return Err(too_far());
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, at most 2^31 − 1")]
+    let shape = (n_rows as usize, n_cols as usize);
+    let crs: Option<&Crs> = grids().find_map(GeoRef::crs);
+    GeoRef::new((x_min, y_max), (width, height), shape, crs.cloned()).ok_or_else(too_far)
+}
+
+/// Warns of tiles with several bands, and of scaled ones, which are read as single files are.
+fn warn_of_bands(folder: &Path, headers: &[Header], warnings: &mut Vec<Warning>) {
+    if let Some(header) = headers.iter().find(|header| header.n_bands > 1) {
+        let text = format!(
+            "tiles of `{}` have several bands (`{}` has {}): the first is read as heights",
+            folder.display(),
+            header.tile.path.display(),
+            header.n_bands
+        );
+        warnings.push(Warning::new(323, text));
+    }
+    if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.scaling != (1.0, 0.0)) {
+        let (scale, offset) = tile.scaling;
+        let text = format!(
+            "tiles of `{}` store their heights scaled (`{}`: multiplied by {scale}, then {offset} added)",
+            folder.display(),
+            tile.path.display()
+        );
+        warnings.push(Warning::new(333, text));
+    }
+}

@@ -1,0 +1,9 @@
+//! Files in and out: formats of rasters, reference systems, readers of scenes, and what is written of a run.
+
+pub mod crs;
+pub mod digest;
+pub mod export;
+pub mod formats;
+pub mod read;
+
+use skyshed_core::{coverage, error, height_field, outlines, overlay, quantity, raster, scene, zones};

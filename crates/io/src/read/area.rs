@@ -1,0 +1,67 @@
+//! Areas from files of vector data.
+
+use std::path::Path;
+
+use super::building::{bounds, opened};
+use super::sites::{check_placeable, in_scene, misplaced};
+use super::source::input_name;
+use super::vector::{Selection, read_features};
+use crate::crs;
+use crate::error::{Error, Result};
+use crate::raster::GeoRef;
+use crate::scene::Area;
+
+/// Reads an area from the polygons of a file of vector data.
+///
+/// Positions are longitude and latitude (RFC 7946) unless a `crs` member says otherwise; those that no degrees can be
+/// are taken for the scene's own coordinates, as those of sites are.
+///
+/// # Errors
+/// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
+/// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
+pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
+    let set = read_features(path, Selection::default())?;
+    let named = set.crs?;
+    let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
+    if areas.is_empty() {
+        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
+        return Err(Error::file(308, text));
+    }
+    let is_degrees = bounds(areas.iter().flat_map(|(_, f)| &f.polygons))
+        .is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
+    let from = match named {
+        Some(crs) => Some(crs),
+        // Without a CRS of its own a scene is in local coordinates, and so is what is drawn over it.
+        None if is_degrees && grid.crs().is_some() => Some(crs::from_epsg(4326)?),
+        None => None,
+    };
+    let name = input_name(path);
+    check_placeable(&name, from.as_ref(), grid.crs())?;
+    let mut polygons = Vec::new();
+    for (number, feature) in areas {
+        let id =
+            feature.id.or_else(|| feature.properties.iter().find(|(n, _)| **n == *"id").and_then(|(_, v)| v.text()));
+        let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
+        let moved = |p: [f64; 2]| {
+            let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
+            moved.map_err(|fault| misplaced(&name, format!("{place}: {fault}"), false))
+        };
+        for polygon in opened(feature.polygons).0 {
+            let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
+            polygons.push(polygon.into_iter().map(ring).collect::<Result<Vec<_>>>()?);
+        }
+    }
+    let area = Area::new(polygons);
+    if !area.meets(grid) {
+        let text = format!(
+            "cannot use {}: its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}",
+            path.display(),
+            grid.x_min(),
+            grid.x_max(),
+            grid.y_min(),
+            grid.y_max()
+        );
+        return Err(Error::site(208, text).with_hint("a file in projected coordinates names its CRS in a `crs` member"));
+    }
+    Ok(area)
+}

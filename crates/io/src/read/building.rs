@@ -1,0 +1,380 @@
+//! What a feature says of a building: whether it is one, how high it is and in which unit.
+//!
+//! Names and meanings are those of OpenStreetMap, which most tables of buildings borrow: `height` above the ground,
+//! `building:levels` without the storeys under the roof, which `roof:levels` counts; `min_height` where a part begins
+//! above the ground; `building:part` for parts of different heights inside an outline. A prism here is solid from the
+//! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
+//! counts beside its parts. Both are counted.
+
+use std::path::Path;
+
+use super::footprints::{FootprintOptions, MissingHeight};
+use super::repairs::{Culprit, FaultLog};
+use super::vector::{Feature, FeatureSet, Polygon, Property};
+use crate::error::{Error, Result};
+use crate::scene::Fault;
+
+/// The unit of heights that name none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HeightUnit {
+    /// Meters.
+    #[default]
+    Meters,
+    /// International feet, 0.3048 m.
+    Feet,
+}
+
+impl HeightUnit {
+    /// Length of the unit \[m\].
+    pub fn meters(self) -> f64 {
+        match self {
+            HeightUnit::Meters => 1.0,
+            HeightUnit::Feet => METERS_PER_FOOT,
+        }
+    }
+}
+
+const METERS_PER_FOOT: f64 = 0.3048;
+
+/// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
+pub(super) const METERS_PER_LEVEL: f64 = 3.0;
+
+/// The property of a height where none is named.
+const HEIGHT: &str = "height";
+
+/// The areas of a file with what is known of their heights.
+#[derive(Debug, Default)]
+pub(super) struct Buildings {
+    pub(super) footprints: Vec<RawFootprint>,
+}
+
+/// One feature with areas.
+#[derive(Debug, Clone)]
+pub(super) struct RawFootprint {
+    /// Number of the feature in the file, from 1.
+    pub(super) number: usize,
+    pub(super) id: String,
+    /// Polygons of rings of positions, last point dropped if it repeats the first.
+    pub(super) polygons: Vec<Polygon>,
+    pub(super) unclosed: usize,
+    pub(super) height: FoundHeight,
+    /// Whether the height is that of the top above the datum.
+    pub(super) above_datum: bool,
+    /// Storeys, those under the roof included.
+    pub(super) levels: Option<f64>,
+    /// Whether it begins above the ground.
+    pub(super) floats: bool,
+    /// Lowest point of a solid \[m above the datum\].
+    pub(super) lowest: Option<f64>,
+}
+
+/// What a height property held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum FoundHeight {
+    Meters(f64),
+    DecimalComma(f64),
+    Missing,
+}
+
+impl Buildings {
+    /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
+    ///
+    /// # Errors
+    /// E302 for a coordinate that is not finite, E365 if no feature has the property that heights are read from.
+    pub(super) fn of(
+        path: &Path,
+        set: FeatureSet,
+        options: &FootprintOptions,
+        log: &mut FaultLog,
+    ) -> Result<Buildings> {
+        refuse_unknown_property(path, &set, options)?;
+        let mut buildings = Buildings::default();
+        for (index, feature) in set.features.into_iter().enumerate() {
+            let number = index + 1;
+            let says = Says { feature: &feature, name_limit: set.name_limit, options };
+            if feature.polygons.is_empty() {
+                log.note(Fault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
+                continue;
+            }
+            let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
+            if let Some(bad) = bad {
+                let path = path.display();
+                let text = format!("cannot read {path}: feature {number}: found coordinate `{bad}`, wanted a number");
+                return Err(Error::file(302, text));
+            }
+            let footprint = says.footprint(number);
+            if feature.has_other_parts {
+                log.note(Fault::NotAnArea, Culprit::of(&footprint));
+            }
+            if says.is_no_building() {
+                log.note(Fault::NotABuilding, Culprit::of(&footprint));
+                continue;
+            }
+            if says.is_part() {
+                log.note(Fault::Part, Culprit::of(&footprint));
+            }
+            buildings.footprints.push(footprint);
+        }
+        Ok(buildings)
+    }
+
+    /// West, south, east, north of all positions; `None` if there is none.
+    pub(super) fn bounds(&self) -> Option<[f64; 4]> {
+        bounds(self.footprints.iter().flat_map(|f| &f.polygons))
+    }
+}
+
+/// West, south, east, north of polygons; `None` if they have no position.
+pub(super) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
+    polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
+        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
+        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
+    })
+}
+
+/// Rings without the last point where it repeats the first, and how many do not end where they begin.
+pub(super) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
+    let mut unclosed = 0;
+    for ring in polygons.iter_mut().flatten() {
+        if ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        } else {
+            unclosed += usize::from(!ring.is_empty());
+        }
+    }
+    (polygons, unclosed)
+}
+
+/// The property that heights are read from.
+pub(super) fn height_property(options: &FootprintOptions) -> &str {
+    options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT)
+}
+
+/// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
+/// property that nobody named.
+fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
+    let name = height_property(options);
+    let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
+    let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
+    let is_named = options.top_field.is_some() || options.height_field.is_some();
+    let by_storeys = options.missing == MissingHeight::Levels && !is_named && has(&options.levels_field);
+    let by_itself = !is_named && areas().any(|feature| feature.heights.is_some());
+    if areas().next().is_none() || has(name) || by_storeys || by_itself {
+        return Ok(());
+    }
+    const MOST: usize = 12;
+    let mut like_heights: Vec<&str> = Vec::new();
+    let mut like_storeys: Vec<&str> = Vec::new();
+    let mut others: Vec<&str> = Vec::new();
+    for (name, value) in areas().take(100).flat_map(|feature| &feature.properties) {
+        let list = match likeness(name, value) {
+            Some(Likeness::Height) => &mut like_heights,
+            Some(Likeness::Storeys) => &mut like_storeys,
+            None => &mut others,
+        };
+        if list.len() < MOST && !list.contains(&&**name) {
+            list.push(name);
+        }
+    }
+    let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let path = path.display();
+    let text = format!("cannot use {path}: no feature has the property `{name}`, wanted one that holds heights");
+    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), like_storeys.as_slice(), others.as_slice()) {
+        ([], [], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
+        ([], [], others) => format!("no property looks like a height; there are {}", quoted(others)),
+        ([], found, _) => {
+            format!(
+                "{} may count storeys: `--missing levels --levels-field NAME` takes {METERS_PER_LEVEL} m for each",
+                quoted(found)
+            )
+        }
+        (found, ..) => {
+            format!("{} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum", quoted(found))
+        }
+    }))
+}
+
+/// What a property may hold by its name.
+enum Likeness {
+    Height,
+    Storeys,
+}
+
+/// Whether a property may hold the height of a building, or the number of its storeys.
+fn likeness(name: &str, value: &Property) -> Option<Likeness> {
+    const HEIGHTS: [&str; 10] =
+        ["height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "z_"];
+    const WHOLE: [&str; 5] = ["h", "z", "top", "roof", "elev"];
+    const STOREYS: [&str; 4] = ["level", "storey", "stories", "floors"];
+    let name = name.to_lowercase();
+    let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+    let likeness = if has(&STOREYS) {
+        Likeness::Storeys
+    } else if has(&HEIGHTS) || WHOLE.contains(&name.as_str()) {
+        Likeness::Height
+    } else {
+        return None;
+    };
+    (!matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)).then_some(likeness)
+}
+
+/// A feature and how it is read.
+struct Says<'a> {
+    feature: &'a Feature,
+    name_limit: Option<usize>,
+    options: &'a FootprintOptions,
+}
+
+impl Says<'_> {
+    fn property(&self, name: &str) -> Option<&Property> {
+        self.feature.property(name, self.name_limit)
+    }
+
+    fn word(&self, name: &str) -> Option<String> {
+        self.property(name).and_then(Property::text).map(|text| text.trim().to_lowercase())
+    }
+
+    fn is_no_building(&self) -> bool {
+        self.word("building").is_some_and(|word| word == "no" || word == "demolished")
+    }
+
+    fn is_part(&self) -> bool {
+        self.word("building:part").is_some_and(|word| word != "no" && !word.is_empty())
+    }
+
+    /// Whether a number other than zero is given.
+    fn is_above_zero(&self, name: &str) -> bool {
+        let found = self.property(name).map(|value| found_height(value, HeightUnit::Meters));
+        matches!(found, Some(FoundHeight::Meters(v) | FoundHeight::DecimalComma(v)) if v > 0.0)
+    }
+
+    fn levels(&self) -> Option<f64> {
+        let number = |name: &str| match found_height(self.property(name)?, HeightUnit::Meters) {
+            FoundHeight::Meters(n) | FoundHeight::DecimalComma(n) => Some(n),
+            FoundHeight::Missing => None,
+        };
+        let levels = number(&self.options.levels_field).filter(|n| *n > 0.0)?;
+        Some(levels + number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
+    }
+
+    /// The height, and whether it is above the datum: from the property that is named, else from the solid itself, else
+    /// from `height`.
+    fn height(&self) -> (FoundHeight, bool) {
+        let options = self.options;
+        let of = |name: &str| {
+            self.property(name).map_or(FoundHeight::Missing, |value| found_height(value, options.height_unit))
+        };
+        match (&options.top_field, &options.height_field, self.feature.heights) {
+            (Some(name), _, _) => (of(name), true),
+            (None, Some(name), _) => (of(name), false),
+            (None, None, Some([_, highest])) => (FoundHeight::Meters(highest), true),
+            (None, None, None) => (of(HEIGHT), false),
+        }
+    }
+
+    /// What the feature is called; its number where it has no name.
+    fn id(&self, number: usize) -> String {
+        let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
+        id.unwrap_or_else(|| number.to_string())
+    }
+
+    fn footprint(&self, number: usize) -> RawFootprint {
+        let (polygons, unclosed) = opened(self.feature.polygons.clone());
+        let (height, above_datum) = self.height();
+        RawFootprint {
+            number,
+            id: self.id(number),
+            polygons,
+            unclosed,
+            height,
+            above_datum,
+            levels: self.levels(),
+            floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
+            lowest: self.feature.heights.map(|[lowest, _]| lowest),
+        }
+    }
+}
+
+/// A height from a property: a number, or text such as `12`, `12.5 m`, `40 ft`, `39'4"`, `12,5`; `unit` is that of
+/// numbers without one.
+pub(super) fn found_height(value: &Property, unit: HeightUnit) -> FoundHeight {
+    let text = match value {
+        Property::Number(n) if n.is_finite() => return FoundHeight::Meters(n * unit.meters()),
+        Property::Number(_) | Property::Null => return FoundHeight::Missing,
+        Property::Text(text) => text.trim(),
+    };
+    if let Some((feet, inches)) = text.split_once('\'') {
+        return feet_and_inches(feet, inches).map_or(FoundHeight::Missing, FoundHeight::Meters);
+    }
+    const UNITS: [(&str, f64); 8] = [
+        ("ft", METERS_PER_FOOT),
+        ("feet", METERS_PER_FOOT),
+        ("foot", METERS_PER_FOOT),
+        ("meters", 1.0),
+        ("metres", 1.0),
+        ("meter", 1.0),
+        ("metre", 1.0),
+        ("m", 1.0),
+    ];
+    let named = UNITS.iter().find_map(|(name, meters)| text.strip_suffix(name).map(|n| (n.trim_end(), *meters)));
+    let (number, meters) = named.unwrap_or((text, unit.meters()));
+    if let Ok(v) = number.parse::<f64>() {
+        return if v.is_finite() { FoundHeight::Meters(v * meters) } else { FoundHeight::Missing };
+    }
+    // One comma and no point: a decimal comma, not a thousands separator followed by three digits.
+    match number.split_once(',') {
+        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => format!("{whole}.{decimals}")
+            .parse::<f64>()
+            .map_or(FoundHeight::Missing, |v| FoundHeight::DecimalComma(v * meters)),
+        _ => FoundHeight::Missing,
+    }
+}
+
+/// `39` and `4"` as meters, the inches left out or below 12.
+fn feet_and_inches(feet: &str, inches: &str) -> Option<f64> {
+    let feet: f64 = feet.trim().parse().ok().filter(|v: &f64| v.is_finite())?;
+    let inches = inches.trim().trim_end_matches(['"', '\'']).trim();
+    let inches: f64 = if inches.is_empty() { 0.0 } else { inches.parse().ok()? };
+    (0.0..12.0).contains(&inches).then_some((feet + inches / 12.0) * METERS_PER_FOOT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_are_read_with_their_units_and_nonsense_is_missing() {
+        let read = |text: &str| found_height(&Property::Text(text.into()), HeightUnit::Meters);
+        assert_eq!(read("12 m"), FoundHeight::Meters(12.0));
+        assert_eq!(read("12.5m"), FoundHeight::Meters(12.5));
+        assert_eq!(read("12.5"), FoundHeight::Meters(12.5));
+        assert_eq!(read("100 ft"), FoundHeight::Meters(30.48));
+        assert_eq!(read("100'"), FoundHeight::Meters(30.48));
+        // 39 feet and 4 inches are 472 inches of 25.4 mm.
+        let FoundHeight::Meters(mixed) = read("39'4\"") else { panic!("no height") };
+        assert!((mixed - 472.0 * 0.0254).abs() < 1e-12, "{mixed}");
+        assert_eq!(read("12,5"), FoundHeight::DecimalComma(12.5));
+        for nonsense in ["1,200", "tall", "inf", "", "m", "39'14\"", "39'x", "nan ft"] {
+            assert_eq!(read(nonsense), FoundHeight::Missing, "{nonsense}");
+        }
+        assert_eq!(found_height(&Property::Number(100.0), HeightUnit::Feet), FoundHeight::Meters(30.48));
+        assert_eq!(found_height(&Property::Text("100 m".into()), HeightUnit::Feet), FoundHeight::Meters(100.0));
+        assert_eq!(found_height(&Property::Number(f64::NAN), HeightUnit::Meters), FoundHeight::Missing);
+    }
+
+    #[test]
+    fn storeys_under_the_roof_are_added_and_rings_are_opened() {
+        let word = |name: &str, text: &str| (name.into(), Property::Text(text.into()));
+        let feature = Feature {
+            properties: vec![word("building:levels", "4"), word("roof:levels", "1"), word("building:part", "yes")],
+            ..Feature::default()
+        };
+        let options = FootprintOptions::default();
+        let says = Says { feature: &feature, name_limit: None, options: &options };
+        assert_eq!(says.levels(), Some(5.0));
+        assert!(says.is_part() && !says.is_no_building());
+        let ring = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let closed: Vec<[f64; 2]> = ring.iter().copied().chain([[0.0, 0.0]]).collect();
+        assert_eq!(opened(vec![vec![closed, ring.clone(), vec![]]]), (vec![vec![ring.clone(), ring, vec![]]], 1));
+    }
+}

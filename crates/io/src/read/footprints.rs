@@ -1,0 +1,581 @@
+//! Scenes from building footprints with heights, on flat ground or terrain.
+//!
+//! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
+//! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
+//! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
+//! feature says of a building is read in `building.rs`.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
+use super::faults::{HeightWords, warn_of_faults};
+use super::heights::{HeightFile, Heights, warn_of_units};
+use super::outline::{Shaped, polygon_area, shape};
+use super::projection::{Projection, project};
+use super::receivers_grid::{GridRequest, receivers_grid};
+use super::repairs::{Culprit, FaultLog, Listing, Repair};
+use super::reprojected::Reprojection;
+use super::source::source_of;
+use super::surface::ground_steps;
+use super::vector::{Selection, read_features};
+use super::{name_of, read_area, refuse_degrees, refuse_two_crs};
+use crate::crs;
+use crate::crs::{InputKind, Transformation};
+use crate::error::{Error, Result, Warning};
+use crate::formats::reserve_cells;
+use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
+use crate::raster::{Crs, GeoRef, Raster};
+use crate::scene::{DataArea, Footprint, Ground, NodataAs, Scene, Solids};
+use crate::scene::{Fault, HeightGap, LEFT_OUT};
+
+/// What to do with footprints whose height is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MissingHeight {
+    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
+    #[default]
+    Few,
+    /// Refuse the file.
+    Fail,
+    /// Leave the footprint out, and say so.
+    Drop,
+    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
+    /// is missing too.
+    Levels,
+    /// The median of the known heights.
+    Median,
+}
+
+/// Which of the terrain columns that a footprint's area overlaps it stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BaseRule {
+    /// The lowest, as OpenStreetMap defines `height`.
+    #[default]
+    Lowest,
+    /// Their mean, each weighted by the area that is overlapped.
+    Mean,
+    /// The highest.
+    Highest,
+}
+
+/// Where the ground of a footprint scene is known, as it was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DataAreaChoice {
+    /// Near the footprints; everywhere if the extent was typed.
+    #[default]
+    Auto,
+    /// Everywhere.
+    All,
+    /// Within the polygons of a file.
+    Within(PathBuf),
+}
+
+/// The largest share of the footprint area that may go without heights unless a policy was chosen.
+const FEW: f64 = 0.02;
+
+/// How footprints are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FootprintOptions {
+    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
+    pub height_field: Option<String>,
+    /// Property that holds the absolute height of the top above the datum, instead.
+    pub top_field: Option<String>,
+    /// Unit of heights that name none.
+    pub height_unit: HeightUnit,
+    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
+    pub levels_field: String,
+    /// Policy for missing heights.
+    pub missing: MissingHeight,
+    /// Table of a GeoPackage; needed where it has several.
+    pub layer: Option<String>,
+    /// Terrain model, in the same CRS unless `project` is given.
+    pub terrain: Option<PathBuf>,
+    /// Height of flat ground \[m above the datum\], 0 by default.
+    pub ground_m: Option<f64>,
+    /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
+    pub extent: Option<[f64; 4]>,
+    /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
+    pub cell_m: Option<f64>,
+    /// The CRS to assume.
+    pub crs: Option<Crs>,
+    /// Another CRS for the scene than that of the file.
+    pub project: Option<Projection>,
+    /// What nodata cells of the terrain, and ground beyond it, do.
+    pub nodata_as: NodataAs,
+    /// Which ground a footprint stands on.
+    pub base: BaseRule,
+    /// Where the ground is known.
+    pub data_area: DataAreaChoice,
+    /// Whether to hash inputs of any size.
+    pub always_hash: bool,
+}
+
+impl Default for FootprintOptions {
+    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
+    fn default() -> Self {
+        FootprintOptions {
+            height_field: None,
+            top_field: None,
+            height_unit: HeightUnit::default(),
+            levels_field: "building:levels".into(),
+            missing: MissingHeight::default(),
+            layer: None,
+            terrain: None,
+            ground_m: None,
+            extent: None,
+            cell_m: None,
+            crs: None,
+            project: None,
+            nodata_as: NodataAs::default(),
+            base: BaseRule::default(),
+            data_area: DataAreaChoice::default(),
+            always_hash: false,
+        }
+    }
+}
+
+/// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, told apart by their extension.
+///
+/// # Errors
+/// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
+/// errors for bad numbers and layers; limit errors for huge grids.
+pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    read(path, options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
+}
+
+/// Reads footprints as [`read_footprints`] does, and lists everything that was mended or left out, in the order of the
+/// file.
+///
+/// # Errors
+/// As [`read_footprints`].
+pub fn read_footprints_and_repairs(
+    path: &Path,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Scene, Vec<Repair>)> {
+    read(path, options, Listing::EachOne, warnings)
+}
+
+fn read(
+    path: &Path,
+    options: &FootprintOptions,
+    listing: Listing,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Scene, Vec<Repair>)> {
+    // The extent is in the scene's CRS: of a file in another one all must be read.
+    let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
+    let selection = Selection { layer: options.layer.as_deref(), bounds };
+    let mut set = read_features(path, selection)?;
+    let mut sources = vec![source_of(path, options.always_hash)?];
+    let file_crs = match &options.crs {
+        Some(crs) => Some(crs.clone()),
+        None => std::mem::replace(&mut set.crs, Ok(None))?,
+    };
+    let attribution = set.attribution.take();
+    let mut log = FaultLog::new(listing);
+    let mut raw = Buildings::of(path, set, options, &mut log)?;
+    let file_crs = match &options.project {
+        Some(projection) => {
+            let (from, bounds) = (file_crs.clone(), raw.bounds());
+            let to = project(path, &mut raw, file_crs, projection, warnings)?;
+            move_listed(&mut log, from, to.as_ref(), bounds)?;
+            to
+        }
+        None => file_crs,
+    };
+    let bounds = raw.bounds();
+    check_degrees(path, file_crs.as_ref(), bounds)?;
+
+    let terrain = match &options.terrain {
+        None => None,
+        Some(terrain_path) => {
+            let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
+            let terrain = heights.raster;
+            refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
+                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
+            })?;
+            sources.append(&mut heights.sources);
+            Some(terrain)
+        }
+    };
+    let crs = file_crs.or_else(|| terrain.as_ref().and_then(|t| t.georef().crs().cloned()));
+    if crs.is_none() {
+        warnings.push(Warning::new(
+            325,
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+        ));
+    }
+    if let Some(crs) = &crs {
+        warn_of_units(path, crs, warnings);
+    }
+    let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
+    let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
+    let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
+    let data_area = data_area(options, &grid, warnings)?;
+    if let DataAreaChoice::Within(path) = &options.data_area {
+        sources.push(source_of(path, options.always_hash)?);
+    }
+    let mut ground = match terrain {
+        Some(terrain) => Ground::Terrain(terrain),
+        None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
+    };
+    warn_of_the_ground(path, &raw, &ground, warnings);
+    let making = Making { path, options, ground: &ground, frame };
+    let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
+    if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
+        ground = Ground::Terrain(blocking_where_unknown(path, terrain, &grid)?);
+    }
+    warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
+    let faults = log.counts;
+    let scene = Scene {
+        name: name_of(path),
+        grid,
+        solids: Solids::Vector { footprints, frame, ground, faults, data_area },
+        built_up: None,
+        sources,
+        attribution,
+        height_gap,
+    };
+    Ok((scene, log.into_list()))
+}
+
+/// Where the ground is known.
+///
+/// # Errors
+/// Those of reading the file of the area.
+fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
+    match (&options.data_area, options.extent) {
+        (DataAreaChoice::All, _) => Ok(DataArea::All),
+        (DataAreaChoice::Within(path), _) => read_area(path, grid).map(DataArea::Within),
+        (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
+        (DataAreaChoice::Auto, Some(_)) => {
+            let text = "all of `--extent` counts as known ground, also where no building is near (`--data-area auto|all|FILE`)";
+            warnings.push(Warning::new(378, text));
+            Ok(DataArea::All)
+        }
+    }
+}
+
+/// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
+///
+/// # Errors
+/// E501 for more cells of the terrain than memory holds.
+fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
+    let from = terrain.georef();
+    let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
+    let [west, east] = [from.x_min() - grid.x_min(), grid.x_max() - from.x_max()].map(|l| beyond(l, from.cell_width()));
+    let [south, north] =
+        [from.y_min() - grid.y_min(), grid.y_max() - from.y_max()].map(|l| beyond(l, from.cell_height()));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most the cells of the receivers' grid"
+    )]
+    let [west_n, east_n, south_n, north_n] = [west, east, south, north].map(|n| n as usize);
+    let (n_rows, n_cols) = (from.n_rows() + south_n + north_n, from.n_cols() + west_n + east_n);
+    let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
+    let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
+    let Some(georef) = georef else { return Ok(terrain.clone()) };
+    let mut cells = reserve_cells(path, &georef)?;
+    cells.resize(georef.n_cells(), BLOCKS_ALL);
+    for row in 0..from.n_rows() {
+        let to = &mut cells[(row + north_n) * n_cols + west_n..][..from.n_cols()];
+        to.iter_mut().zip(terrain.row(row)).filter(|(_, z)| **z != VOID).for_each(|(to, z)| *to = *z);
+    }
+    Ok(Raster::new(georef, cells))
+}
+
+/// Brings the places that are listed so far, those of a file within `bounds`, into the system of the scene.
+fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+    let (Some(to), Some([west, south, east, north]), true) = (to, bounds, log.has_listed()) else { return Ok(()) };
+    // Positions in no system of their own were taken for degrees.
+    let from = from.map_or_else(|| crs::from_epsg(4326), Ok)?;
+    if from != *to {
+        let way = Transformation::new(&from, to, ((west + east) / 2.0, (south + north) / 2.0))?;
+        log.move_places(|place| way.apply(place).ok());
+    }
+    Ok(())
+}
+
+/// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
+fn terrain_heights(
+    path: &Path,
+    scene_crs: Option<&Crs>,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Heights> {
+    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let wanted = scene_crs.filter(|_| options.project.is_some() && file.georef().crs().is_some());
+    let reprojection = match wanted {
+        None => None,
+        Some(crs) => Reprojection::plan(path, file.georef(), &Projection::To(crs.clone()), None)?,
+    };
+    Reprojection::read(reprojection, file, options.always_hash, warnings)
+}
+
+/// An extent with all that can cast a shadow into it: a UAV is at most [`MAX_EXTENT_UNITS`] from any cell that it sees.
+fn grown([west, south, east, north]: [f64; 4]) -> [f64; 4] {
+    [west - MAX_EXTENT_UNITS, south - MAX_EXTENT_UNITS, east + MAX_EXTENT_UNITS, north + MAX_EXTENT_UNITS]
+}
+
+/// Warns where solids stand on another height than the flat ground of the scene.
+fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
+    let Ground::Flat(z) = ground else { return };
+    let lowest: Vec<f64> = raw.footprints.iter().filter_map(|f| f.lowest).collect();
+    let range = lowest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(*z), r.1.max(*z)));
+    let Some(middle) = median(lowest) else { return };
+    if (range.0..=range.1).contains(&meters(*z)) {
+        return;
+    }
+    let text = format!(
+        "{}: the ground is at {} m, but the buildings begin at {} to {} m above the datum (`--terrain FILE`, or `--ground \
+         {}`, the median)",
+        path.display(),
+        tidy(meters(*z)),
+        tidy(range.0),
+        tidy(range.1),
+        tidy(middle)
+    );
+    warnings.push(Warning::new(366, text));
+}
+
+/// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
+fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+    let Some(bounds) = bounds else { return Ok(()) };
+    if let Some(crs) = crs {
+        return refuse_degrees(path, crs, bounds, InputKind::Vector);
+    }
+    // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
+    let [west, south, east, north] = bounds;
+    let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
+    if on_earth && east - west < 1.0 && north - south < 1.0 {
+        return refuse_degrees(path, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
+    }
+    Ok(())
+}
+
+/// What prisms are made of buildings with.
+#[derive(Clone, Copy)]
+struct Making<'a> {
+    path: &'a Path,
+    options: &'a FootprintOptions,
+    ground: &'a Ground,
+    frame: Frame,
+}
+
+impl Making<'_> {
+    /// Positions to the lattice, repair, heights; and what of the footprints has none.
+    fn prisms(
+        self,
+        raw: Buildings,
+        log: &mut FaultLog,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Vec<Footprint>, Option<HeightGap>)> {
+        let of_ground = (self.ground, self.options.base);
+        let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
+        if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
+            let text = format!("cannot use {}: feature `{}` has {tangle}", self.path.display(), found.raw.id);
+            return Err(Error::limit(504, text).with_hint("mend or leave out the feature; is it one building?"));
+        }
+        let median = median_height(&shaped);
+        let words = HeightWords::of(self.options);
+        let missing_share = missing_area_share(&shaped);
+        if self.options.missing == MissingHeight::Few && missing_share > FEW {
+            return Err(self.too_many_missing(&shaped, (missing_share, median), &words));
+        }
+        let mut footprints = Vec::with_capacity(shaped.len());
+        for shaped in shaped {
+            note_shape(&shaped, log);
+            if !is_usable(&shaped) {
+                continue;
+            }
+            let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
+            if !above_datum && height < 0.0 {
+                log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
+                continue;
+            }
+            if shaped.base.is_none() && !above_datum {
+                log.note(Fault::NoGround, Culprit::of(&shaped.raw));
+                continue;
+            }
+            let top = self.top(&shaped, (height, above_datum))?;
+            let base = shaped.base;
+            footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
+        }
+        warn_of_faults(&log.counts, self.path, &words, missing_share, warnings);
+        let gap = HeightGap { area_share: missing_share, done: words.treated };
+        Ok((footprints, (missing_share > 0.0).then_some(gap)))
+    }
+
+    /// The refusal of a file that lacks heights, with what each policy would do.
+    fn too_many_missing(self, shaped: &[Shaped], (share, median): (f64, Option<f64>), words: &HeightWords) -> Error {
+        let missing: Vec<&Shaped> = shaped.iter().filter(|s| is_without_height(s)).collect();
+        let n = shaped.iter().filter(|s| is_usable(s)).count();
+        let by_storeys = missing.iter().filter(|s| s.raw.levels.is_some()).count();
+        let text = format!(
+            "cannot use {}: {} of {n} footprints, {:.1} % of the footprint area, have no usable `{}`; wanted at most {:.0} %, or \
+             `--missing POLICY`",
+            self.path.display(),
+            missing.len(),
+            100.0 * share,
+            words.property,
+            100.0 * FEW
+        );
+        let of_median = median.map_or("has none to take".to_string(), |m| format!("gives them {} m", tidy(m)));
+        Error::file(309, text).with_hint(format!(
+            "`--missing drop` leaves them out, as if nothing stood there; `levels` gives {by_storeys} of them 3 m a storey of \
+             `{}` and leaves {} out; `median` {of_median}; or name another property with `--height-field`",
+            self.options.levels_field,
+            missing.len() - by_storeys
+        ))
+    }
+
+    /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
+    ///
+    /// # Errors
+    /// E309 for a missing height, where that is the policy.
+    fn height(
+        self,
+        shaped: &Shaped,
+        median: Option<f64>,
+        words: &HeightWords,
+        log: &mut FaultLog,
+    ) -> Result<Option<(f64, bool)>> {
+        let culprit = Culprit::of(&shaped.raw);
+        match shaped.raw.height {
+            FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
+            FoundHeight::DecimalComma(m) => {
+                log.note(Fault::DecimalComma, culprit);
+                return Ok(Some((m, shaped.raw.above_datum)));
+            }
+            FoundHeight::Missing => {}
+        }
+        let found = match self.options.missing {
+            MissingHeight::Fail => {
+                let (path, id, name) = (self.path.display(), culprit.id, &words.property);
+                let text = format!("cannot use {path}: feature `{id}` has no usable `{name}`");
+                return Err(Error::file(309, text)
+                    .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
+            }
+            MissingHeight::Few | MissingHeight::Drop => None,
+            // Storeys are counted from the ground, whatever the property would have been measured from.
+            MissingHeight::Levels => {
+                let height = shaped.raw.levels.map(|levels| (levels * METERS_PER_LEVEL, false));
+                height.map(|height| (height, "given the height of its storeys"))
+            }
+            MissingHeight::Median => median.map(|height| ((height, shaped.raw.above_datum), "given the median height")),
+        };
+        log.note_done(Fault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
+        if self.options.missing == MissingHeight::Levels && found.is_some() {
+            log.note(Fault::HeightFromLevels, culprit);
+        }
+        Ok(found.map(|(height, _)| height))
+    }
+
+    /// The top on the lattice.
+    ///
+    /// # Errors
+    /// E205 for one beyond it.
+    fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool)) -> Result<i32> {
+        let above = if above_datum { Some(0) } else { shaped.base };
+        height_steps(height)
+            .and_then(|steps| above?.checked_add(steps))
+            .filter(|top| height_steps(meters(*top)).is_some())
+            .ok_or_else(|| {
+                let (path, id) = (self.path.display(), &shaped.raw.id);
+                let text = format!(
+                    "cannot use {path}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
+                );
+                Error::site(205, text)
+            })
+    }
+}
+
+/// Whether a building that can be used has no height.
+fn is_without_height(shaped: &Shaped) -> bool {
+    is_usable(shaped) && shaped.raw.height == FoundHeight::Missing
+}
+
+/// Whether anything is left of a building after repair, and near enough.
+fn is_usable(shaped: &Shaped) -> bool {
+    !shaped.too_far && !shaped.polygons.is_empty()
+}
+
+/// Notes what is odd about a building whatever its height is.
+fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
+    let raw = &shaped.raw;
+    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, Culprit::polygon(raw, *k)));
+    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
+    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
+    if shaped.too_far {
+        log.note(Fault::TooFar, Culprit::of(raw));
+    } else if is_usable(shaped) && raw.floats {
+        log.note(Fault::Floating, Culprit::of(raw));
+    }
+}
+
+/// The median of the heights that are known \[m\].
+fn median_height(shaped: &[Shaped]) -> Option<f64> {
+    let known = |s: &Shaped| match s.raw.height {
+        FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) if m >= 0.0 || s.raw.above_datum => Some(m),
+        _ => None,
+    };
+    median(shaped.iter().filter_map(known).collect())
+}
+
+/// The share of the area of all footprints that those without a height have.
+fn missing_area_share(shaped: &[Shaped]) -> f64 {
+    let area = |s: &Shaped| s.polygons.iter().map(|p| polygon_area(p)).sum::<f64>();
+    let total: f64 = shaped.iter().map(area).sum();
+    let missing: f64 = shaped.iter().filter(|s| is_without_height(s)).map(area).sum();
+    if total > 0.0 { missing / total } else { 0.0 }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*m)
+}
+
+fn warn_if_nothing_meets_the_grid(
+    path: &Path,
+    footprints: &[Footprint],
+    grid: &GeoRef,
+    frame: Frame,
+    warnings: &mut Vec<Warning>,
+) {
+    if footprints.is_empty() {
+        warnings
+            .push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
+        return;
+    }
+    let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
+    let (x1, y1) = frame.lattice_from_world(grid.x_max(), grid.y_max());
+    let inside = |p: &[i32; 2]| (x0..=x1).contains(&i64::from(p[0])) && (y0..=y1).contains(&i64::from(p[1]));
+    let encloses = |f: &Footprint| {
+        let points = || f.polygons.iter().flatten().flatten();
+        let west = points().any(|p| i64::from(p[0]) <= x0) && points().any(|p| i64::from(p[0]) >= x1);
+        let south = points().any(|p| i64::from(p[1]) <= y0) && points().any(|p| i64::from(p[1]) >= y1);
+        west || south
+    };
+    let meets = |f: &Footprint| f.polygons.iter().flatten().flatten().any(inside) || encloses(f);
+    if !footprints.iter().any(meets) {
+        warnings.push(Warning::new(
+            360,
+            format!(
+                "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
+                path.display(),
+                footprints.len(),
+                grid.x_min(),
+                grid.x_max(),
+                grid.y_min(),
+                grid.y_max()
+            ),
+        ));
+    }
+}

@@ -1,0 +1,178 @@
+//! GeoJSON text: its document, its CRS, its features.
+//!
+//! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
+//! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
+
+use std::path::Path;
+
+use geojson::{Feature, GeometryValue};
+use serde_json::{Map, Value};
+
+use super::source::{input_name, read_input};
+use super::vector::{self, FeatureSet, Polygon, Property};
+use crate::crs;
+use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::raster::Crs;
+
+/// Parses a GeoJSON document.
+///
+/// # Errors
+/// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
+pub(super) fn read_document(path: &Path) -> Result<Value> {
+    let (bytes, name) = (read_input(path)?, input_name(path));
+    let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
+        let place = e.utf8_error().valid_up_to();
+        Error::file(302, format!("cannot read {name}: byte {place} is not UTF-8, wanted GeoJSON text"))
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    if text.trim().is_empty() {
+        return Err(Error::file(302, format!("cannot read {name}: the file is empty, wanted GeoJSON")));
+    }
+    serde_json::from_str(text).map_err(|e| {
+        let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
+        let error = Error::file(302, format!("cannot read {name}: {found}, wanted one GeoJSON document"));
+        if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
+            error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
+        } else {
+            error
+        }
+    })
+}
+
+/// Whether the second line of a text begins another JSON object.
+fn is_one_feature_a_line(text: &str) -> bool {
+    text.trim_start().lines().nth(1).is_some_and(|line| line.starts_with(['{', '\u{1e}']))
+}
+
+/// The features of a document: of a collection, of a single feature, or of a bare geometry.
+///
+/// # Errors
+/// If the document is none of these.
+pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
+    let wrong = |found: String| {
+        let name = input_name(path);
+        Error::file(302, format!("cannot read {name}: found {found}, wanted a GeoJSON FeatureCollection"))
+    };
+    let Value::Object(mut object) = document else {
+        return Err(wrong(format!("{} at the top level", kind_of(&document))));
+    };
+    let kind = object.get("type").and_then(Value::as_str).unwrap_or_default().to_string();
+    match kind.as_str() {
+        "FeatureCollection" => match object.remove("features") {
+            Some(Value::Array(features)) => Ok(features),
+            Some(other) => Err(wrong(format!("`features` holding {}", kind_of(&other)))),
+            None => Err(wrong("a FeatureCollection without `features`".into())),
+        },
+        "Feature" => Ok(vec![Value::Object(object)]),
+        "Polygon" | "MultiPolygon" | "GeometryCollection" => {
+            let mut feature = Map::new();
+            feature.insert("type".into(), "Feature".into());
+            feature.insert("properties".into(), Value::Null);
+            feature.insert("geometry".into(), Value::Object(object));
+            Ok(vec![Value::Object(feature)])
+        }
+        "" => Err(wrong("an object without `type`".into())),
+        other => Err(wrong(format!("type `{other}`"))),
+    }
+}
+
+/// The CRS that a document's `crs` member names, if it has one.
+///
+/// # Errors
+/// If it names one that is not known.
+pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
+    let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
+    let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
+        let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
+        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input_name(path));
+        return Err(Error::file(310, text).with_hint("say it with `--crs EPSG:n`"));
+    };
+    crs::parse(name).map(Some).map_err(|e| {
+        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input_name(path)))
+            .with_hint("override it with `--crs EPSG:n`")
+    })
+}
+
+/// The features of a GeoJSON document.
+pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
+    let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
+    let crs = named_crs(path, &document);
+    let mut found = Vec::new();
+    for (number, value) in features(path, document)?.into_iter().enumerate() {
+        let refuse = |found: String| {
+            let text =
+                format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", path.display(), number + 1);
+            Error::file(302, text)
+        };
+        let feature: Feature =
+            serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;
+        found.push(feature_of(feature).map_err(refuse)?);
+    }
+    Ok(FeatureSet { crs, attribution, name_limit: None, features: found })
+}
+
+/// A feature with its areas; the error says what is wrong with its positions.
+fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> {
+    let (mut polygons, mut has_other_parts) = (Vec::new(), false);
+    if let Some(geometry) = &feature.geometry {
+        collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
+    }
+    let id = feature.id.map(|id| match id {
+        geojson::feature::Id::String(text) => text,
+        geojson::feature::Id::Number(number) => number.to_string(),
+    });
+    let properties = feature.properties.into_iter().flatten();
+    let properties = properties.map(|(name, value)| (name.into(), Property::of_json(&value))).collect();
+    Ok(vector::Feature { id, properties, polygons, has_other_parts, heights: None })
+}
+
+fn collect_polygons(
+    geometry: &GeometryValue,
+    polygons: &mut Vec<Polygon>,
+    has_other_parts: &mut bool,
+) -> std::result::Result<(), String> {
+    let plane = |p: &geojson::Position| match p.as_slice() {
+        [x, y, ..] => Ok([*x, *y]),
+        [_] => Err("found a position with one number".to_string()),
+        [] => Err("found a position without a number".to_string()),
+    };
+    let mut add = |rings: &Vec<Vec<geojson::Position>>| {
+        let ring = |ring: &Vec<geojson::Position>| ring.iter().map(plane).collect();
+        polygons.push(rings.iter().map(ring).collect::<std::result::Result<Polygon, String>>()?);
+        Ok(())
+    };
+    match geometry {
+        GeometryValue::Polygon { coordinates } => add(coordinates),
+        GeometryValue::MultiPolygon { coordinates } => coordinates.iter().try_for_each(add),
+        GeometryValue::GeometryCollection { geometries } => {
+            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons, has_other_parts))
+        }
+        _ => {
+            *has_other_parts = true;
+            Ok(())
+        }
+    }
+}
+
+impl Property {
+    /// A JSON value as a property; lists and objects are none.
+    pub(super) fn of_json(value: &Value) -> Property {
+        match value {
+            Value::Number(n) => n.as_f64().map_or(Property::Null, Property::Number),
+            Value::String(text) => Property::Text(text.clone()),
+            Value::Bool(yes) => Property::Text(if *yes { "yes" } else { "no" }.into()),
+            Value::Null | Value::Array(_) | Value::Object(_) => Property::Null,
+        }
+    }
+}
+
+fn kind_of(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "a boolean",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a string",
+        Value::Array(_) => "an array",
+        Value::Object(_) => "an object",
+    }
+}

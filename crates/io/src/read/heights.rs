@@ -1,0 +1,237 @@
+//! Heights of a raster file on the lattice, for surfaces and terrains alike.
+
+use std::path::Path;
+
+use super::refuse_degrees;
+use super::source::sources_of_raster;
+use super::terrain::no_terrain_below;
+use crate::crs::InputKind;
+use crate::error::{Error, Result, Warning};
+use crate::formats::{RasterFile, TileStore, TileStoreWriter};
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
+use crate::scene::Source;
+
+/// A raster of heights, opened but not read.
+#[derive(Debug)]
+pub(super) struct HeightFile<'a> {
+    path: &'a Path,
+    file: RasterFile,
+    /// The part of the file that is read, and where it lies.
+    window: CellWindow,
+    georef: GeoRef,
+}
+
+/// What a raster of heights holds.
+#[derive(Debug)]
+pub(super) struct Heights {
+    /// Heights on the lattice, [`VOID`] where there is none.
+    pub(super) raster: Raster<i32>,
+    /// Cells without a height.
+    pub(super) n_void: u64,
+    /// The files that were read.
+    pub(super) sources: Vec<Source>,
+}
+
+/// The same in tiles on disk.
+#[derive(Debug)]
+pub(super) struct StoredHeights {
+    /// Heights on the lattice, [`VOID`] where there is none.
+    pub(super) tiles: TileStore,
+    /// Where the cells lie.
+    pub(super) georef: GeoRef,
+    /// Cells without a height.
+    pub(super) n_void: u64,
+    /// The files that were read.
+    pub(super) sources: Vec<Source>,
+}
+
+impl<'a> HeightFile<'a> {
+    /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
+    ///
+    /// # Errors
+    /// Those of the file; E310 if what it says of its system is not understood and nothing overrides it.
+    pub(super) fn open(path: &'a Path, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
+        let before = warnings.len();
+        let file = RasterFile::open(path, warnings)?;
+        let georef = file.georef().clone();
+        let georef = match crs {
+            None => {
+                // A system that is cut off may be one of feet: its cells are not taken for meters.
+                let said = warnings[before..].iter().find(|warning| warning.code() == "W326");
+                if let (Some(said), None) = (said, georef.crs()) {
+                    let text =
+                        format!("cannot place {}: {}", path.display(), said.text().trim_end_matches(": ignored"));
+                    return Err(Error::file(310, text).with_hint("override it with `--crs EPSG:n`"));
+                }
+                georef
+            }
+            Some(crs) => {
+                let said: Vec<Warning> = warnings.drain(before..).collect();
+                warnings.extend(said.into_iter().filter(|w| !["W325", "W326", "W331"].contains(&w.code().as_str())));
+                georef.with_crs(Some(crs.clone()))
+            }
+        };
+        Ok(HeightFile { path, window: georef.window(), file, georef })
+    }
+
+    /// The cells that touch a box alone: west, south, east, north \[CRS units\].
+    pub(super) fn around(self, around: [f64; 4]) -> HeightFile<'a> {
+        let window = self.georef.window_within(around);
+        HeightFile { window, georef: self.georef.part(window), ..self }
+    }
+
+    /// The cells under those of another grid alone; its very cells where the grids agree.
+    ///
+    /// # Errors
+    /// E312 if there are none.
+    pub(super) fn under(self, (path, grid): (&Path, &GeoRef)) -> Result<HeightFile<'a>> {
+        let window = self.georef.window_of(grid).or_else(|| self.georef.window_over(grid));
+        let window = window.ok_or_else(|| no_terrain_below((path, grid), (self.path, &self.georef)))?;
+        Ok(HeightFile { window, georef: self.georef.part(window), ..self })
+    }
+
+    /// Where the cells lie.
+    pub(super) fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// The same file if its coordinates can be those of a scene as they are.
+    ///
+    /// # Errors
+    /// E310 if they are degrees.
+    pub(super) fn in_meters(self, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
+        check_grid(self.path, &self.georef, warnings)?;
+        Ok(self)
+    }
+
+    /// Reads all heights.
+    ///
+    /// # Errors
+    /// If the file cannot be read, no cell holds a height, or one holds a height that is out of range.
+    pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
+        let HeightFile { path, file, window, georef } = self;
+        let is_part = window != file.georef().window();
+        let plain = if is_part { None } else { file.read_plain_heights(warnings)? };
+        let (cells, n_void) = match plain {
+            Some((raster, n_void)) => (raster.into_cells(), n_void),
+            None => match lattice_heights((path, &file, window), warnings) {
+                // A hole of the file is no fault of it.
+                Err(error) if is_part && error.code() == "E305" => {
+                    (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
+                }
+                heights => heights?,
+            },
+        };
+        let sources = sources_of_raster(path, &file, always_hash, warnings)?;
+        Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
+    }
+
+    /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
+    ///
+    /// # Errors
+    /// As [`HeightFile::read`], and E401 if there is no room on the disk.
+    pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
+        let HeightFile { path, file, georef, .. } = self;
+        let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
+        let mut sorted = LatticeHeights::of(&file);
+        let mut steps = vec![VOID; georef.n_cols()];
+        let mut failed = Ok(());
+        file.for_each_row(warnings, |row, heights| {
+            steps.iter_mut().zip(heights).for_each(|(steps, height)| *steps = sorted.put(*height));
+            if failed.is_ok() {
+                failed = writer.put_row(row, &steps);
+            }
+        })?;
+        failed?;
+        let n_void = sorted.finish(path, georef.n_cells())?;
+        let sources = sources_of_raster(path, &file, always_hash, warnings)?;
+        Ok(StoredHeights { tiles: writer.finish()?, georef, n_void, sources })
+    }
+}
+
+/// The heights of a part of a file on the lattice, and the number of cells that have none.
+fn lattice_heights(
+    (path, file, window): (&Path, &RasterFile, CellWindow),
+    warnings: &mut Vec<Warning>,
+) -> Result<(LargeVec<i32>, u64)> {
+    let mut sorted = LatticeHeights::of(file);
+    let raster = file.read(window, warnings, |height| sorted.put(height))?;
+    let n_void = sorted.finish(path, raster.cells().len())?;
+    Ok((raster.into_cells(), n_void))
+}
+
+/// Heights put onto the lattice one by one.
+struct LatticeHeights {
+    meters_per_unit: f64,
+    n_void: u64,
+    out_of_range: Option<f64>,
+}
+
+impl LatticeHeights {
+    fn of(file: &RasterFile) -> Self {
+        let meters_per_unit = file.meters_per_height_unit().unwrap_or(1.0);
+        LatticeHeights { meters_per_unit, n_void: 0, out_of_range: None }
+    }
+
+    /// A height on the lattice, [`VOID`] where there is none.
+    #[inline]
+    fn put(&mut self, height: f64) -> i32 {
+        let height = height * self.meters_per_unit;
+        let steps = if height.is_nan() { None } else { height_steps(height) };
+        if steps.is_none() {
+            self.n_void += 1;
+            if !height.is_nan() {
+                self.out_of_range.get_or_insert(height);
+            }
+        }
+        steps.unwrap_or(VOID)
+    }
+
+    /// The number of cells without a height.
+    fn finish(self, path: &Path, n_cells: usize) -> Result<u64> {
+        if let Some(v) = self.out_of_range {
+            let text = format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display());
+            return Err(Error::site(205, text)
+                .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
+        }
+        if self.n_void == n_cells as u64 {
+            let text = format!("cannot use {}: all {n_cells} cells are nodata, wanted heights", path.display());
+            return Err(Error::file(305, text));
+        }
+        Ok(self.n_void)
+    }
+}
+
+/// Warns where coordinates are not meters.
+pub(super) fn warn_of_units(path: &Path, crs: &Crs, warnings: &mut Vec<Warning>) {
+    if let CrsKind::Projected { meters_per_unit } = crs.kind()
+        && (meters_per_unit - 1.0).abs() > 1e-9
+    {
+        warnings.push(Warning::new(
+            343,
+            format!(
+                "{}: coordinates are in units of {meters_per_unit} m; lengths such as `--radius` and `--cell`, and heights, \
+                 are in meters",
+                path.display()
+            ),
+        ));
+    }
+}
+
+/// Checks that a grid can be that of a scene.
+///
+/// # Errors
+/// E310 if it is in degrees.
+pub(super) fn check_grid(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
+    let Some(crs) = georef.crs() else { return Ok(()) };
+    refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
+    warn_of_units(path, crs, warnings);
+    if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
+        warnings.push(Warning::new(
+            344,
+            format!("{}: more than 65536 cells a side; give `--radius` so that one map fits", path.display()),
+        ));
+    }
+    Ok(())
+}

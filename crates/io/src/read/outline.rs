@@ -1,0 +1,242 @@
+//! The outline of a building: onto the lattice, repaired, and the ground under it.
+
+use super::building::RawFootprint;
+use super::footprints::BaseRule;
+use crate::outlines::{covered_shares, overlapped_cells};
+use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
+use crate::quantity::{Frame, VOID};
+use crate::raster::{CellLattice, Raster};
+use crate::scene::Ground;
+
+/// A footprint after rounding and repair.
+pub(super) struct Shaped {
+    pub(super) raw: RawFootprint,
+    pub(super) polygons: Vec<Polygon>,
+    /// Which of the raw polygons were repaired.
+    pub(super) repaired: Vec<usize>,
+    /// Which of them have no area.
+    pub(super) degenerate: Vec<usize>,
+    /// Which of them have a hole that lies outside of their shell, or reaches out of it.
+    pub(super) stray_holes: Vec<usize>,
+    pub(super) too_far: bool,
+    /// Why it could not be repaired.
+    pub(super) tangle: Option<Tangle>,
+    /// The ground that it stands on, `None` where none is known.
+    pub(super) base: Option<i32>,
+}
+
+/// Brings a footprint onto the lattice, repairs its polygons and finds the ground that it stands on.
+pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), frame: Frame) -> Shaped {
+    let mut shaped = Shaped {
+        polygons: Vec::new(),
+        repaired: Vec::new(),
+        degenerate: Vec::new(),
+        stray_holes: Vec::new(),
+        too_far: false,
+        tangle: None,
+        base: None,
+        raw,
+    };
+    let limit = 1_i64 << 26;
+    for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
+        let mut rings: Vec<Ring> = Vec::new();
+        for (number, ring) in polygon.iter().enumerate() {
+            let mut points: Ring = Vec::with_capacity(ring.len());
+            for &[x, y] in ring {
+                let (x, y) = frame.lattice_from_world(x, y);
+                if x.abs() > limit || y.abs() > limit {
+                    shaped.too_far = true;
+                    return shaped;
+                }
+                #[expect(clippy::cast_possible_truncation, reason = "within ±2^26 by the check above")]
+                let point = [x as i32, y as i32];
+                if points.last() != Some(&point) {
+                    points.push(point);
+                }
+            }
+            while points.len() > 1 && points.first() == points.last() {
+                points.pop();
+            }
+            if points.len() >= 3 {
+                rings.push(points);
+            } else if number == 0 {
+                // Without a shell there is nothing to take holes out of.
+                break;
+            }
+        }
+        shaped.tangle = tangle(&rings);
+        if shaped.tangle.is_some() {
+            return shaped;
+        }
+        let region = region_of(&rings);
+        if region.polygons.is_empty() {
+            shaped.degenerate.push(k);
+        } else if region.is_repaired {
+            shaped.repaired.push(k);
+        }
+        if region.has_stray_hole {
+            shaped.stray_holes.push(k);
+        }
+        shaped.polygons.extend(region.polygons);
+    }
+    shaped.base = match ground {
+        Ground::Surface => None,
+        Ground::Flat(z) => Some(*z),
+        Ground::Terrain(terrain) => base_on(&shaped.polygons, &frame, terrain, rule),
+    };
+    shaped
+}
+
+/// The region of a polygon, mended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    /// Polygons, shell first, whose edges do not cross.
+    pub polygons: Vec<Polygon>,
+    /// Whether it is another one than the rings say as they are.
+    pub is_repaired: bool,
+    /// Whether a hole lies outside of the shell, or reaches out of it: that part is no region.
+    pub has_stray_hole: bool,
+}
+
+/// The region of a polygon of rings, the shell first: what the shell encloses less what each hole does, both by the even-odd
+/// rule.
+///
+/// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than a step. Coordinates
+/// are within ±2^26.
+pub fn region_of(rings: &[Ring]) -> Region {
+    let polygons = even_odd(rings);
+    // A valid polygon comes back with the area of its shell less that of its holes and with as many rings. A hole that is not
+    // in the shell would have added its area.
+    let area = |ring: &Ring| doubled_area(ring).abs();
+    let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i64>();
+    let after: i64 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i64>()).sum();
+    let n_rings: usize = polygons.iter().map(Vec::len).sum();
+    if before == after && n_rings == rings.len() {
+        return Region { polygons, is_repaired: false, has_stray_hole: false };
+    }
+    let Some((shell, holes)) = rings.split_first().filter(|(_, holes)| !holes.is_empty()) else {
+        return Region { polygons, is_repaired: true, has_stray_hole: false };
+    };
+    // Each ring by itself, wound alike, so that regions add up by their winding numbers.
+    let shell = even_odd(std::slice::from_ref(shell)).concat();
+    let holes: Vec<_> = holes.iter().flat_map(|hole| even_odd(std::slice::from_ref(hole)).concat()).collect();
+    let has_stray_hole = !difference(&holes, &shell).is_empty();
+    Region { polygons: difference(&shell, &holes), is_repaired: true, has_stray_hole }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "reported as a share of area")]
+pub(super) fn polygon_area(polygon: &[Vec<[i32; 2]>]) -> f64 {
+    let area = |r: &Vec<[i32; 2]>| doubled_area(r).abs() as f64;
+    polygon.first().map_or(0.0, area) - polygon.iter().skip(1).map(area).sum::<f64>()
+}
+
+/// The ground that a footprint stands on, by the terrain columns that its area overlaps; `None` if none of them is known.
+///
+/// OpenStreetMap measures `height` from the lowest point where the building meets the ground.
+fn base_on(polygons: &[Polygon], frame: &Frame, terrain: &Raster<i32>, rule: BaseRule) -> Option<i32> {
+    let georef = terrain.georef();
+    let lattice = CellLattice::under(frame, georef);
+    let ring = |ring: &Ring| ring.iter().map(|p| lattice.position(frame, *p)).collect::<Vec<_>>();
+    let polygons: Vec<Vec<Vec<[i64; 2]>>> = polygons.iter().map(|rings| rings.iter().map(ring).collect()).collect();
+    let shape = (georef.n_rows(), georef.n_cols());
+    if rule == BaseRule::Mean {
+        let (mut sum, mut area) = (0.0, 0.0);
+        covered_shares(&polygons, lattice.steps, shape, |row, col, share| {
+            let z = terrain.row(row)[col];
+            if z != VOID {
+                sum += share * f64::from(z);
+                area += share;
+            }
+        });
+        #[expect(clippy::cast_possible_truncation, reason = "between the heights of two cells")]
+        return (area > 0.0).then(|| (sum / area + 0.5).floor() as i32);
+    }
+    let mut base: Option<i32> = None;
+    overlapped_cells(&polygons, lattice.steps, shape, |row, cols| {
+        for z in terrain.row(row)[cols].iter().copied().filter(|z| *z != VOID) {
+            base = Some(match (base, rule) {
+                (None, _) => z,
+                (Some(base), BaseRule::Highest) => base.max(z),
+                (Some(base), _) => base.min(z),
+            });
+        }
+    });
+    base
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::GeoRef;
+
+    #[test]
+    fn a_bow_tie_becomes_two_triangles_and_counts_as_repaired() {
+        let region = region_of(&[vec![[0, 0], [200, 200], [200, 0], [0, 200]]]);
+        assert!(region.is_repaired && !region.has_stray_hole);
+        let polygons = region.polygons;
+        let area: i64 = polygons.iter().flatten().map(|r| doubled_area(r).abs()).sum();
+        assert_eq!((polygons.len(), area), (2, 40_000));
+    }
+
+    #[test]
+    fn a_valid_polygon_with_a_hole_is_left_alone() {
+        let rings = [vec![[0, 0], [90, 7], [100, 100], [3, 80]], vec![[40, 40], [40, 60], [60, 60]]];
+        let Region { polygons, is_repaired, has_stray_hole } = region_of(&rings);
+        assert!(!is_repaired && !has_stray_hole);
+        assert_eq!(polygons.len(), 1);
+        assert_eq!(polygons[0].len(), 2);
+    }
+
+    #[test]
+    fn a_hole_equal_to_its_shell_leaves_nothing() {
+        let square = vec![[0, 0], [10, 0], [10, 10], [0, 10]];
+        assert!(region_of(&[square.clone(), square]).polygons.is_empty());
+        assert!(region_of(&[]).polygons.is_empty());
+    }
+
+    #[test]
+    fn what_a_hole_covers_is_never_a_building() {
+        let square = |w: i32, s: i32, side: i32| vec![[w, s], [w + side, s], [w + side, s + side], [w, s + side]];
+        let area = |region: &Region| {
+            let of_ring = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs() / 2;
+            region.polygons.iter().map(|p| of_ring(&p[0]) - p[1..].iter().map(of_ring).sum::<i64>()).sum::<i64>()
+        };
+        let shell = square(0, 0, 100);
+        for (holes, wanted, is_stray) in [
+            (vec![square(200, 0, 10)], 10_000, true),
+            (vec![square(90, 90, 20)], 10_000 - 100, true),
+            (vec![square(100, 0, 10)], 10_000, true),
+            (vec![square(0, 0, 200)], 0, true),
+            // Holes that overlap, one in another, one twice, one at the wall.
+            (vec![square(10, 10, 20), square(20, 20, 20)], 10_000 - 700, false),
+            (vec![square(10, 10, 30), square(20, 20, 5)], 10_000 - 900, false),
+            (vec![square(10, 10, 30), square(10, 10, 30)], 10_000 - 900, false),
+            (vec![square(0, 10, 30)], 10_000 - 900, false),
+        ] {
+            let rings: Vec<_> = std::iter::once(shell.clone()).chain(holes).collect();
+            let region = region_of(&rings);
+            assert_eq!((area(&region), region.has_stray_hole), (wanted, is_stray), "{rings:?}");
+        }
+    }
+
+    #[test]
+    fn a_building_stands_on_the_columns_that_its_area_overlaps() {
+        let grid = GeoRef::new((0.0, 4.0), (1.0, 1.0), (4, 4), None).expect("a valid grid");
+        let terrain = Raster::new(grid, (0..16).map(|z| 10 * z).collect::<Vec<_>>());
+        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
+        let base = |[w, s, e, n]: [i32; 4], rule| {
+            let ring = vec![[w, s], [e, s], [e, n], [w, n]];
+            base_on(&[vec![ring]], &frame, &terrain, rule)
+        };
+        // Columns 1 and 2, rows 1 and 2 from the north: 50, 60, 90, 100.
+        let whole = [1024, 1024, 3072, 3072];
+        let of = |area| [BaseRule::Lowest, BaseRule::Mean, BaseRule::Highest].map(|rule| base(area, rule));
+        assert_eq!(of(whole), [Some(50), Some(75), Some(100)]);
+        // A step more to the west reaches column 0; a step less leaves column 1 only.
+        assert_eq!(base([1023, 1024, 3072, 3072], BaseRule::Lowest), Some(40));
+        assert_eq!(base([2048, 1024, 3072, 3072], BaseRule::Lowest), Some(60));
+        // A quarter of column 1 and all of column 2 of row 1: (50 + 4 · 60) / 5.
+        assert_eq!(base([1792, 2048, 3072, 3072], BaseRule::Mean), Some(58));
+        assert_eq!(of([9000, 0, 9100, 100]), [None; 3]);
+    }
+}

@@ -1,0 +1,123 @@
+//! Rasters brought into another reference system before they become a scene.
+//!
+//! Each cell of the new grid takes the height of the cell of the file that holds its center, so that no height is made up
+//! and flat roofs stay flat.
+
+use std::path::Path;
+
+use super::heights::{HeightFile, Heights, check_grid};
+use super::projection::{Projection, no_crs};
+use super::receivers_grid::{GridRequest, receivers_grid};
+use crate::crs::Transformation;
+use crate::error::{Error, Result, Warning};
+use crate::formats::{CellSources, bounds_through, half_diagonal_through, reserve_cells, suggested_grid};
+use crate::quantity::{VOID, counted, tidy};
+use crate::raster::{Crs, CrsKind, GeoRef, Raster};
+
+/// A grid in the wanted system, and the cells of a file that lie below its own.
+#[derive(Debug)]
+pub(super) struct Reprojection<'a> {
+    path: &'a Path,
+    from: Crs,
+    to: Crs,
+    grid: GeoRef,
+    sources: CellSources,
+    /// How far the center of a cell is from that of its source at most \[CRS units\].
+    farthest: f64,
+}
+
+impl<'a> Reprojection<'a> {
+    /// Lays a grid over that of a file: of square cells of `cell_m` meters on whole multiples of them, or by default as
+    /// many cells diagonally. `None` if the file is in the wanted system.
+    ///
+    /// # Errors
+    /// E310 if the file names no system, or there is no way from it to the wanted one; E112 for a cell size that is none;
+    /// E501 and E502 for huge grids.
+    pub(super) fn plan(
+        path: &'a Path,
+        file: &GeoRef,
+        projection: &Projection,
+        cell_m: Option<f64>,
+    ) -> Result<Option<Reprojection<'a>>> {
+        let from = file.crs().ok_or_else(|| no_crs(path))?;
+        let middle = ((file.x_min() + file.x_max()) / 2.0, (file.y_min() + file.y_max()) / 2.0);
+        let to = projection.target(from, middle)?;
+        if from.same_as(&to) {
+            return Ok(None);
+        }
+        let way = Transformation::new(from, &to, middle)?;
+        let back = Transformation::new(&to, from, way.apply(middle)?)?;
+        let grid = match cell_m {
+            None => suggested_grid(file, &way, to.clone())?,
+            Some(_) => {
+                let request = GridRequest { extent: None, cell_m };
+                let bounds = Some(bounds_through(file, &way)?);
+                Some(receivers_grid(path, request, None, bounds, Some(&to))?.with_crs(Some(to.clone())))
+            }
+        };
+        let grid = grid.ok_or_else(|| {
+            let text = format!("cannot project {} ({}): nothing is left of it", path.display(), file.description());
+            Error::file(307, text)
+        })?;
+        drop(reserve_cells::<u32>(path, &grid)?);
+        let sources = CellSources::new(&grid, file, &back)?;
+        let farthest = half_diagonal_through(file, &way)?;
+        Ok(Some(Reprojection { path, from: from.clone(), to, grid, sources, farthest }))
+    }
+
+    /// The heights of a file on the grid if there is one, with a warning of what was done; else as they are.
+    ///
+    /// # Errors
+    /// As [`HeightFile::read`]; E310 if the grid is in degrees, E305 if no center of a cell lies over a height.
+    pub(super) fn read(
+        plan: Option<Reprojection<'_>>,
+        file: HeightFile<'_>,
+        always_hash: bool,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Heights> {
+        match plan {
+            None => file.in_meters(warnings)?.read(always_hash, warnings),
+            Some(plan) => {
+                check_grid(plan.path, &plan.grid, warnings)?;
+                let heights = file.read(always_hash, warnings)?;
+                plan.apply(heights, warnings)
+            }
+        }
+    }
+
+    fn apply(self, heights: Heights, warnings: &mut Vec<Warning>) -> Result<Heights> {
+        let Reprojection { path, from, to, grid, sources, farthest } = self;
+        let cells = sources.resampled(heights.raster.cells(), VOID);
+        let n_void = cells.iter().filter(|z| **z == VOID).count();
+        if n_void == cells.len() {
+            let text = format!(
+                "cannot use {}: none of the {n_void} cells in {} lies over a height, wanted at least one",
+                path.display(),
+                to.label()
+            );
+            return Err(Error::file(305, text).with_hint("give a smaller `--cell`"));
+        }
+        let outside = match sources.n_outside() as u64 {
+            0 => String::new(),
+            n => format!("; {} outside of it, nodata", counted(n, "cell lies", "cells lie")),
+        };
+        let unit = match to.kind() {
+            CrsKind::Projected { meters_per_unit } => meters_per_unit,
+            CrsKind::Geographic | CrsKind::Other => 1.0,
+        };
+        let text = format!(
+            "{}: brought from {} to {} ({}), onto {}×{} cells of {} m: each takes the height of the cell of the file that \
+             holds its center and whose own center is at most {} m away{outside}",
+            path.display(),
+            from.label(),
+            to.label(),
+            to.name(),
+            grid.n_cols(),
+            grid.n_rows(),
+            tidy(grid.cell_width() * unit),
+            tidy(farthest * unit)
+        );
+        warnings.push(Warning::new(339, text));
+        Ok(Heights { raster: Raster::new(grid, cells), n_void: n_void as u64, sources: heights.sources })
+    }
+}

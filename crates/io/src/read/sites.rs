@@ -1,0 +1,175 @@
+//! UAV sites: where the UAVs hover, from flags, CSV or GeoJSON.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::geojson_file::{features, named_crs, read_document};
+use super::source::{input_name, is_geojson, read_text};
+use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
+use crate::crs;
+use crate::crs::transform;
+use crate::error::{Error, Result};
+use crate::raster::{Crs, CrsKind, GeoRef};
+use crate::scene::{GivenSite, Site};
+
+/// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
+///
+/// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
+/// `30roof`, `400ft`; optional `h_above` (`ground`, `roof`, `amsl`) and `id` (or `site`). GeoJSON points are longitude and
+/// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names; `height_amsl_m`, as written
+/// by this program, serves too. Sites without an id are numbered from `first_number` by their row.
+///
+/// # Errors
+/// File errors naming the lines or features; site errors if positions cannot be brought into the scene's CRS.
+pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let sites = match is_geojson(path)? {
+        true => read_geojson(path, grid, first_number, bad)?,
+        false => read_csv(path, grid, first_number, bad)?,
+    };
+    if sites.is_empty() {
+        return Err(Error::file(308, format!("cannot use {}: it holds no site", input_name(path))));
+    }
+    Ok(sites)
+}
+
+fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let name = input_name(path);
+    let refuse = |found: String| {
+        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
+            "a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`, separated by commas, \
+             semicolons or tabs",
+        )
+    };
+    let table = Table::parse(&read_text(path)?).map_err(refuse)?;
+    let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
+    let Some(h_column) = table.column(&["h", "h_m", "height", "height_m"]) else {
+        return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
+    };
+    let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
+    let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
+    check_placeable(&name, wgs84.as_ref(), grid.crs())?;
+
+    let rows = table.rows(|k, row| {
+        table.check_complete(row)?;
+        let height = table.height(row, h_column, above_column)?;
+        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
+        let (x, y) = in_scene(xy, wgs84.as_ref(), grid.crs())?;
+        refuse_swapped((xy, (x, y)), (wgs84.as_ref(), grid))?;
+        let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
+        let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
+        Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([xy.0, xy.1]) })
+    });
+    readable(&name, rows, bad, |fault, text| match fault {
+        RowFault::Text(_) => refuse(text),
+        RowFault::Place(_) => misplaced(&name, text, is_degrees),
+    })
+}
+
+fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let name = input_name(path);
+    let document = read_document(path)?;
+    let crs = match named_crs(path, &document)? {
+        Some(crs) => crs,
+        None => crs::from_epsg(4326)?,
+    };
+    let mut rows = Vec::new();
+    for (number, feature) in features(path, document)?.iter().enumerate() {
+        let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));
+        check_placeable(&name, from, grid.crs())?;
+        let site = site_of(feature, (&crs, grid), first_number + number);
+        rows.push((format!("feature {}", number + 1), site));
+    }
+    readable(&name, rows, bad, |fault, text| match fault {
+        RowFault::Text(_) => Error::file(302, format!("cannot read {name}: {text}"))
+            .with_hint("a site is a Point with the property `h`, and optionally `id`, `h_above`"),
+        RowFault::Place(_) => misplaced(&name, text, true),
+    })
+}
+
+/// The coordinates of a point.
+fn position_of(geometry: &Value) -> std::result::Result<(f64, f64), RowFault> {
+    let coordinate = |k: usize| geometry["coordinates"].get(k).and_then(Value::as_f64);
+    let xy = coordinate(0).zip(coordinate(1)).filter(|_| geometry["type"] == "Point");
+    xy.ok_or_else(|| RowFault::Text("found no Point with two numbers".into()))
+}
+
+/// What a position is in: positions far outside the range of degrees cannot be meant as such.
+pub(super) fn degrees_or_named(crs: &Crs, (x, y): (f64, f64)) -> Option<&Crs> {
+    let is_named_projected = !matches!(crs.kind(), CrsKind::Geographic);
+    (is_named_projected || (x.abs() <= 360.0 && y.abs() <= 90.0)).then_some(crs)
+}
+
+/// The site of a feature.
+fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std::result::Result<GivenSite, RowFault> {
+    let given = position_of(&feature["geometry"])?;
+    let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_string);
+    let property = |names: &[&str]| {
+        names.iter().find_map(|n| feature.get("properties")?.get(n)).filter(|v| !v.is_null()).map(text)
+    };
+    let above = property(&["h_above"]);
+    let height = match (property(&["h", "h_m", "height", "height_m"]), property(&["height_amsl_m"])) {
+        (Some(h), _) => height(&h, above.as_deref()),
+        (None, Some(h)) => height(&h, Some("amsl")),
+        (None, None) => Err("found no height `h`".into()),
+    };
+    let height = height.map_err(RowFault::Text)?;
+    let id = property(&["id", "site", "name"]).or_else(|| feature.get("id").map(text));
+    let from = degrees_or_named(crs, given);
+    let (x, y) = in_scene(given, from, grid.crs())?;
+    refuse_swapped((given, (x, y)), (from, grid))?;
+    let id = id.unwrap_or_else(|| number.to_string());
+    let is_degrees = from.is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
+    Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([given.0, given.1]) })
+}
+
+/// Refuses longitude and latitude that lie outside the scene, but inside when they are exchanged.
+fn refuse_swapped(
+    (given, found): ((f64, f64), (f64, f64)),
+    (from, grid): (Option<&Crs>, &GeoRef),
+) -> std::result::Result<(), RowFault> {
+    let is_inside =
+        |(x, y): (f64, f64)| x >= grid.x_min() && x <= grid.x_max() && y >= grid.y_min() && y <= grid.y_max();
+    let (Some(from), Some(to)) = (from.filter(|f| matches!(f.kind(), CrsKind::Geographic)), grid.crs()) else {
+        return Ok(());
+    };
+    if is_inside(found) || !transform(from, to, (given.1, given.0)).is_ok_and(is_inside) {
+        return Ok(());
+    }
+    let (lon, lat) = given;
+    Err(RowFault::Place(format!(
+        "longitude {lon} and latitude {lat} are far from the scene; exchanged, they lie in it"
+    )))
+}
+
+/// Refuses positions in another system where the scene names none.
+pub(super) fn check_placeable(name: &str, from: Option<&Crs>, scene_crs: Option<&Crs>) -> Result<()> {
+    match (from, scene_crs) {
+        (Some(from), None) => {
+            let text = format!("cannot place {name}: positions in {}, but the scene names no CRS", from.label());
+            Err(Error::site(206, text).with_hint(
+                "give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The error of rows that lie where they cannot.
+pub(super) fn misplaced(name: &str, text: String, is_degrees: bool) -> Error {
+    let error = Error::site(206, format!("cannot place {name}: {text}"));
+    if is_degrees { error.with_hint("longitude comes first in GeoJSON, and the columns are `lon,lat`") } else { error }
+}
+
+/// A position in the scene's CRS; `from` is `None` where it already is.
+pub(super) fn in_scene(
+    xy: (f64, f64),
+    from: Option<&Crs>,
+    scene_crs: Option<&Crs>,
+) -> std::result::Result<(f64, f64), RowFault> {
+    let (Some(from), Some(to)) = (from, scene_crs) else { return Ok(xy) };
+    if from.epsg().is_some() && from.epsg() == to.epsg() {
+        return Ok(xy);
+    }
+    transform(from, to, xy).map_err(|e| RowFault::Place(format!("{e} ({} to {})", from.label(), to.label())))
+}

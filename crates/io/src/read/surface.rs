@@ -1,0 +1,264 @@
+//! Scenes from rasters: a surface model, with a terrain model, flat ground, or nothing below it.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::heights::{HeightFile, Heights};
+use super::name_of;
+use super::projection::Projection;
+use super::reprojected::Reprojection;
+use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
+use crate::error::{Error, Result, Warning};
+use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
+use crate::raster::{BitGrid, Crs, GeoRef, Raster};
+use crate::scene::{Ground, NodataAs, Scene, Solids, Source};
+
+/// Fewest cells that are worth handing to a thread.
+const PART: usize = 1 << 16;
+
+/// How a raster scene is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceOptions {
+    /// A terrain model in the same CRS, unless `project` is given; brought to the surface's grid if it is on another.
+    pub terrain: Option<PathBuf>,
+    /// Height of flat ground \[m above the datum\]; not together with `terrain`.
+    pub ground_m: Option<f64>,
+    /// A cell whose surface is more than this above the ground is a building \[m\].
+    pub building_threshold_m: f64,
+    /// What nodata cells do.
+    pub nodata_as: NodataAs,
+    /// The CRS to assume where the file names none (or to override what it names).
+    pub crs: Option<Crs>,
+    /// Another CRS for the scene than that of the file; a terrain in a third one is looked up there.
+    pub project: Option<Projection>,
+    /// Cell size in that CRS \[m\]; by default as many cells diagonally as the file has.
+    pub cell_m: Option<f64>,
+    /// Whether to hash inputs of any size.
+    pub always_hash: bool,
+    /// Only the cells that touch this box are read: west, south, east, north \[CRS units\]; not together with `project`.
+    pub around: Option<[f64; 4]>,
+}
+
+impl Default for SurfaceOptions {
+    /// A surface model alone; with a terrain, cells more than 0.25 m above it are buildings.
+    fn default() -> Self {
+        SurfaceOptions {
+            terrain: None,
+            ground_m: None,
+            building_threshold_m: 0.25,
+            nodata_as: NodataAs::default(),
+            crs: None,
+            project: None,
+            cell_m: None,
+            always_hash: false,
+            around: None,
+        }
+    }
+}
+
+/// Reads a surface model (GeoTIFF, Esri ASCII grid, GDAL virtual raster or folder of tiles) and what lies below it.
+///
+/// # Errors
+/// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
+/// errors for bad numbers.
+pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let Heights { raster: surface, n_void, sources } = surface_heights(path, options, warnings)?;
+    warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
+    scene_of(path, (surface, Empty::Nodata), sources, options, warnings)
+}
+
+/// The heights of the surface, in the wanted system.
+fn surface_heights(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
+    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let reprojection = match &options.project {
+        None => None,
+        Some(projection) => Reprojection::plan(path, file.georef(), projection, options.cell_m)?,
+    };
+    if reprojection.is_none() && options.cell_m.is_some() {
+        let text = format!("`--cell` has no meaning for {}: it is in the wanted system and stays", path.display());
+        return Err(Error::usage(116, text));
+    }
+    let file = match options.around {
+        Some(around) => file.around(around),
+        None => file,
+    };
+    Reprojection::read(reprojection, file, options.always_hash, warnings)
+}
+
+/// The grid of a surface, without reading its cells.
+///
+/// # Errors
+/// Those of [`read_surface`] about the file as such.
+pub fn surface_grid(path: &Path, options: &SurfaceOptions) -> Result<GeoRef> {
+    let mut said = Vec::new();
+    let file = HeightFile::open(path, options.crs.as_ref(), &mut said)?.in_meters(&mut said)?;
+    Ok(file.georef().clone())
+}
+
+/// What is said of cells without a height, if there are any.
+pub(super) fn warning_of_voids(path: &Path, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
+    let effect = match nodata_as {
+        NodataAs::Clear => "blocks nothing but by the ground known there",
+        NodataAs::Block => "blocks everything",
+    };
+    let (path, cells) = (path.display(), counted(n_void, "cell", "cells"));
+    let text = format!("{path}: {cells} without a height: nodata {effect} and holds no receiver (`--nodata-as`)");
+    (n_void > 0).then(|| Warning::new(340, text))
+}
+
+/// What the cells of a surface are that hold no height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Empty {
+    /// Not known.
+    Nodata,
+    /// Bare ground, where the ground is known.
+    Ground,
+}
+
+/// The scene of a surface and of what lies below it.
+pub(super) fn scene_of(
+    path: &Path,
+    (mut surface, empty): (Raster<i32>, Empty),
+    mut sources: Vec<Source>,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Scene> {
+    let ground = match (&options.terrain, options.ground_m) {
+        (Some(terrain_path), _) => {
+            let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?;
+            let way = way_to_terrain(surface.georef(), file.georef(), options.project.is_some())?;
+            let file = if way.is_none() { file.in_meters(warnings)? } else { file };
+            let file = match options.around {
+                Some(_) if way.is_none() => file.under((path, surface.georef()))?,
+                _ => file,
+            };
+            let mut heights = file.read(options.always_hash, warnings)?;
+            sources.append(&mut heights.sources);
+            let above = Placed { path, on: surface.georef() };
+            let below = Placed { path: terrain_path, on: heights.raster };
+            let terrain = terrain_on_grid(above, below, way.as_ref(), warnings)?;
+            let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
+            let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
+            warnings.extend(warning_of_high_terrain(terrain_path, above as u64, surface.cells().len()));
+            Ground::Terrain(terrain)
+        }
+        (None, Some(ground_m)) => {
+            let z = ground_steps(ground_m)?;
+            // A surface that is flat where it is ground is often a rounding below the ground that was typed.
+            let buried = surface.cells().par_iter().with_min_len(PART).filter(|s| **s != VOID && **s < z - 1).count();
+            warnings.extend(warning_of_high_ground(path, ground_m, buried as u64, surface.cells().len()));
+            Ground::Flat(z)
+        }
+        (None, None) => {
+            warnings.push(warning_of_surface_alone(path));
+            Ground::Surface
+        }
+    };
+    let georef = surface.georef().clone();
+    let mut cells = surface.into_cells();
+    let voids = match (&ground, options.nodata_as) {
+        // Cells without a height are known as they are.
+        (Ground::Surface, NodataAs::Clear) => None,
+        _ => raise(&mut cells, (georef.n_rows(), georef.n_cols()), &ground, (options.nodata_as, empty)),
+    };
+    surface = Raster::new(georef.clone(), cells);
+    let building_threshold = building_threshold(options)?;
+    Ok(Scene {
+        name: name_of(path),
+        grid: georef,
+        solids: Solids::Raster { surface, ground, building_threshold, voids },
+        built_up: None,
+        sources,
+        attribution: None,
+        height_gap: None,
+    })
+}
+
+/// What is said of a terrain that is above the surface in some cells, if there are any.
+pub(super) fn warning_of_high_terrain(terrain_path: &Path, above: u64, n_cells: usize) -> Option<Warning> {
+    let terrain_path = terrain_path.display();
+    let text = format!(
+        "{terrain_path}: the terrain is above the surface in {above} of {n_cells} cells; the higher one is used there"
+    );
+    (above > 0).then(|| Warning::new(341, text))
+}
+
+/// The same of flat ground.
+pub(super) fn warning_of_high_ground(path: &Path, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
+    let path = path.display();
+    let text = format!(
+        "{path}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \
+         there"
+    );
+    (buried > 0).then(|| Warning::new(341, text))
+}
+
+/// What is said where nothing but a surface is known.
+pub(super) fn warning_of_surface_alone(path: &Path) -> Warning {
+    Warning::new(
+        342,
+        format!(
+            "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` or \
+             `--ground Z` to put them on the ground",
+            path.display()
+        ),
+    )
+}
+
+/// Raises surface cells to the ground below them, those without a height too, and returns the latter: what stands on them is
+/// not known. Where these block everything, they get a height that no real top reaches instead.
+pub(super) fn raise(
+    cells: &mut [i32],
+    (n_rows, n_cols): (usize, usize),
+    ground: &Ground,
+    (nodata_as, empty): (NodataAs, Empty),
+) -> Option<BitGrid> {
+    let mut voids = None;
+    if empty == Empty::Nodata {
+        match nodata_as {
+            NodataAs::Block => cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = BLOCKS_ALL),
+            NodataAs::Clear => voids = voids_of(cells, (n_rows, n_cols)),
+        }
+    }
+    // VOID is below every height, so a cell without one takes the ground's.
+    match ground {
+        Ground::Terrain(terrain) => {
+            let raised = cells.par_iter_mut().with_min_len(PART).zip(terrain.cells());
+            raised.for_each(|(s, t)| *s = (*s).max(*t));
+        }
+        Ground::Flat(z) => cells.par_iter_mut().with_min_len(PART).for_each(|s| *s = (*s).max(*z)),
+        Ground::Surface => {}
+    }
+    voids
+}
+
+/// The cells without a height, if there are any.
+fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> {
+    cells.par_iter().with_min_len(PART).any(|s| *s == VOID).then(|| {
+        let mut voids = BitGrid::new(n_rows, n_cols);
+        let per_row = voids.words_per_row();
+        voids.words_mut().par_chunks_mut(per_row).zip(cells.par_chunks(n_cols)).for_each(|(words, cells)| {
+            for (word, cells) in words.iter_mut().zip(cells.chunks(64)) {
+                *word = cells.iter().rev().fold(0, |word, s| word << 1 | u64::from(*s == VOID));
+            }
+        });
+        voids
+    })
+}
+
+/// How far above the ground a surface is a building \[1/1024 m\].
+pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
+    height_steps(options.building_threshold_m)
+        .filter(|t| *t >= 0)
+        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))
+}
+
+pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
+    Error::usage(113, format!("`{flag}` is `{value}`, wanted {wanted}"))
+}
+
+/// Ground height on the lattice.
+pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
+    height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
+}

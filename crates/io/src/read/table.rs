@@ -1,0 +1,347 @@
+//! Tables as text: what separates their fields, what marks their decimals, and rows that cannot be read.
+//!
+//! The line of the column names tells the separator: commas, semicolons or tabs. Numbers have a point before their
+//! decimals; behind semicolons and tabs a comma serves too, the same in all rows.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+
+use crate::error::{Error, Result, Warning, shortened};
+use crate::quantity::{Height, parse_meters, parse_number};
+
+/// What becomes of rows that cannot be read.
+#[derive(Debug)]
+pub enum BadRows<'a> {
+    /// They are an error, told together.
+    Refuse,
+    /// They are left out, with one warning (W380); if no row can be read it is an error still.
+    LeaveOut(&'a mut Vec<Warning>),
+}
+
+/// What a coordinate is to be.
+pub(super) const NUMBER: &str = "a number";
+
+/// A table of named columns.
+#[derive(Debug)]
+pub struct Table {
+    headers: csv::StringRecord,
+    rows: Vec<Row>,
+    separator: u8,
+    /// What marks decimals, and the line that says so.
+    mark: Cell<Option<(char, u64)>>,
+}
+
+/// A row of a table.
+#[derive(Debug)]
+pub struct Row {
+    line: u64,
+    fields: csv::StringRecord,
+}
+
+/// The columns of a position.
+#[derive(Debug)]
+pub struct Position {
+    /// Of x and y, or of longitude and latitude.
+    pub columns: (usize, usize),
+    /// Whether it is longitude and latitude.
+    pub is_degrees: bool,
+}
+
+impl Table {
+    /// Takes a text apart. Lines that begin with `#` are comments.
+    ///
+    /// # Errors
+    /// What is wrong with it as a whole.
+    pub fn parse(text: &str) -> std::result::Result<Table, String> {
+        let text = text.trim_start_matches('\u{feff}');
+        let separator = separator_of(text)?;
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(separator)
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let headers = reader.headers().map_err(|e| e.to_string())?.clone();
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let fields = record.map_err(|e| e.to_string())?;
+            let line = fields.position().map_or(0, |start| line_of(text, start));
+            rows.push(Row { line, fields });
+        }
+        Ok(Table { headers, rows, separator, mark: Cell::new(None) })
+    }
+
+    /// The column of one of these names.
+    pub fn column(&self, names: &[&str]) -> Option<usize> {
+        self.headers.iter().position(|header| names.contains(&header.to_lowercase().as_str()))
+    }
+
+    /// The names of all columns, for messages.
+    pub fn found(&self) -> String {
+        self.headers.iter().collect::<Vec<_>>().join(",")
+    }
+
+    /// The columns of a position: in the scene's system if there are such, else in degrees.
+    pub fn position(&self) -> std::result::Result<Position, String> {
+        let projected = self.column(&["x", "x_m", "easting"]).zip(self.column(&["y", "y_m", "northing"]));
+        let degrees = self.column(&["lon", "longitude", "lng"]).zip(self.column(&["lat", "latitude"]));
+        match projected.or(degrees) {
+            Some(columns) => Ok(Position { columns, is_degrees: projected.is_none() }),
+            None => Err(format!("line 1: found columns `{}`, wanted a position", self.found())),
+        }
+    }
+
+    /// What `read` makes of each row, with the words for its place.
+    pub fn rows<T>(
+        &self,
+        mut read: impl FnMut(usize, &Row) -> std::result::Result<T, RowFault>,
+    ) -> Vec<(String, std::result::Result<T, RowFault>)> {
+        let each = |(k, row): (usize, &Row)| {
+            (format!("line {}", row.line), self.check_fields(row).and_then(|()| read(k, row)))
+        };
+        self.rows.iter().enumerate().map(each).collect()
+    }
+
+    /// Fields beyond the last column are decimals behind a comma, or shift all others.
+    fn check_fields(&self, row: &Row) -> std::result::Result<(), RowFault> {
+        let wanted = self.headers.len();
+        if row.fields.iter().skip(wanted).all(str::is_empty) {
+            return Ok(());
+        }
+        let remedy = if self.separator == b',' { "; decimal commas need semicolons between the fields" } else { "" };
+        Err(RowFault::Text(format!("found {} fields, wanted {wanted}, one for each column{remedy}", row.fields.len())))
+    }
+
+    /// Refuses a row with fewer fields than columns: it may lack any of them.
+    pub fn check_complete(&self, row: &Row) -> std::result::Result<(), RowFault> {
+        match (row.fields.len(), self.headers.len()) {
+            (found, wanted) if found < wanted => {
+                Err(RowFault::Text(format!("found {found} fields, wanted {wanted}, one for each column")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A finite number; `wanted` says which, for messages.
+    pub fn number(&self, row: &Row, column: usize, wanted: &str) -> std::result::Result<f64, RowFault> {
+        let number = self
+            .decimals(row, column)
+            .and_then(|text| parse_number(&text).map_err(|found| format!("{found}, wanted {wanted}")));
+        number.map_err(|found| RowFault::Text(format!("`{}`: {found}", &self.headers[column])))
+    }
+
+    /// A height, whose reference may stand in a column of its own.
+    pub fn height(&self, row: &Row, column: usize, above: Option<usize>) -> std::result::Result<Height, RowFault> {
+        let above = above.map(|column| row.field(column));
+        self.decimals(row, column).and_then(|text| height(&text, above)).map_err(RowFault::Text)
+    }
+
+    /// A field with a point before its decimals.
+    fn decimals<'a>(&self, row: &'a Row, column: usize) -> std::result::Result<Cow<'a, str>, String> {
+        let text = row.field(column);
+        if self.separator == b',' {
+            return Ok(text.into());
+        }
+        let mark = match (text.matches(',').count(), text.matches('.').count()) {
+            (0, 0) => return Ok(text.into()),
+            (1, 0) => ',',
+            (0, 1) => '.',
+            _ => return Err(format!("found `{text}`, wanted one decimal mark and none between thousands")),
+        };
+        match self.mark.get() {
+            Some((other, line)) if other != mark => {
+                let text = format!(
+                    "found `{text}`, which is ambiguous: on line {line} the decimal mark is `{other}`, wanted one in all rows"
+                );
+                return Err(text);
+            }
+            Some(_) => {}
+            None => self.mark.set(Some((mark, row.line))),
+        }
+        Ok(text.replace(',', ".").into())
+    }
+}
+
+impl Row {
+    /// The line of the file.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// A field; nothing where the row has none.
+    pub fn field(&self, column: usize) -> &str {
+        self.fields.get(column).unwrap_or_default()
+    }
+}
+
+/// A height from its number and what it is above, if that is told apart from it.
+pub(super) fn height(text: &str, above: Option<&str>) -> std::result::Result<Height, String> {
+    let Some(above) = above.filter(|a| !a.is_empty()) else { return text.parse() };
+    let value = parse_meters(text).map_err(|found| format!("height: {found}"))?;
+    match above {
+        "ground" | "agl" => Ok(Height::AboveGround(value)),
+        "roof" => Ok(Height::AboveRoof(value)),
+        "amsl" | "datum" => Ok(Height::AboveDatum(value)),
+        other => Err(format!("`h_above` is `{other}`, wanted `ground`, `roof` or `amsl`")),
+    }
+}
+
+/// What separates the column names: none of them holds another separator, unless it is quoted.
+fn separator_of(text: &str) -> std::result::Result<u8, String> {
+    const SEPARATORS: [(char, u8, &str); 3] = [(',', b',', "commas"), (';', b';', "semicolons"), ('\t', b'\t', "tabs")];
+    let (number, line) = text
+        .lines()
+        .enumerate()
+        .find(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+        .unwrap_or_default();
+    let unquoted: String = line.split('"').step_by(2).collect();
+    match SEPARATORS.into_iter().filter(|(c, _, _)| unquoted.contains(*c)).collect::<Vec<_>>()[..] {
+        [] => Ok(b','),
+        [(_, separator, _)] => Ok(separator),
+        [(_, _, one), (_, _, other), ..] => {
+            let line_number = number + 1;
+            Err(format!(
+                "line {line_number}: found {one} and {other} between the column names, which is ambiguous, wanted one of them"
+            ))
+        }
+    }
+}
+
+/// The line of a record: the reader gives the end of the record before it, ahead of comments and empty lines.
+fn line_of(text: &str, start: &csv::Position) -> u64 {
+    let rest = usize::try_from(start.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
+    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
+    start.line() + skipped.count() as u64
+}
+
+/// What is wrong with a row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RowFault {
+    /// Its text.
+    Text(String),
+    /// Where its position lies.
+    Place(String),
+}
+
+impl std::fmt::Display for RowFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RowFault::Text(words) | RowFault::Place(words) => f.write_str(words),
+        }
+    }
+}
+
+/// The rows of a file that can be read; all others are told together, by an error of `refuse` or a warning.
+///
+/// # Errors
+/// If rows are bad and must not be, or all of them are.
+pub fn readable<T>(
+    name: &str,
+    rows: Vec<(String, std::result::Result<T, RowFault>)>,
+    bad: BadRows<'_>,
+    refuse: impl FnOnce(&RowFault, String) -> Error,
+) -> Result<Vec<T>> {
+    /// Rows that are told one by one.
+    const MOST_TOLD: usize = 20;
+    /// Characters that are told of each.
+    const MOST_CHARACTERS: usize = 160;
+    let n_rows = rows.len();
+    let (mut good, mut faults) = (Vec::with_capacity(n_rows), Vec::new());
+    for (place, row) in rows {
+        match row {
+            Ok(row) => good.push(row),
+            Err(fault) => faults.push((place, fault)),
+        }
+    }
+    let Some((place, first)) = faults.first() else { return Ok(good) };
+    let told: Vec<String> = faults
+        .iter()
+        .take(MOST_TOLD)
+        .map(|(place, fault)| shortened(&format!("{place}: {}", fault), MOST_CHARACTERS).into_owned())
+        .collect();
+    let n_bad = faults.len();
+    let more = if n_bad > MOST_TOLD { format!("; and {} more", n_bad - MOST_TOLD) } else { String::new() };
+    let told = told.join("; ") + &more;
+    match bad {
+        BadRows::LeaveOut(warnings) if !good.is_empty() => {
+            let were = if n_bad == 1 { "was" } else { "were" };
+            warnings.push(Warning::new(380, format!("{name}: {n_bad} of {n_rows} rows {were} left out: {told}")));
+            return Ok(good);
+        }
+        _ => {}
+    }
+    let text =
+        if n_bad == 1 { format!("{place}: {}", first) } else { format!("{n_bad} of {n_rows} rows are bad: {told}") };
+    let error = refuse(first, text);
+    Err(match error.hint() {
+        Some(hint) if !good.is_empty() => {
+            let hint = format!("{hint}; a run with `--skip-bad` goes on without bad rows");
+            error.with_hint(hint)
+        }
+        _ => error,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers of a table's last column, or what is wrong.
+    fn numbers(text: &str) -> std::result::Result<Vec<std::result::Result<f64, String>>, String> {
+        let table = Table::parse(text)?;
+        let last = table.headers.len() - 1;
+        let words = |fault: RowFault| fault.to_string();
+        Ok(table
+            .rows(|_, row| table.number(row, last, NUMBER))
+            .into_iter()
+            .map(|(_, row)| row.map_err(words))
+            .collect())
+    }
+
+    #[test]
+    fn the_line_of_the_names_tells_the_separator() {
+        assert_eq!(numbers("\u{feff}# a;b\na,b\n1,2.5\n"), Ok(vec![Ok(2.5)]));
+        assert_eq!(numbers("a;b\n1;2,5\n1;3,5\n"), Ok(vec![Ok(2.5), Ok(3.5)]));
+        assert_eq!(numbers("a\tb\r\n1\t2,5\r\n"), Ok(vec![Ok(2.5)]));
+        assert_eq!(numbers("a;\"b, of c\"\n1;2.5\n"), Ok(vec![Ok(2.5)]));
+        let ambiguous = numbers("\na;b,c\n1;2,3\n").unwrap_err();
+        assert!(ambiguous.starts_with("line 2: found commas and semicolons") && ambiguous.contains("ambiguous"));
+    }
+
+    #[test]
+    fn decimals_have_one_mark_in_all_rows() {
+        for (text, wanted) in [
+            ("a;b\n1;2,5\n1;1.234\n", "on line 2 the decimal mark is `,`"),
+            ("a;b\n1;2.5\n1;1,234\n", "on line 2 the decimal mark is `.`"),
+            ("a;b\n1;2,5\n1;1.234,5\n", "none between thousands"),
+            ("a;b\n1;2,5\n1;1,234,567\n", "none between thousands"),
+            ("a,b\n1,2\n1,2,5\n", "found 3 fields, wanted 2, one for each column; decimal commas need semicolons"),
+        ] {
+            let rows = numbers(text).unwrap();
+            assert!(rows[0].is_ok() && rows[1].as_ref().is_err_and(|e| e.contains(wanted)), "{rows:?}");
+        }
+        // Empty fields at the end of a row are nothing.
+        assert_eq!(numbers("a,b\n1,2.5,,\n"), Ok(vec![Ok(2.5)]));
+    }
+
+    #[test]
+    fn bad_rows_are_told_together_up_to_a_number() {
+        let rows = |good: std::ops::Range<usize>| {
+            let row = |k: usize| if good.contains(&k) { Ok(k) } else { Err(RowFault::Text(format!("found `{k}`"))) };
+            (0..30).map(|k| (format!("line {}", k + 2), row(k))).collect::<Vec<_>>()
+        };
+        let refuse = |_: &RowFault, text: String| Error::file(302, text).with_hint("h");
+        let error = readable("t", rows(25..30), BadRows::Refuse, refuse).unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with("25 of 30 rows are bad: line 2: found `0`; line 3: found `1`; "), "{text}");
+        assert!(text.ends_with("line 21: found `19`; and 5 more"), "{text}");
+        assert_eq!(error.hint(), Some("h; a run with `--skip-bad` goes on without bad rows"));
+        let mut warnings = Vec::new();
+        let good = readable("t", rows(1..30), BadRows::LeaveOut(&mut warnings), refuse);
+        assert_eq!(good, Ok((1..30).collect()));
+        assert_eq!(warnings, [Warning::new(380, "t: 1 of 30 rows was left out: line 2: found `0`")]);
+        let error = readable("t", rows(0..0), BadRows::LeaveOut(&mut warnings), refuse).unwrap_err();
+        assert!(error.to_string().starts_with("30 of 30 rows are bad") && warnings.len() == 1);
+        assert_eq!(error.hint(), Some("h"));
+    }
+}

@@ -1,0 +1,136 @@
+//! A terrain model brought onto the grid of the surface above it.
+
+use std::path::Path;
+
+use super::refuse_two_crs;
+use crate::crs::Transformation;
+use crate::error::{Error, Result, Warning};
+use crate::formats::CellSources;
+use crate::quantity::VOID;
+use crate::raster::{GeoRef, Raster};
+
+/// A raster and the file that it came from.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed<'a, T> {
+    pub(super) path: &'a Path,
+    pub(super) on: T,
+}
+
+/// The way from the reference system of a scene to that of its terrain, where `projects` allows to go there.
+///
+/// # Errors
+/// E310 if there is none.
+pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) -> Result<Option<Transformation>> {
+    match (grid.crs(), terrain.crs()) {
+        (Some(from), Some(to)) if projects && !from.same_as(to) => {
+            let middle = ((grid.x_min() + grid.x_max()) / 2.0, (grid.y_min() + grid.y_max()) / 2.0);
+            Transformation::new(from, to, middle).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
+/// one to its north-east where the center lies on an edge, to within a millionth of a cell); `way` leads from the system of
+/// the surface to that of the terrain, where they differ.
+///
+/// # Errors
+/// E311 if they differ and there is no way, E312 if no cell of the surface lies over a height.
+pub(super) fn terrain_on_grid(
+    surface: Placed<'_, &GeoRef>,
+    terrain: Placed<'_, Raster<i32>>,
+    way: Option<&Transformation>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Raster<i32>> {
+    let Placed { path: surface_path, on: grid } = surface;
+    let Placed { path: terrain_path, on: terrain } = terrain;
+    let from = terrain.georef();
+    if way.is_none() {
+        refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
+            format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
+        })?;
+        if grid.same_grid(from) {
+            let n_void = terrain.cells().iter().filter(|z| **z == VOID).count();
+            if n_void == grid.n_cells() {
+                return Err(no_terrain_below((surface_path, grid), (terrain_path, from)));
+            }
+            if n_void > 0 {
+                let text = format!(
+                    "{}: {n_void} of {} cells of the terrain have no height and are no receivers",
+                    terrain_path.display(),
+                    grid.n_cells()
+                );
+                warnings.push(Warning::new(340, text));
+            }
+            return Ok(terrain);
+        }
+    }
+    let cells = match way {
+        None => looked_up(grid, &terrain),
+        Some(way) => CellSources::new(grid, from, way)?.resampled(terrain.cells(), VOID),
+    };
+    let n_void = cells.iter().filter(|z| **z == VOID).count();
+    if n_void == cells.len() {
+        return Err(no_terrain_below((surface_path, grid), (terrain_path, from)));
+    }
+    let brought = match (way, from.crs()) {
+        (Some(_), Some(crs)) => format!(" in {}", crs.label()),
+        _ => String::new(),
+    };
+    warnings.push(warning_of_other_grid(surface, (terrain_path, from, &brought), n_void));
+    Ok(Raster::new(grid.clone(), cells))
+}
+
+/// Refuses a terrain that lies elsewhere than the surface.
+pub(super) fn no_terrain_below((surface, grid): (&Path, &GeoRef), (terrain, from): (&Path, &GeoRef)) -> Error {
+    let (surface, terrain) = (surface.display(), terrain.display());
+    let (grid, from) = (grid.description(), from.description());
+    let text = format!(
+        "cannot combine {surface} ({grid}) with {terrain} ({from}): wanted a terrain below the surface, found none at any cell"
+    );
+    Error::file(312, text)
+        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both")
+}
+
+/// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.
+pub(super) fn warning_of_other_grid(
+    surface: Placed<'_, &GeoRef>,
+    (terrain, from, brought): (&Path, &GeoRef, &str),
+    n_void: usize,
+) -> Warning {
+    let grid = surface.on;
+    let without = match n_void {
+        0 => String::new(),
+        _ => format!("; {n_void} of {} cells have no terrain and are no receivers", grid.n_cells()),
+    };
+    let (surface, terrain) = (surface.path.display(), terrain.display());
+    let (on, to) = (from.description(), grid.description());
+    let text = format!(
+        "{terrain} ({on}{brought}) is not on the grid of {surface} ({to}): each cell takes the terrain that holds its \
+         center{without}"
+    );
+    Warning::new(346, text)
+}
+
+/// The heights of a terrain in the same system at the centers of cells, [`VOID`] outside.
+pub(super) fn looked_up(grid: &GeoRef, terrain: &Raster<i32>) -> Vec<i32> {
+    let from = terrain.georef();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid by the check")]
+    let index = |position: f64, n: usize| {
+        let position = (position + 1e-6).floor();
+        (position >= 0.0 && position < n as f64).then_some(position as usize)
+    };
+    let cols: Vec<Option<usize>> = (0..grid.n_cols())
+        .map(|col| index(from.cells_from_world(grid.world_from_cell(0, col).0, from.y_max()).0, from.n_cols()))
+        .collect();
+    let rows = (0..grid.n_rows()).map(|row| {
+        let from_south = from.cells_from_world(from.x_min(), grid.world_from_cell(row, 0).1).1;
+        index(from_south, from.n_rows()).map(|from_south| from.n_rows() - 1 - from_south)
+    });
+    let mut cells = Vec::with_capacity(grid.n_cells());
+    for row in rows {
+        let row = row.map(|row| terrain.row(row));
+        cells.extend(cols.iter().map(|col| row.zip(*col).map_or(VOID, |(row, col)| row[col])));
+    }
+    cells
+}

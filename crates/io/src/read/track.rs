@@ -1,0 +1,110 @@
+//! A user's track: the places of a walk or a drive in their order, from CSV or GeoJSON.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::geojson_file::{features, named_crs, read_document};
+use super::sites::{check_placeable, degrees_or_named, in_scene, misplaced};
+use super::source::{input_name, is_geojson, read_text};
+use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
+use crate::crs;
+use crate::error::{Error, Result};
+use crate::raster::Crs;
+
+/// Reads the places of a track in the scene's CRS; of `-` from standard input, which is GeoJSON if it begins with a brace.
+///
+/// CSV: columns `x,y` in the scene's CRS, or `lon,lat` in degrees; rows in the order of the track, other columns ignored.
+/// GeoJSON: one LineString (a MultiLineString of one part, or Points in their order, serve too), longitude and latitude
+/// unless a `crs` member says otherwise. A place that repeats the one before it is dropped.
+///
+/// # Errors
+/// File errors naming the lines or features, also for fewer than two different places; site errors if places cannot be
+/// brought into the scene's CRS.
+pub fn read_track(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let mut places = match is_geojson(path)? {
+        true => read_geojson(path, scene_crs, bad)?,
+        false => read_csv(path, scene_crs, bad)?,
+    };
+    places.dedup();
+    if places.len() < 2 {
+        let text =
+            format!("cannot use {}: found {} different places, wanted at least 2", input_name(path), places.len());
+        return Err(Error::file(308, text));
+    }
+    Ok(places)
+}
+
+fn read_csv(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let name = input_name(path);
+    let refuse = |found: String| {
+        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
+            "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs",
+        )
+    };
+    let table = Table::parse(&read_text(path)?).map_err(refuse)?;
+    let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
+    let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
+    check_placeable(&name, wgs84.as_ref(), scene_crs)?;
+    let rows = table.rows(|_, row| {
+        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
+        in_scene(xy, wgs84.as_ref(), scene_crs).map(|(x, y)| [x, y])
+    });
+    readable(&name, rows, bad, |fault, text| match fault {
+        RowFault::Text(_) => refuse(text),
+        RowFault::Place(_) => misplaced(&name, text, is_degrees),
+    })
+}
+
+fn read_geojson(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let name = input_name(path);
+    let document = read_document(path)?;
+    let crs = match named_crs(path, &document)? {
+        Some(crs) => crs,
+        None => crs::from_epsg(4326)?,
+    };
+    let refuse = |text: String| {
+        Error::file(302, format!("cannot read {name}: {text}"))
+            .with_hint("a track is one LineString, or Points in their order")
+    };
+    let mut rows = Vec::new();
+    let mut n_lines = 0;
+    for (number, feature) in features(path, document)?.into_iter().enumerate() {
+        let place = format!("feature {}", number + 1);
+        let line = positions_of(&feature["geometry"]);
+        n_lines += usize::from(line.as_ref().is_ok_and(|line| line.len() > 1));
+        if n_lines > 1 {
+            return Err(refuse(format!("{place}: found a second line, wanted one track")));
+        }
+        match line {
+            Err(found) => rows.push((place, Err(RowFault::Text(found.into())))),
+            Ok(line) => {
+                for position in line {
+                    let xy = position[0].as_f64().zip(position[1].as_f64());
+                    let from = xy.and_then(|xy| degrees_or_named(&crs, xy));
+                    check_placeable(&name, from, scene_crs)?;
+                    let xy = xy.ok_or_else(|| RowFault::Text("found a position without two numbers".into()));
+                    let xy = xy.and_then(|xy| in_scene(xy, from, scene_crs));
+                    rows.push((place.clone(), xy.map(|(x, y)| [x, y])));
+                }
+            }
+        }
+    }
+    readable(&name, rows, bad, |fault, text| match fault {
+        RowFault::Text(_) => refuse(text),
+        RowFault::Place(_) => misplaced(&name, text, true),
+    })
+}
+
+/// The positions of a line or a point.
+fn positions_of(geometry: &Value) -> std::result::Result<Vec<&Value>, &'static str> {
+    Ok(match geometry["type"].as_str() {
+        Some("Point") => vec![&geometry["coordinates"]],
+        Some("LineString") => geometry["coordinates"].as_array().into_iter().flatten().collect(),
+        Some("MultiLineString") => match geometry["coordinates"].as_array().map(Vec::as_slice) {
+            Some([only]) => only.as_array().into_iter().flatten().collect(),
+            _ => return Err("found a MultiLineString of several parts, wanted one"),
+        },
+        _ => return Err("found neither a LineString nor a Point"),
+    })
+}

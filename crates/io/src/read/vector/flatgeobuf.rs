@@ -1,0 +1,349 @@
+//! FlatGeobuf: a header, an optional index of bounding boxes, and features one after another.
+//!
+//! With bounds only the features whose boxes meet them are read: the boxes stand at the end of the index, one per
+//! feature, with the feature's place in the file. They are read in order and the levels above them skipped, so that
+//! nothing hangs on offsets inside the index. Every table is verified before it is used; lengths are compared with the
+//! file's before anything is reserved.
+//!
+//! # References
+//! FlatGeobuf specification, version 3.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use flatgeobuf::{
+    Column, ColumnType, Feature as Table, Geometry, GeometryType, Header, size_prefixed_root_as_feature,
+    size_prefixed_root_as_header,
+};
+
+use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use crate::error::{Error, Result};
+use crate::formats::{cannot_read, open_file};
+use crate::raster::Crs;
+
+/// Bytes of a box in the index: four coordinates and an offset.
+const BOX_BYTES: u64 = 40;
+
+/// Bytes of a point: two coordinates.
+const POINT_BYTES: usize = 16;
+
+/// Fewest bytes of a part or ring: the offset or the number that tells it.
+const PART_BYTES: usize = 4;
+
+/// How deep geometries may nest.
+const MOST_NESTED: usize = 16;
+
+/// Reads the features of a file, with `bounds` only those whose boxes meet them where the file has an index.
+pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
+    let (file, length) = open_file(path)?;
+    let mut source = Source { path, file: BufReader::new(file), at: 0, length };
+    let magic = source.take(8)?;
+    if &magic[..3] != b"fgb" || &magic[4..7] != b"fgb" || magic[3] > 3 {
+        return Err(malformed(path, "a file that does not begin as FlatGeobuf does", "FlatGeobuf version 3"));
+    }
+    let head = source.prefixed()?;
+    let header = size_prefixed_root_as_header(&head)
+        .map_err(|e| malformed(path, &format!("a header that is none ({e})"), "FlatGeobuf"))?;
+    let index = Index::of(&header, source.at, length).map_err(|found| malformed(path, &found, "FlatGeobuf"))?;
+    let wanted = match (bounds, index.n_boxes) {
+        (Some(bounds), 1..) => Some(index.offsets(&mut source, bounds)?),
+        _ => None,
+    };
+    let names = names_of(header.columns().into_iter().flatten(), head.len())
+        .map_err(|found| malformed(path, &found, "FlatGeobuf"))?;
+    let mut features = Vec::new();
+    let mut n_bytes = 0;
+    let mut add = |source: &mut Source<'_>, number: u64| {
+        let bytes = source.prefixed()?;
+        let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "FlatGeobuf");
+        // An index that names a feature many times would make much of little.
+        n_bytes += bytes.len() as u64;
+        if n_bytes > length {
+            return Err(wrong(format!("with it more than the {length} bytes of the file")));
+        }
+        let table = size_prefixed_root_as_feature(&bytes).map_err(|e| wrong(e.to_string()))?;
+        features.push(feature_of(&header, &names, table, bytes.len()).map_err(wrong)?);
+        Ok(())
+    };
+    match wanted {
+        Some(offsets) => {
+            for (number, offset) in offsets {
+                source.go_to(index.end.saturating_add(offset))?;
+                add(&mut source, number + 1)?;
+            }
+        }
+        None => {
+            source.go_to(index.end)?;
+            let mut number = 0;
+            while source.at < length {
+                number += 1;
+                add(&mut source, number)?;
+            }
+            let announced = header.features_count();
+            if announced != 0 && announced != number {
+                let text = format!("cannot read {}: it ends after {number} of {announced} features", path.display());
+                return Err(Error::file(303, text));
+            }
+        }
+    }
+    Ok(FeatureSet { crs: crs(path, &header), attribution: None, name_limit: None, features })
+}
+
+/// The file, read from one place to the next.
+struct Source<'a> {
+    path: &'a Path,
+    file: BufReader<File>,
+    at: u64,
+    length: u64,
+}
+
+impl Source<'_> {
+    fn go_to(&mut self, at: u64) -> Result<()> {
+        self.file.seek(SeekFrom::Start(at)).map_err(|e| cannot_read(self.path, &e))?;
+        self.at = at;
+        Ok(())
+    }
+
+    /// The next `n` bytes.
+    fn take(&mut self, n: u64) -> Result<Vec<u8>> {
+        let left = self.length.saturating_sub(self.at);
+        if n > left {
+            let text = format!(
+                "cannot read {}: at byte {} it announces {n} bytes, but {left} are left",
+                self.path.display(),
+                self.at
+            );
+            return Err(Error::file(303, text).with_hint("the file is cut off or damaged: copy it again"));
+        }
+        let mut bytes = Vec::new();
+        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.path, &e))?;
+        self.at += bytes.len() as u64;
+        if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.path, "an early end", "FlatGeobuf")) }
+    }
+
+    /// The next table with the length that stands before it.
+    fn prefixed(&mut self) -> Result<Vec<u8>> {
+        let mut bytes = self.take(4)?;
+        let n = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        bytes.extend(self.take(u64::from(n))?);
+        Ok(bytes)
+    }
+}
+
+/// Where the boxes of the features stand, and where the features begin.
+struct Index {
+    /// Number of boxes; 0 without an index.
+    n_boxes: u64,
+    boxes: u64,
+    end: u64,
+}
+
+impl Index {
+    /// From the number of features and of branches per node; the error says what cannot be.
+    fn of(header: &Header<'_>, start: u64, length: u64) -> std::result::Result<Index, String> {
+        let (n_features, n_branches) = (header.features_count(), u64::from(header.index_node_size()));
+        if n_features == 0 || n_branches == 0 {
+            return Ok(Index { n_boxes: 0, boxes: start, end: start });
+        }
+        if n_branches < 2 || n_features > length / BOX_BYTES {
+            return Err(format!("an index of {n_features} boxes, {n_branches} to a node, in {length} bytes"));
+        }
+        let mut above = 0;
+        let mut level = n_features;
+        while level > 1 {
+            level = level.div_ceil(n_branches);
+            above += level;
+        }
+        // One feature has a box and a node above it.
+        above = above.max(1);
+        let boxes = start + above * BOX_BYTES;
+        Ok(Index { n_boxes: n_features, boxes, end: boxes + n_features * BOX_BYTES })
+    }
+
+    /// Number and offset of each feature whose box meets `bounds`.
+    fn offsets(&self, source: &mut Source<'_>, bounds: [f64; 4]) -> Result<Vec<(u64, u64)>> {
+        source.go_to(self.boxes)?;
+        let mut offsets = Vec::new();
+        for number in 0..self.n_boxes {
+            let bytes = source.take(BOX_BYTES)?;
+            let word = |k: usize| bytes[8 * k..].first_chunk::<8>().copied().unwrap_or_default();
+            let [west, south, east, north] = [0, 1, 2, 3].map(|k| f64::from_le_bytes(word(k)));
+            if west <= bounds[2] && east >= bounds[0] && south <= bounds[3] && north >= bounds[1] {
+                offsets.push((number, u64::from_le_bytes(word(4))));
+            }
+        }
+        Ok(offsets)
+    }
+}
+
+fn crs(path: &Path, header: &Header<'_>) -> Result<Option<Crs>> {
+    let Some(crs) = header.crs() else { return Ok(None) };
+    let code = (crs.code() > 0).then(|| format!("{}:{}", crs.org().unwrap_or("EPSG"), crs.code()));
+    match code.filter(|code| code.to_uppercase().starts_with("EPSG:")) {
+        Some(code) => crs_of(path, &code),
+        None => crs_of(path, crs.wkt().or(crs.code_string()).unwrap_or_default()),
+    }
+}
+
+/// The names of columns that are told in so many bytes; more than these hold are the same ones told many times.
+fn names_of<'a>(
+    columns: impl Iterator<Item = Column<'a>>,
+    n_bytes: usize,
+) -> std::result::Result<Vec<Arc<str>>, String> {
+    let mut left = n_bytes;
+    let name = |column: Column<'_>| {
+        left = left
+            .checked_sub(column.name().len())
+            .ok_or_else(|| format!("columns with longer names than {n_bytes} bytes hold"))?;
+        Ok(Arc::from(column.name()))
+    };
+    columns.map(name).collect()
+}
+
+/// A feature that is told in `n_bytes`, of columns with `names` unless it has its own.
+fn feature_of(
+    header: &Header<'_>,
+    names: &[Arc<str>],
+    table: Table<'_>,
+    n_bytes: usize,
+) -> std::result::Result<Feature, String> {
+    let mut feature = Feature::default();
+    let mut room = Room { n_bytes, points: n_bytes / POINT_BYTES, parts: n_bytes / PART_BYTES, has_other_parts: false };
+    if let Some(geometry) = table.geometry() {
+        let kind = match header.geometry_type() {
+            GeometryType::Unknown => geometry.type_(),
+            kind => kind,
+        };
+        add_polygons(&geometry, kind, (&mut feature.polygons, &mut room), 0)?;
+    }
+    feature.has_other_parts = room.has_other_parts;
+    let columns = match (table.columns(), header.columns()) {
+        (Some(columns), _) | (None, Some(columns)) => columns,
+        (None, None) => return Ok(feature),
+    };
+    let own = table.columns().map(|columns| names_of(columns.iter(), n_bytes)).transpose()?;
+    let names = own.as_deref().unwrap_or(names);
+    let bytes = table.properties().map(|p| p.bytes()).unwrap_or_default();
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let number = usize::from(u16::from_le_bytes(taken(&mut rest)?));
+        if number >= columns.len() {
+            return Err(format!("a value for column {} of {}", number + 1, columns.len()));
+        }
+        let column = columns.get(number);
+        let value = value(column.type_(), &mut rest)?;
+        feature.properties.push((names[number].clone(), value));
+    }
+    Ok(feature)
+}
+
+/// What the bytes of a feature have room for: a place in them that is named many times would make much of little.
+struct Room {
+    n_bytes: usize,
+    points: usize,
+    parts: usize,
+    /// Whether the feature has points or lines.
+    has_other_parts: bool,
+}
+
+impl Room {
+    fn take(left: &mut usize, n: usize, (what, n_bytes): (&str, usize)) -> std::result::Result<(), String> {
+        *left = left.checked_sub(n).ok_or_else(|| format!("more {what} than {n_bytes} bytes hold"))?;
+        Ok(())
+    }
+}
+
+fn add_polygons(
+    geometry: &Geometry<'_>,
+    kind: GeometryType,
+    (polygons, room): (&mut Vec<Polygon>, &mut Room),
+    depth: usize,
+) -> std::result::Result<(), String> {
+    Room::take(&mut room.parts, 1, ("parts", room.n_bytes))?;
+    if depth > MOST_NESTED {
+        return Err(format!("its geometry nests more than {MOST_NESTED} collections"));
+    }
+    match kind {
+        GeometryType::Polygon | GeometryType::Triangle => {
+            let n_points = geometry.xy().map_or(0, |xy| xy.len() / 2);
+            Room::take(&mut room.points, n_points, ("points", room.n_bytes))?;
+            let n_rings = geometry.ends().map_or(0, |ends| ends.len());
+            Room::take(&mut room.parts, n_rings, ("rings", room.n_bytes))?;
+            let numbers: Vec<f64> = geometry.xy().map(|xy| xy.iter().collect()).unwrap_or_default();
+            let points: Vec<[f64; 2]> = numbers.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+            let ends: Vec<usize> = geometry.ends().map(|e| e.iter().map(|n| n as usize).collect()).unwrap_or_default();
+            let ends = if ends.is_empty() { vec![points.len()] } else { ends };
+            let mut from = 0;
+            let mut rings = Vec::new();
+            for to in ends {
+                let ring = points
+                    .get(from..to)
+                    .ok_or_else(|| format!("a ring from point {from} to {to} of {}", points.len()))?;
+                rings.push(ring.to_vec());
+                from = to;
+            }
+            polygons.push(rings);
+            Ok(())
+        }
+        GeometryType::MultiPolygon
+        | GeometryType::GeometryCollection
+        | GeometryType::PolyhedralSurface
+        | GeometryType::TIN => {
+            let parts = geometry.parts().map(|parts| parts.iter().collect::<Vec<_>>()).unwrap_or_default();
+            parts.iter().try_for_each(|part| {
+                let kind = match (kind, part.type_()) {
+                    (GeometryType::GeometryCollection, kind) => kind,
+                    (_, GeometryType::Triangle) => GeometryType::Triangle,
+                    _ => GeometryType::Polygon,
+                };
+                add_polygons(part, kind, (&mut *polygons, &mut *room), depth + 1)
+            })
+        }
+        GeometryType::Curve | GeometryType::CurvePolygon | GeometryType::MultiSurface | GeometryType::Surface => {
+            Err("it is a curve; straighten it first: `ogr2ogr -nlt CONVERT_TO_LINEAR`".into())
+        }
+        _ => {
+            room.has_other_parts = true;
+            Ok(())
+        }
+    }
+}
+
+/// The value of a column, of the type that the header gives it.
+fn value(kind: ColumnType, rest: &mut &[u8]) -> std::result::Result<Property, String> {
+    #[expect(clippy::cast_precision_loss, reason = "identifiers are told as numbers, heights are far below 2^53")]
+    let number = match kind {
+        ColumnType::Byte => f64::from(i8::from_le_bytes(taken(rest)?)),
+        ColumnType::UByte => f64::from(u8::from_le_bytes(taken(rest)?)),
+        ColumnType::Short => f64::from(i16::from_le_bytes(taken(rest)?)),
+        ColumnType::UShort => f64::from(u16::from_le_bytes(taken(rest)?)),
+        ColumnType::Int => f64::from(i32::from_le_bytes(taken(rest)?)),
+        ColumnType::UInt => f64::from(u32::from_le_bytes(taken(rest)?)),
+        ColumnType::Long => i64::from_le_bytes(taken(rest)?) as f64,
+        ColumnType::ULong => u64::from_le_bytes(taken(rest)?) as f64,
+        ColumnType::Float => f64::from(f32::from_le_bytes(taken(rest)?)),
+        ColumnType::Double => f64::from_le_bytes(taken(rest)?),
+        ColumnType::Bool => {
+            return Ok(Property::Text(if taken::<1>(rest)? == [0] { "no" } else { "yes" }.into()));
+        }
+        ColumnType::String | ColumnType::Json | ColumnType::DateTime | ColumnType::Binary => {
+            let n = u32::from_le_bytes(taken(rest)?) as usize;
+            let (text, after) = rest.split_at_checked(n).ok_or_else(|| format!("a text of {n} bytes"))?;
+            *rest = after;
+            if kind == ColumnType::Binary {
+                return Ok(Property::Null);
+            }
+            return Ok(Property::Text(String::from_utf8_lossy(text).into_owned()));
+        }
+        other => return Err(format!("a column of the unknown type {}", other.0)),
+    };
+    Ok(Property::Number(number))
+}
+
+fn taken<const N: usize>(rest: &mut &[u8]) -> std::result::Result<[u8; N], String> {
+    let (head, after) = rest.split_first_chunk::<N>().ok_or("its properties end too early")?;
+    *rest = after;
+    Ok(*head)
+}

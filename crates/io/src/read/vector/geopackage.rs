@@ -1,0 +1,269 @@
+//! GeoPackage: an SQLite database with a table of features.
+//!
+//! The file is opened as one that nobody changes, so that nothing is written beside it. Only plain tables are read: a
+//! view can compute without end.
+//!
+//! # References
+//! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
+
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use rusqlite::limits::Limit;
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
+
+use super::wkb::polygons_of;
+use super::{Feature, FeatureSet, Property, crs_of, malformed};
+use crate::error::{Error, Result};
+use crate::formats::{cannot_read, open_file};
+use crate::raster::Crs;
+
+/// Bytes of the header of an SQLite database.
+const SQLITE_HEADER_BYTES: u64 = 100;
+
+/// Reads the features of a table, of the only one where no `layer` is named.
+pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
+    let (_, length) = open_file(path)?;
+    refuse_open_changes(path)?;
+    refuse_cut_off(path, length)?;
+    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let database = Connection::open_with_flags(uri(path), flags).map_err(broken)?;
+    // What a column computes may not be larger than what the file holds.
+    let longest = i32::try_from(length.max(LEAST_VALUE)).unwrap_or(i32::MAX);
+    database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
+    database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
+    refuse_views(path, &database).map_err(broken)??;
+    let layers = layers(&database).map_err(broken)?;
+    let layer = chosen(path, layer, &layers)?;
+    let table = Table::of(&database, layer).map_err(broken)?;
+    let Some(table) = table else {
+        let text = format!("cannot read {}: layer `{layer}` is no table with a geometry column", path.display());
+        return Err(Error::file(304, text)
+            .with_hint(format!("write a view as a table: `ogr2ogr table.gpkg {} {layer}`", path.display())));
+    };
+    let features = table.features(path, &database, length)?;
+    let crs = crs(path, &database, table.srs);
+    Ok(FeatureSet { crs, attribution: None, name_limit: None, features })
+}
+
+/// The longest value that any file may hold \[bytes\].
+const LEAST_VALUE: u64 = 1 << 20;
+
+/// How often the bytes of a file may be read as values.
+const READS_PER_BYTE: u64 = 2;
+
+/// The tables that say what the others are must be tables: a view can compute without end.
+fn refuse_views(path: &Path, database: &Connection) -> rusqlite::Result<Result<()>> {
+    let query = "SELECT name FROM sqlite_master WHERE rootpage = 0
+        AND lower(name) IN ('gpkg_contents', 'gpkg_geometry_columns', 'gpkg_spatial_ref_sys')";
+    let found: Option<String> = database.query_row(query, [], |row| row.get(0)).optional()?;
+    Ok(match found {
+        Some(name) => Err(malformed(path, &format!("`{name}`, which is no plain table"), "a GeoPackage")),
+        None => Ok(()),
+    })
+}
+
+/// A database that another program holds open keeps its last changes in a file beside it.
+fn refuse_open_changes(path: &Path) -> Result<()> {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push("-wal");
+    let has_changes = std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0);
+    if has_changes {
+        let beside = Path::new(&beside).display();
+        let text = format!("cannot read {}: {beside} holds changes that are not in it yet", path.display());
+        return Err(Error::file(304, text).with_hint("close the program that has it open"));
+    }
+    Ok(())
+}
+
+/// SQLite reads missing pages as far as it can; the header says how many there are.
+fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
+    let mut header = Vec::new();
+    let file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
+    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| cannot_read(path, &e))?;
+    let word = |at: usize| header.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|w| u32::from_be_bytes(*w));
+    // The number of pages counts only if the version that wrote the file last wrote it too.
+    let (Some(n_pages), true) = (word(28), word(24) == word(92)) else { return Ok(()) };
+    // The page size is the upper half of the word at byte 16; 1 stands for 65 536.
+    let page = match word(16).map_or(0, |w| w >> 16) {
+        1 => 65_536,
+        bytes => u64::from(bytes),
+    };
+    if u64::from(n_pages) * page > length {
+        let text = format!("cannot read {}: it ends after {length} bytes of {n_pages} pages of {page}", path.display());
+        return Err(Error::file(303, text).with_hint("the file is cut off: copy it again"));
+    }
+    Ok(())
+}
+
+/// A path as SQLite takes it, with the promise that the file does not change.
+fn uri(path: &Path) -> String {
+    // Byte by byte, for a path need not be Unicode.
+    let bytes = path.as_os_str().as_encoded_bytes().iter();
+    let escaped: String = bytes
+        .map(|byte| match byte {
+            b'\\' if cfg!(windows) => "/".to_string(),
+            b'%' | b'?' | b'#' | 0x80.. => format!("%{byte:02x}"),
+            plain => char::from(*plain).to_string(),
+        })
+        .collect();
+    // Two slashes at the beginning would name a host.
+    let root = if escaped.starts_with('/') { "//" } else { "" };
+    format!("file:{root}{escaped}?immutable=1")
+}
+
+/// The tables of features, in the order of the file.
+fn layers(database: &Connection) -> rusqlite::Result<Vec<String>> {
+    let mut query = database.prepare("SELECT table_name FROM gpkg_contents WHERE data_type = 'features' LIMIT 1000")?;
+    query.query_map([], |row| row.get(0))?.collect()
+}
+
+fn chosen<'a>(path: &Path, asked: Option<&'a str>, layers: &'a [String]) -> Result<&'a str> {
+    let listed = || layers.iter().map(|l| format!("`{l}`")).collect::<Vec<_>>().join(", ");
+    match (asked, layers) {
+        (Some(asked), layers) if layers.iter().any(|l| l == asked) => Ok(asked),
+        (_, []) => Err(Error::file(308, format!("cannot use {}: it holds no table of features", path.display()))),
+        (Some(asked), _) => {
+            let text = format!("cannot read {}: it has no layer `{asked}`, wanted one of {}", path.display(), listed());
+            Err(Error::usage(108, text))
+        }
+        (None, [only]) => Ok(only),
+        (None, _) => {
+            let text = format!("cannot choose a layer of {}: it has {}", path.display(), listed());
+            Err(Error::usage(108, text).with_hint("`--layer NAME` says which"))
+        }
+    }
+}
+
+/// A table of features.
+struct Table<'a> {
+    name: &'a str,
+    geometry: String,
+    key: Option<String>,
+    srs: i64,
+}
+
+impl<'a> Table<'a> {
+    /// What the database says of a table; `None` where it is a view or has no geometry.
+    fn of(database: &Connection, name: &'a str) -> rusqlite::Result<Option<Table<'a>>> {
+        let is_plain = "SELECT 1 FROM sqlite_master WHERE name = ?1 AND type = 'table' AND rootpage > 0";
+        if !database.prepare(is_plain)?.exists([name])? {
+            return Ok(None);
+        }
+        let geometry = "SELECT column_name, srs_id FROM gpkg_geometry_columns WHERE table_name = ?1";
+        let found = database.query_row(geometry, [name], |row| Ok((row.get(0)?, row.get(1)?))).optional()?;
+        let key = "SELECT name FROM pragma_table_info(?1) WHERE pk = 1";
+        let key = database.query_row(key, [name], |row| row.get(0)).optional()?;
+        Ok(found.map(|(geometry, srs)| Table { name, geometry, key, srs }))
+    }
+
+    fn features(&self, path: &Path, database: &Connection, file_bytes: u64) -> Result<Vec<Feature>> {
+        let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+        let quoted = self.name.replace('"', "\"\"");
+        let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(broken)?;
+        let columns = self.columns(database).map_err(broken)?;
+        if columns.len() != query.column_count() {
+            return Err(malformed(path, "a table whose columns are not those that it names", "a GeoPackage"));
+        }
+        let mut rows = query.query([]).map_err(broken)?;
+        let mut features = Vec::new();
+        let mut n_bytes = 0;
+        while let Some(row) = rows.next().map_err(broken)? {
+            let number = features.len() + 1;
+            let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage");
+            // Damaged pages may lead in circles, and columns may have long values that stand in no row.
+            n_bytes += 1 + bytes_of(row, columns.len());
+            if n_bytes > READS_PER_BYTE * file_bytes {
+                return Err(wrong(format!("with it more than the {file_bytes} bytes of the file")));
+            }
+            features.push(self.feature(row, &columns).map_err(wrong)?);
+        }
+        Ok(features)
+    }
+
+    /// The names of the columns. Statements name them too, but panic where a damaged name is no UTF-8.
+    fn columns(&self, database: &Connection) -> rusqlite::Result<Vec<Arc<str>>> {
+        let mut query = database.prepare("SELECT name FROM pragma_table_info(?1)")?;
+        let name = |row: &Row<'_>| Ok(String::from_utf8_lossy(row.get_ref(0)?.as_bytes().unwrap_or_default()).into());
+        query.query_map([self.name], name)?.collect()
+    }
+
+    fn is_geometry(&self, column: &str) -> bool {
+        column.eq_ignore_ascii_case(&self.geometry)
+    }
+
+    fn feature(&self, row: &Row<'_>, columns: &[Arc<str>]) -> std::result::Result<Feature, String> {
+        let mut feature = Feature::default();
+        for (k, name) in columns.iter().enumerate() {
+            let value = row.get_ref(k).map_err(|e| e.to_string())?;
+            if self.is_geometry(name) {
+                if let ValueRef::Blob(blob) = value {
+                    feature.has_other_parts = polygons_of(geometry(blob)?, &mut feature.polygons)?;
+                }
+                continue;
+            }
+            // A row need not hold what it has no value of.
+            if value != ValueRef::Null {
+                feature.properties.push((name.clone(), property(value)));
+            }
+        }
+        if feature.property("id", None).is_none() {
+            let key = self.key.as_ref().and_then(|key| feature.property(key, None));
+            feature.id = key.and_then(Property::text);
+        }
+        Ok(feature)
+    }
+}
+
+/// The bytes that the values of a row take at least.
+fn bytes_of(row: &Row<'_>, n_columns: usize) -> u64 {
+    let of_value = |k| match row.get_ref(k) {
+        Ok(ValueRef::Null) | Err(_) => 0,
+        Ok(ValueRef::Blob(bytes) | ValueRef::Text(bytes)) => 1 + bytes.len() as u64,
+        Ok(_) => 1,
+    };
+    (0..n_columns).map(of_value).sum()
+}
+
+/// The well-known binary inside a geometry of a GeoPackage.
+fn geometry(blob: &[u8]) -> std::result::Result<&[u8], String> {
+    let [b'G', b'P', _, flags, ..] = blob else { return Err("a geometry that does not begin with `GP`".into()) };
+    if flags & 0x20 != 0 {
+        return Err("a geometry of an extended type".into());
+    }
+    let envelope = match (flags >> 1) & 7 {
+        0 => 0,
+        1 => 32,
+        2 | 3 => 48,
+        4 => 64,
+        other => return Err(format!("a geometry with the unknown envelope {other}")),
+    };
+    blob.get(8 + envelope..).ok_or_else(|| "a geometry that ends too early".to_string())
+}
+
+fn property(value: ValueRef<'_>) -> Property {
+    match value {
+        #[expect(clippy::cast_precision_loss, reason = "identifiers are told as numbers, heights are far below 2^53")]
+        ValueRef::Integer(n) => Property::Number(n as f64),
+        ValueRef::Real(v) => Property::Number(v),
+        ValueRef::Text(text) => Property::Text(String::from_utf8_lossy(text).into_owned()),
+        ValueRef::Null | ValueRef::Blob(_) => Property::Null,
+    }
+}
+
+fn crs(path: &Path, database: &Connection, srs: i64) -> Result<Option<Crs>> {
+    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+    let query = "SELECT organization, organization_coordsys_id, definition FROM gpkg_spatial_ref_sys WHERE srs_id = ?1";
+    let columns = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get::<_, i64>(1)?, row.get::<_, String>(2)?));
+    let found = database.query_row(query, [srs], columns).optional().map_err(broken)?;
+    match found {
+        Some((organization, code, _)) if organization.eq_ignore_ascii_case("EPSG") => {
+            crs_of(path, &format!("EPSG:{code}"))
+        }
+        Some((_, _, definition)) if definition != "undefined" => crs_of(path, &definition),
+        _ => Ok(None),
+    }
+}

@@ -1,0 +1,269 @@
+//! The lines of a panel of curves: bands, strokes, error bars and markers, cut off at the frame.
+
+use super::curve_sheet::{CurveLine, CurvePoint};
+use super::line_look::LineStyle;
+use super::plot_axis::Span;
+use super::sheet::Drawing;
+
+/// Between the markers of one solid line along the horizontal axis \[px\].
+const MARKER_STEP: f64 = 26.0;
+/// A point so little outside the frame lies on it \[px\].
+const SLACK: f64 = 0.5;
+
+/// How values map to a plot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// Width and height \[px\].
+    pub(crate) size: [f64; 2],
+    /// Values from left to right.
+    pub(crate) x: Span,
+    /// Values from the bottom up.
+    pub(crate) y: Span,
+}
+
+impl Window {
+    /// Place of a value from the top left of the frame \[px\].
+    pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        [self.x.share(x) * self.size[0], (1.0 - self.y.share(y)) * self.size[1]]
+    }
+
+    fn shows(&self, [x, y]: [f64; 2]) -> bool {
+        let within = |value: f64, length: f64| (-SLACK..=length + SLACK).contains(&value);
+        within(x, self.size[0]) && within(y, self.size[1])
+    }
+}
+
+impl CurveLine<'_> {
+    /// What its stroke goes through.
+    fn stroked(&self) -> &[CurvePoint] {
+        if self.through.is_empty() { self.points } else { self.through }
+    }
+}
+
+/// Draws lines, the first of them on top: behind all bands, then strokes, then error bars and hollow markers.
+pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Window) -> Drawing {
+    let mut drawing = Drawing::default();
+    let both = || lines.iter().zip(styles).rev();
+    for (line, style) in both().filter(|(_, style)| style.has_line()) {
+        for run in runs(line.stroked(), |p| p.y.and(p.low_high)) {
+            let upper = run.iter().map(|(x, (_, high))| window.at(*x, *high));
+            let lower = run.iter().rev().map(|(x, (low, _))| window.at(*x, *low));
+            let area = clip_area(upper.chain(lower).collect(), window.size);
+            if area.len() > 2 {
+                drawing.polygon(&area, &style.band());
+            }
+        }
+    }
+    for (line, style) in both().filter(|(_, style)| style.has_line()) {
+        for run in runs(line.stroked(), |p| p.y) {
+            let points: Vec<[f64; 2]> = run.iter().map(|(x, y)| window.at(*x, *y)).collect();
+            match points[..] {
+                // Between two gaps there is nothing to join.
+                [at] if window.shows(at) && !style.has_markers() => {
+                    drawing.circle(at, 3.0, &format!("fill=\"{}\"", style.color));
+                }
+                _ => {
+                    for piece in clip_line(&points, window.size) {
+                        drawing.polyline(&piece, &style.stroke());
+                    }
+                }
+            }
+        }
+        if style.has_markers() {
+            let mut last = f64::NEG_INFINITY;
+            for at in line.points.iter().filter_map(|p| p.y.map(|y| window.at(p.x, y))) {
+                if window.shows(at) && at[0] - last >= MARKER_STEP {
+                    style.draw_marker(&mut drawing, at);
+                    last = at[0];
+                }
+            }
+        }
+    }
+    // Estimates, and over them what was measured.
+    let mut marked: Vec<_> = both().filter(|(_, style)| !style.has_line()).collect();
+    marked.sort_by_key(|(_, style)| style.marker_gap() > 0.0);
+    for (line, style) in marked {
+        let mut last = [f64::NEG_INFINITY; 2];
+        for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
+            error_bar(&mut drawing, point, style, window);
+            let at = window.at(point.x, y);
+            if window.shows(at) && (at[0] - last[0]).hypot(at[1] - last[1]) >= style.marker_gap() {
+                style.draw_marker(&mut drawing, at);
+                last = at;
+            }
+        }
+    }
+    drawing
+}
+
+/// Draws the interval of a point; an end outside the frame has no cap.
+fn error_bar(drawing: &mut Drawing, point: &CurvePoint, style: &LineStyle, window: &Window) {
+    let Some((low, high)) = point.low_high else { return };
+    let ends = [window.at(point.x, low), window.at(point.x, high)];
+    let [x, _] = ends[0];
+    let (top, bottom) = (-SLACK, window.size[1] + SLACK);
+    if x < -SLACK || x > window.size[0] + SLACK || ends[1][1] > bottom || ends[0][1] < top {
+        return;
+    }
+    let capped = ends.map(|[_, y]| (top..=bottom).contains(&y));
+    style.draw_error_bar(drawing, x, ends.map(|[_, y]| y.clamp(0.0, window.size[1])), capped);
+}
+
+/// Stretches of points without a gap, each point with its abscissa.
+fn runs<T>(points: &[CurvePoint], value: impl Fn(&CurvePoint) -> Option<T>) -> Vec<Vec<(f64, T)>> {
+    let mut runs = vec![Vec::new()];
+    for point in points {
+        match value(point) {
+            Some(value) => {
+                if let Some(run) = runs.last_mut() {
+                    run.push((point.x, value));
+                }
+            }
+            None => runs.push(Vec::new()),
+        }
+    }
+    runs.retain(|run| !run.is_empty());
+    runs
+}
+
+/// The pieces of an open path inside a plot of this size (Liang & Barsky 1984, for each segment).
+fn clip_line(points: &[[f64; 2]], size: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
+    let mut goes_on = false;
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for k in 0..2 {
+            let step = to[k] - from[k];
+            for (room, towards) in [(from[k], -step), (size[k] - from[k], step)] {
+                // Inside while t · towards <= room.
+                if towards > 0.0 {
+                    leave = leave.min(room / towards);
+                } else if towards < 0.0 {
+                    enter = enter.max(room / towards);
+                } else if room < 0.0 {
+                    leave = -1.0;
+                }
+            }
+        }
+        if enter > leave {
+            goes_on = false;
+            continue;
+        }
+        let along = |t: f64| [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+        let end = if leave < 1.0 { along(leave) } else { to };
+        match pieces.last_mut().filter(|_| goes_on && enter <= 0.0) {
+            Some(piece) => piece.push(end),
+            None => pieces.push(vec![if enter > 0.0 { along(enter) } else { from }, end]),
+        }
+        goes_on = leave >= 1.0;
+    }
+    pieces
+}
+
+/// The part of an area inside a plot of this size (Sutherland & Hodgman 1974).
+fn clip_area(mut area: Vec<[f64; 2]>, size: [f64; 2]) -> Vec<[f64; 2]> {
+    for (k, border, sign) in [(0, 0.0, 1.0), (0, size[0], -1.0), (1, 0.0, 1.0), (1, size[1], -1.0)] {
+        let depth = |p: &[f64; 2]| (p[k] - border) * sign;
+        let mut cut = Vec::with_capacity(area.len() + 4);
+        for (i, to) in area.iter().enumerate() {
+            let from = area[(i + area.len() - 1) % area.len()];
+            let (before, after) = (depth(&from), depth(to));
+            if (before < 0.0) != (after < 0.0) {
+                let t = before / (before - after);
+                cut.push([0, 1].map(|c| from[c] + t * (to[c] - from[c])));
+            }
+            if after >= 0.0 {
+                cut.push(*to);
+            }
+        }
+        area = cut;
+    }
+    area
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LineLook;
+
+    fn window() -> Window {
+        let span = |low, high| Span { ends: [low, high], is_log: false };
+        Window { size: [100.0, 100.0], x: span(0.0, 10.0), y: span(0.0, 1.0) }
+    }
+
+    fn point(x: f64, y: f64) -> CurvePoint {
+        CurvePoint { x, y: Some(y), low_high: None }
+    }
+
+    fn draw(look: LineLook, points: &[CurvePoint]) -> String {
+        let line = CurveLine { label: "a", detail: None, color_index: 0, look, points, through: &[] };
+        lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
+    }
+
+    #[test]
+    fn a_gap_splits_a_line() {
+        let gap = CurvePoint { x: 4.0, y: None, low_high: None };
+        let points = [point(0.0, 0.5), point(2.0, 0.5), gap, point(6.0, 0.5), point(10.0, 1.0)];
+        let svg = draw(LineLook::Dashed, &points);
+        assert_eq!(svg.matches("<polyline").count(), 2, "{svg}");
+        assert!(svg.contains("points=\"0,50 20,50\"") && svg.contains("points=\"60,50 100,0\""), "{svg}");
+        // A point between gaps is a dot, unless it has a marker.
+        let svg = draw(LineLook::Dashed, &[gap, point(5.0, 0.5), CurvePoint { x: 6.0, ..gap }]);
+        assert!(svg.contains("<circle") && !svg.contains("<polyline"), "{svg}");
+    }
+
+    #[test]
+    fn a_band_runs_along_the_upper_ends_and_back_along_the_lower_ones() {
+        let within = |x, low, high| CurvePoint { x, y: Some(0.5), low_high: Some((low, high)) };
+        let points = [within(0.0, 0.4, 0.6), within(5.0, 0.3, 0.8), within(10.0, 0.5, 0.5)];
+        let svg = draw(LineLook::Solid, &points);
+        assert!(svg.contains("<polygon points=\"0,40 50,20 100,50 100,50 50,70 0,60\""), "{svg}");
+        assert!(svg.find("<polygon") < svg.find("<polyline"), "the band lies behind the line");
+        assert!(!draw(LineLook::Solid, &[point(0.0, 0.1), point(1.0, 0.2)]).contains("<polygon"));
+    }
+
+    #[test]
+    fn what_leaves_the_frame_is_cut_off_there() {
+        let path = [[-50.0, 50.0], [50.0, 50.0], [50.0, 150.0], [70.0, 150.0], [70.0, 50.0], [170.0, 50.0]];
+        let pieces = clip_line(&path, [100.0, 100.0]);
+        let first = vec![[0.0, 50.0], [50.0, 50.0], [50.0, 100.0]];
+        assert_eq!(pieces, [first, vec![[70.0, 100.0], [70.0, 50.0], [100.0, 50.0]]]);
+        assert!(clip_line(&[[-5.0, -1.0], [105.0, -1.0]], [100.0, 100.0]).is_empty());
+        // A line along the frame is inside.
+        assert_eq!(clip_line(&[[0.0, 0.0], [100.0, 0.0]], [100.0, 100.0]).len(), 1);
+        let square = vec![[-10.0, -10.0], [50.0, -10.0], [50.0, 50.0], [-10.0, 50.0]];
+        let area = clip_area(square, [100.0, 100.0]);
+        assert!(area.iter().all(|p| p.iter().all(|c| (0.0..=50.0).contains(c))) && area.len() == 4, "{area:?}");
+        assert!(clip_area(vec![[-9.0, 0.0], [-1.0, 0.0], [-5.0, 9.0]], [100.0, 100.0]).is_empty());
+    }
+
+    #[test]
+    fn estimates_have_error_bars_with_caps_and_no_line() {
+        let estimate = CurvePoint { x: 5.0, y: Some(0.5), low_high: Some((0.4, 0.6)) };
+        let svg = draw(LineLook::Markers, &[estimate]);
+        assert_eq!((svg.matches("<line").count(), svg.matches("<circle").count()), (3, 1), "{svg}");
+        assert!(svg.contains("x1=\"50\" y1=\"60\" x2=\"50\" y2=\"40\"") && !svg.contains("<poly"), "{svg}");
+        // An end beyond the frame has no cap, a point beyond it no marker.
+        let svg = draw(LineLook::Markers, &[CurvePoint { low_high: Some((0.4, 1.2)), y: Some(1.1), ..estimate }]);
+        assert_eq!((svg.matches("<line").count(), svg.matches("<circle").count()), (2, 0), "{svg}");
+    }
+
+    #[test]
+    fn points_are_filled_markers_without_a_line_and_some_are_left_out_where_they_would_be_a_line() {
+        let points: Vec<CurvePoint> = (0..=2).map(|k| point(f64::from(k) * 5.0, 0.5)).collect();
+        let svg = draw(LineLook::Points, &points);
+        assert_eq!((svg.matches("<circle").count(), svg.matches("<polyline").count()), (3, 0), "{svg}");
+        assert!(!svg.contains("fill=\"none\""));
+        let dense: Vec<CurvePoint> = (0..=100).map(|k| point(f64::from(k) / 10.0, 0.5)).collect();
+        let n = draw(LineLook::Points, &dense).matches("<circle").count();
+        assert!((5..=9).contains(&n), "{n}");
+    }
+
+    #[test]
+    fn markers_of_a_solid_line_keep_apart() {
+        let points: Vec<CurvePoint> = (0..=100).map(|k| point(f64::from(k) / 10.0, 0.5)).collect();
+        assert_eq!(draw(LineLook::Solid, &points).matches("<circle").count(), 4);
+        assert_eq!(draw(LineLook::Markers, &points).matches("<circle").count(), 101);
+    }
+}

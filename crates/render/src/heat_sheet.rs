@@ -1,0 +1,395 @@
+//! P_LoS against two quantities as a field of colored cells, in one plot or in small multiples with one color bar.
+
+use super::colors::{self, Ramp};
+use super::contours::{Field, cut_middle};
+use super::furniture::{self, Block, DETAIL, Scale, Swatch};
+use super::lettering::{self, Weight, number};
+use super::panel_grid::{self, Panel};
+use super::picture_form::PictureForm;
+use super::plot_axis::{Axis, Direction, Span};
+use super::plot_frame;
+use super::sheet::{Anchor, Drawing, Sheet, Type};
+
+/// Most values along an axis: more have no pixel each.
+const MOST_VALUES: usize = 400;
+/// Length of the color bar \[px\].
+const BAR: f64 = 400.0;
+/// Numbers in cells.
+const IN_CELL: Type = Type { size: 20.0, anchor: Anchor::Middle, ..DETAIL };
+/// The least cell that has its number in it \[px\].
+const LEAST_CELL: [f64; 2] = [58.0, 32.0];
+
+/// Plots of P_LoS against two quantities with one color bar.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatSheet<'a> {
+    /// Title; may be empty.
+    pub title: &'a str,
+    /// Lines below; long ones are wrapped.
+    pub caption: &'a [String],
+    /// One to twelve plots, row by row.
+    pub panels: &'a [HeatPanel<'a>],
+    /// Plots beside each other.
+    pub columns: usize,
+    /// Where iso-lines are drawn, such as 0.1, 0.5 and 0.9; without any, large cells have their value in them.
+    pub levels: &'a [f64],
+}
+
+/// One plot.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatPanel<'a> {
+    /// What stands over it, such as `(a) Street`; may be empty.
+    pub title: &'a str,
+    /// Horizontal axis.
+    pub x: HeatAxis<'a>,
+    /// Vertical axis.
+    pub y: HeatAxis<'a>,
+    /// P_LoS, 0 to 1, `[n_y, n_x]`, the horizontal quantity running fastest; nothing is drawn as no value.
+    pub values: &'a [Option<f64>],
+}
+
+/// An axis of a heat map.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatAxis<'a> {
+    /// Name with unit, such as `Azimuth φ [°]`.
+    pub name: &'a str,
+    /// One to 400 ascending values, to the right or upward. Cells have them in their middle and meet midway.
+    pub values: &'a [f64],
+}
+
+/// Draws heat maps.
+///
+/// # Errors
+/// No panel or more than twelve, no column, an axis without values, with too many, or with values that are not finite
+/// or do not ascend, an array of another length, a P_LoS or level outside 0 to 1, or a keyword of `provenance` that PNG
+/// does not allow.
+pub fn draw_heat_sheet(
+    sheet: &HeatSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
+}
+
+/// Width and height of the frames \[px\].
+fn frame_size(columns: usize) -> [f64; 2] {
+    match columns {
+        1 => [680.0, 520.0],
+        2 => [540.0, 440.0],
+        _ => [460.0, 380.0],
+    }
+}
+
+fn compose(sheet: &HeatSheet<'_>) -> Result<Sheet, String> {
+    panel_grid::check(sheet.panels.len(), sheet.columns)?;
+    if let Some(level) = sheet.levels.iter().find(|level| !(0.0..=1.0).contains(*level)) {
+        return Err(format!("cannot draw an iso-line of P_LoS {level}: it must be 0 to 1"));
+    }
+    sheet.panels.iter().try_for_each(check)?;
+    let size = frame_size(sheet.columns.min(sheet.panels.len()));
+    let plots: Vec<Plot<'_>> = sheet.panels.iter().map(|panel| Plot::new(panel, size)).collect();
+    let has_numbers = sheet.levels.is_empty() && plots.iter().all(Plot::has_room);
+    let panels = plots.iter().map(|plot| {
+        let mut content = plot.cells();
+        for level in sheet.levels {
+            plot.iso_line(&mut content, *level);
+        }
+        if has_numbers {
+            plot.numbers(&mut content);
+        }
+        Panel { title: plot.panel.title, x: plot.x.axis(), y: plot.y.axis(), content }
+    });
+    let mut grid = panel_grid::grid(panels.collect(), sheet.columns, size);
+    let steps: Vec<_> = (0..128).map(|k| Ramp::Sequential.at(f64::from(k) / 127.0)).collect();
+    let scale = Scale { low: 0.0, high: 1.0, open_low: false, open_high: false };
+    let mut keys = vec![furniture::color_bar("P_LoS", scale, &steps, BAR)];
+    if sheet.panels.iter().any(|panel| panel.values.iter().any(Option::is_none)) {
+        keys.push(furniture::legend_entry(Swatch::Hatched, "No value", ""));
+    }
+    if !grid.place_in_corner(&furniture::stack(&keys, 30.0)) {
+        let left = grid.first_frame[0] - furniture::color_bar_inset(scale);
+        grid.place_below(&furniture::beside(&keys, 36.0), left);
+    }
+    let body = Block { height: grid.block.height + if sheet.caption.is_empty() { 0.0 } else { 22.0 }, ..grid.block };
+    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+}
+
+fn check(panel: &HeatPanel<'_>) -> Result<(), String> {
+    for HeatAxis { name, values } in [panel.x, panel.y] {
+        let n = values.len();
+        if !(1..=MOST_VALUES).contains(&n) {
+            return Err(format!("cannot draw `{name}` with {n} values: there must be 1 to {MOST_VALUES}"));
+        }
+        if !values.iter().all(|v| v.is_finite()) || !values.windows(2).all(|pair| pair[0] < pair[1]) {
+            return Err(format!("cannot draw `{name}`: its values must be finite and ascend"));
+        }
+    }
+    super::check_shape("P_LoS", panel.values.len(), panel.x.values.len(), panel.y.values.len())?;
+    match panel.values.iter().flatten().find(|p| !(0.0..=1.0).contains(*p)) {
+        Some(p) => Err(format!("cannot draw a P_LoS of {p}: it must be 0 to 1")),
+        None => Ok(()),
+    }
+}
+
+/// Where the cells along one axis lie.
+#[derive(Clone, Debug)]
+struct Cells<'a> {
+    name: &'a str,
+    values: &'a [f64],
+    direction: Direction,
+    span: Span,
+    length: f64,
+    /// Distances of the borders from the left or from the top \[px\], one more than values.
+    borders: Vec<f64>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(axis: &HeatAxis<'a>, direction: Direction, length: f64) -> Self {
+        let HeatAxis { name, values } = *axis;
+        let n = values.len();
+        let midway = values.windows(2).map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0);
+        // The outer cells are as wide beyond their middle as before it; a single one has any width.
+        let (first, last) = match n {
+            1 => (0.5, 0.5),
+            _ => ((values[1] - values[0]) / 2.0, (values[n - 1] - values[n - 2]) / 2.0),
+        };
+        let (low, high) = (values[0] - first, values[n - 1] + last);
+        let span = Span { ends: [low, high], is_log: false };
+        let borders = std::iter::once(low).chain(midway).chain([high]);
+        let mut cells = Self { name, values, direction, span, length, borders: Vec::new() };
+        cells.borders = borders.map(|value| cells.at(value)).collect();
+        cells
+    }
+
+    /// Distance of a value from the left or from the top \[px\].
+    fn at(&self, value: f64) -> f64 {
+        let share = self.span.share(value);
+        self.length * if self.direction == Direction::Across { share } else { 1.0 - share }
+    }
+
+    /// Start and length of a cell from the left or from the top \[px\].
+    fn cell(&self, k: usize) -> [f64; 2] {
+        let (a, b) = (self.borders[k], self.borders[k + 1]);
+        [a.min(b), (b - a).abs()]
+    }
+
+    fn least(&self) -> f64 {
+        (0..self.values.len()).map(|k| self.cell(k)[1]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The axis, with a tick at each cell if all texts have room there, else with round ones.
+    fn axis(&self) -> Axis {
+        let ticks = self.own_ticks().filter(|ticks| self.span.keeps_apart(ticks, self.direction, self.length));
+        let axis = match ticks {
+            Some(ticks) => self.span.axis_at(self.name, self.direction, self.length, ticks),
+            None => self.span.axis(self.name, self.direction, self.length),
+        };
+        Axis { has_grid: false, ..axis }
+    }
+
+    /// A tick at each value, if few decimals are enough to write them all.
+    fn own_ticks(&self) -> Option<Vec<(f64, String)>> {
+        const MOST_DECIMALS: i32 = 4;
+        let [low, high] = self.span.ends;
+        let is_enough = |decimals: &i32| {
+            let power = 10_f64.powi(*decimals);
+            self.values.iter().all(|v| ((v * power).round() / power - v).abs() < 1e-9 * (high - low))
+        };
+        let decimals = usize::try_from((0..=MOST_DECIMALS).find(is_enough)?).ok()?;
+        Some(self.values.iter().map(|value| (*value, number(*value, decimals))).collect())
+    }
+}
+
+/// A panel with its cells in place.
+#[derive(Debug)]
+struct Plot<'a> {
+    panel: &'a HeatPanel<'a>,
+    x: Cells<'a>,
+    y: Cells<'a>,
+}
+
+impl<'a> Plot<'a> {
+    fn new(panel: &'a HeatPanel<'a>, [width, height]: [f64; 2]) -> Self {
+        let x = Cells::new(&panel.x, Direction::Across, width);
+        Self { panel, x, y: Cells::new(&panel.y, Direction::Up, height) }
+    }
+
+    fn has_room(&self) -> bool {
+        self.x.least() >= LEAST_CELL[0] && self.y.least() >= LEAST_CELL[1]
+    }
+
+    /// The cells with their values: left, top, width, height.
+    fn boxes(&self) -> impl Iterator<Item = ([f64; 4], Option<f64>)> {
+        let (n_x, n_y) = (self.panel.x.values.len(), self.panel.y.values.len());
+        // From the top, so that each cell can reach under the next ones.
+        (0..n_y).rev().flat_map(move |row| (0..n_x).map(move |col| (row, col))).map(move |(row, col)| {
+            let ([left, width], [top, height]) = (self.x.cell(col), self.y.cell(row));
+            ([left, top, width, height], self.panel.values[row * n_x + col])
+        })
+    }
+
+    fn cells(&self) -> Drawing {
+        let mut drawing = Drawing::default();
+        let [right, bottom] = [self.x.length, self.y.length];
+        let ink = format!("stroke=\"{}\" stroke-width=\"2.2\"", colors::hex(colors::HATCH));
+        for ([left, top, width, height], value) in self.boxes() {
+            // Under the next cells by a pixel: no seams at any magnification.
+            let (reach_x, reach_y) = ((right - left).min(width + 1.0), (bottom - top).min(height + 1.0));
+            let fill = colors::hex(value.map_or(colors::WHITE, |p| Ramp::Sequential.at(p)));
+            drawing.rect([left, top, reach_x, reach_y], &format!("fill=\"{fill}\""));
+        }
+        for ([left, top, width, height], _) in self.boxes().filter(|(_, value)| value.is_none()) {
+            hatch(&mut drawing, [left, top, width, height], &ink);
+        }
+        drawing
+    }
+
+    fn numbers(&self, drawing: &mut Drawing) {
+        for ([left, top, width, height], value) in self.boxes() {
+            if let Some(p) = value {
+                let color = colors::ink_on(Ramp::Sequential.at(p));
+                let (x, y) = (left + width / 2.0, top + height / 2.0 + 0.36 * IN_CELL.size);
+                drawing.text(x, y, Type { color, ..IN_CELL }, &format!("{p:.2}"));
+            }
+        }
+    }
+
+    /// Draws the lines of a level, with the level in the longer ones.
+    fn iso_line(&self, drawing: &mut Drawing, level: f64) {
+        let [x, y] = [&self.x, &self.y].map(|c| c.values.iter().map(|v| c.at(*v)).collect::<Vec<f64>>());
+        let color = colors::ink_on(Ramp::Sequential.at(level));
+        let look = format!("stroke=\"{color}\" stroke-width=\"2.4\" stroke-linejoin=\"round\"");
+        let kind = Type { color, weight: Weight::SemiBold, ..IN_CELL };
+        let text = number(level, 3);
+        let gap = lettering::width(&text, kind.size, kind.weight) + 12.0;
+        let has_room = |[x, y]: &[f64; 2]| {
+            let within = |at: f64, half: f64, length: f64| at > half && at < length - half;
+            within(*x, gap / 2.0, self.x.length) && within(*y, kind.size, self.y.length)
+        };
+        for line in (Field { x: &x, y: &y, values: self.panel.values }).lines(level) {
+            match cut_middle(&line, gap).filter(|(_, middle)| has_room(middle)) {
+                Some((pieces, [x, y])) => {
+                    for piece in pieces.iter().filter(|piece| piece.len() > 1) {
+                        drawing.polyline(piece, &look);
+                    }
+                    drawing.text(x, y + 0.36 * kind.size, kind, &text);
+                }
+                None => drawing.polyline(&line, &look),
+            }
+        }
+    }
+}
+
+/// Draws stripes in a box, on the same lines in all boxes.
+pub(super) fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4], ink: &str) {
+    const STEP: f64 = 14.0;
+    let (right, bottom) = (left + width, top + height);
+    // Stripes are where x + y is a multiple of the step.
+    let first = ((left + top) / STEP).ceil();
+    let sums = (0..).map(|k| (first + f64::from(k)) * STEP).take_while(|sum| *sum < right + bottom);
+    for sum in sums {
+        let (lower, upper) = ((sum - bottom).max(left), (sum - top).min(right));
+        drawing.line([lower, sum - lower], [upper, sum - upper], ink);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text;
+
+    const X: HeatAxis<'static> = HeatAxis { name: "Azimuth φ [°]", values: &[0.0, 45.0, 90.0] };
+    const Y: HeatAxis<'static> = HeatAxis { name: "Elevation angle θ [°]", values: &[10.0, 20.0] };
+    const VALUES: [Option<f64>; 6] = [Some(0.0), Some(0.25), None, Some(0.5), Some(0.75), Some(1.0)];
+    const PANEL: HeatPanel<'static> = HeatPanel { title: "(a) Street", x: X, y: Y, values: &VALUES };
+
+    fn sheet<'a>(panels: &'a [HeatPanel<'a>]) -> HeatSheet<'a> {
+        HeatSheet { title: "P_LoS < 1 & more", caption: &[], panels, columns: 3, levels: &[] }
+    }
+
+    fn svg(panels: &[HeatPanel<'_>]) -> Result<String, String> {
+        text(draw_heat_sheet(&sheet(panels), &PictureForm::SVG, &[]))
+    }
+
+    #[test]
+    fn cells_are_around_their_values_with_the_lower_row_below() {
+        let file = draw_heat_sheet(&sheet(&[PANEL]), &PictureForm::PNG, &[]).expect("the sheet is valid");
+        let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
+        let svg = svg(&[PANEL]).expect("the sheet is valid");
+        // The frame is 0.8 px around the cells of 680 × 520 px, and the only one of this width.
+        assert!(svg.contains("width=\"681.6\" height=\"521.6\""), "{svg}");
+        let plot = Plot::new(&PANEL, [680.0, 520.0]);
+        assert!((plot.x.cell(1)[0] - 680.0 / 3.0).abs() < 1e-9 && (plot.y.cell(0)[0] - 260.0).abs() < 1e-9);
+        let colors: std::collections::HashSet<[u8; 3]> = image.pixels().map(|p| p.0).collect();
+        for p in VALUES.iter().flatten() {
+            assert!(colors.contains(&Ramp::Sequential.at(*p)), "{p}");
+        }
+        let boxes: Vec<_> = plot.boxes().collect();
+        assert_eq!((boxes[0].1, boxes[5].1), (Some(0.5), None));
+        assert!(boxes[0].0[1] < boxes[5].0[1]);
+    }
+
+    #[test]
+    fn cells_of_uneven_values_meet_midway() {
+        let axis = HeatAxis { name: "Height [m]", values: &[0.0, 10.0, 40.0] };
+        // From −5 to 55 over 600 px.
+        let cells = Cells::new(&axis, Direction::Across, 600.0);
+        for (border, expected) in cells.borders.iter().zip([0.0, 100.0, 300.0, 600.0]) {
+            assert!((border - expected).abs() < 1e-9, "{:?}", cells.borders);
+        }
+        let up = Cells::new(&axis, Direction::Up, 600.0);
+        assert!((up.cell(2)[0] - 0.0).abs() < 1e-9 && (up.cell(2)[1] - 300.0).abs() < 1e-9);
+        let one = Cells::new(&HeatAxis { values: &[7.0], ..axis }, Direction::Up, 600.0);
+        assert!((one.cell(0)[1] - 600.0).abs() < 1e-9);
+        assert_eq!(one.axis().ticks, [(300.0, "7".to_string())]);
+        // What four decimals cannot write has round ticks.
+        let thirds = Cells::new(&HeatAxis { values: &[0.0, 1.0 / 3.0, 2.0 / 3.0], ..axis }, Direction::Across, 600.0);
+        let texts: Vec<String> = thirds.axis().ticks.into_iter().map(|(_, text)| text).collect();
+        assert!(texts.contains(&"0.2".to_string()) && texts.iter().all(|text| text.chars().count() <= 4), "{texts:?}");
+    }
+
+    #[test]
+    fn large_cells_have_their_value_unless_iso_lines_are_asked_for() {
+        let plain = svg(&[PANEL]).expect("the sheet is valid");
+        for words in [">0.75<", ">No value<", "φ [°]", "θ [°]", ">(a) Street<", ">45<", "&lt; 1 &amp; more"] {
+            assert!(plain.contains(words), "{words}: {plain}");
+        }
+        let panels = [PANEL];
+        let levels = text(draw_heat_sheet(&HeatSheet { levels: &[0.4], ..sheet(&panels) }, &PictureForm::SVG, &[]));
+        let levels = levels.expect("the sheet is valid");
+        assert!(!levels.contains(">0.75<") && levels.matches("<polyline").count() == 2, "{levels}");
+        // Many cells: round ticks, no numbers, no key for what does not occur.
+        let values: Vec<f64> = (1..=60).map(f64::from).collect();
+        let axis = HeatAxis { values: &values, ..X };
+        let fine = svg(&[HeatPanel { x: axis, y: axis, values: &[Some(0.25); 3600], ..PANEL }]);
+        let fine = fine.expect("the sheet is valid");
+        assert!(!fine.contains(">0.25<") && !fine.contains("No value") && fine.contains(">50<"));
+    }
+
+    #[test]
+    fn the_key_of_several_plots_is_in_the_free_corner() {
+        let alone = compose(&sheet(&[PANEL])).expect("the sheet is valid");
+        let [three, five] = [3, 5].map(|n| compose(&sheet(&vec![PANEL; n])).expect("the sheet is valid"));
+        assert!(three.height < alone.height && (five.width - three.width).abs() < 1e-9);
+        assert!(five.height < 2.0 * three.height - 80.0, "{} {}", five.height, three.height);
+        let bytes =
+            [(); 2].map(|()| draw_heat_sheet(&sheet(&[PANEL; 5]), &PictureForm::PNG, &[]).expect("the sheet is valid"));
+        assert!(bytes[0] == bytes[1], "the same input gives the same bytes");
+    }
+
+    #[test]
+    fn impossible_sheets_are_refused() {
+        let refused = |panel: HeatPanel<'_>, words: &str| {
+            let error = svg(&[panel]).expect_err("the panel is impossible");
+            assert!(error.contains(words), "{error}");
+        };
+        refused(HeatPanel { values: &VALUES[..5], ..PANEL }, "5 values");
+        refused(HeatPanel { values: &[Some(1.5); 6], ..PANEL }, "1.5");
+        refused(HeatPanel { values: &[Some(f64::NAN); 6], ..PANEL }, "NaN");
+        refused(HeatPanel { x: HeatAxis { values: &[0.0, 0.0, 1.0], ..X }, ..PANEL }, "ascend");
+        refused(HeatPanel { x: HeatAxis { values: &[], ..X }, values: &[], ..PANEL }, "0 values");
+        assert!(svg(&[]).is_err());
+        let panels = [PANEL];
+        assert!(draw_heat_sheet(&HeatSheet { levels: &[1.5], ..sheet(&panels) }, &PictureForm::PNG, &[]).is_err());
+        assert!(draw_heat_sheet(&HeatSheet { columns: 0, ..sheet(&panels) }, &PictureForm::PNG, &[]).is_err());
+    }
+}

@@ -1,0 +1,102 @@
+//! Pictures: what people look at.
+//!
+//! A picture is a pure function of plain slices: no file, no clock, no font of the machine, so equal input gives equal
+//! bytes. Maps and cities are painted pixel by pixel; title, legend, scale bar, marks and caption are SVG over it,
+//! rasterized with the embedded font, or kept as vectors.
+//!
+//! * [`draw_map`]: a coverage map with everything that a publication wants around it.
+//! * [`draw_map_panels`]: a layer of several UAVs side by side.
+//! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
+//! * [`draw_city`]: a plan and a view of a city.
+//! * [`draw_link_profile`]: one link from the side.
+//! * [`draw_height_curve`]: P_LoS against the UAV's height.
+//! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
+//! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
+//! * [`draw_heat_sheet`]: P_LoS against two quantities.
+//! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
+//! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
+//!
+//! Each is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
+//!
+//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
+
+use skyshed_core::{coverage, error};
+
+mod city_light;
+mod city_picture;
+mod city_solids;
+mod city_view;
+mod colors;
+mod compare_page;
+mod compare_sheet;
+mod contours;
+mod curve_lines;
+mod curve_sheet;
+mod furniture;
+mod heat_sheet;
+mod height_curve;
+mod hillshade;
+mod legend;
+mod lettering;
+mod line_look;
+mod link_profile;
+mod map_layers;
+mod map_panels;
+mod map_picture;
+mod marks;
+mod overlay_legend;
+mod paint;
+mod panel_grid;
+mod pdf;
+mod picture_form;
+mod plot_axis;
+mod plot_frame;
+mod png;
+mod point_labels;
+mod rate_sheet;
+mod resized;
+mod sheet;
+mod side_labels;
+mod small_maps;
+mod track_profile;
+mod tradeoff;
+mod tradeoff_rows;
+mod z_buffer;
+
+pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city};
+pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
+pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
+pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
+pub use curve_sheet::{CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
+pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
+pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
+pub use lettering::grouped;
+pub use lettering::percent;
+pub use line_look::LineLook;
+pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile};
+pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
+pub use map_picture::{Layer, MapClass, MapPicture, draw_map};
+pub use marks::Mark;
+pub use overlay_legend::draw_overlay_legend;
+pub use picture_form::{PictureForm, PictureFormat};
+pub use png::{draw_bare, draw_bare_count};
+pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
+pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile};
+pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff};
+
+/// Refuses an empty raster and an array that does not fit it.
+fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {
+    if n_cols == 0 || n_rows == 0 {
+        return Err(format!("cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"));
+    }
+    if n_cols.checked_mul(n_rows) != Some(length) {
+        return Err(format!("cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"));
+    }
+    Ok(())
+}
+
+/// The text of an SVG document that was drawn.
+#[cfg(test)]
+pub(crate) fn text(drawn: Result<Vec<u8>, String>) -> Result<String, String> {
+    drawn.map(|bytes| String::from_utf8(bytes).expect("SVG is text"))
+}

@@ -1,0 +1,207 @@
+//! Failure rates as a table of colored squares: what is tried down, who tries it across.
+//!
+//! Each square has its rate in percent as a number, and a color by its power of ten: the darker the worse. Exactly none
+//! is white, so that it cannot be taken for few; what cannot be decided is hatched.
+
+use super::colors::{self, HATCH, INK, Rgb, TURNS, WHITE};
+use super::furniture::{self, Block, DETAIL, NAME, Swatch};
+use super::heat_sheet::hatch;
+use super::lettering::{self, number};
+use super::picture_form::PictureForm;
+use super::plot_frame;
+use super::sheet::{Anchor, Drawing, Sheet, Type};
+
+/// Failure rates of some methods on some families.
+#[derive(Clone, Copy, Debug)]
+pub struct RateSheet<'a> {
+    /// Title; may be empty.
+    pub title: &'a str,
+    /// Lines below; long ones are wrapped.
+    pub caption: &'a [String],
+    /// Names of the rows, from the top.
+    pub rows: &'a [&'a str],
+    /// The columns, from the left; neighbors of one group share its name.
+    pub columns: &'a [RateColumn<'a>],
+    /// Failures and trials, `[n_rows, n_columns]`, columns running fastest; nothing where none can be made.
+    pub rates: &'a [Option<[u64; 2]>],
+}
+
+/// A column of rates.
+#[derive(Clone, Copy, Debug)]
+pub struct RateColumn<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// What stands over it and its neighbors of the same kind.
+    pub group: &'a str,
+}
+
+/// Draws failure rates.
+///
+/// # Errors
+/// No row, no column, an array of another length, more failures than trials, no trial, or a keyword of `provenance` that
+/// PNG does not allow.
+pub fn draw_rate_sheet(
+    sheet: &RateSheet<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(sheet)?.write(form, provenance)
+}
+
+/// Width and height of a square \[px\].
+const CELL: [f64; 2] = [124.0, 46.0];
+/// Between groups of columns \[px\].
+const GROUP_GAP: f64 = 18.0;
+/// From the top to the squares \[px\]: the names of groups and of columns.
+const HEAD: f64 = 84.0;
+/// Between the names of rows and the squares \[px\].
+const NAME_GAP: f64 = 16.0;
+
+/// Where each color of a rate ends \[%\], on a scale of powers of ten, with its words.
+const DECADES: [(f64, Rgb, &str); 5] = [
+    (0.1, TURNS[1], "below 0.1 %"),
+    (1.0, TURNS[2], "0.1 to 1 %"),
+    (10.0, TURNS[4], "1 to 10 %"),
+    (30.0, TURNS[6], "10 to 30 %"),
+    (f64::INFINITY, TURNS[8], "30 % or more"),
+];
+
+/// The color of a rate \[%\].
+fn color(percent: f64) -> Rgb {
+    if percent <= 0.0 {
+        return WHITE;
+    }
+    DECADES.iter().find(|(end, _, _)| percent < *end).map_or(WHITE, |(_, color, _)| *color)
+}
+
+/// A rate in percent with two digits, more of them where they are zeros: 0.0012, 0.35, 4.2, 87.
+fn digits(percent: f64) -> String {
+    let decimals = match percent {
+        p if p <= 0.0 || p >= 10.0 => 0,
+        p if p >= 1.0 => 1,
+        p if p >= 0.1 => 2,
+        p if p >= 0.01 => 3,
+        _ => 4,
+    };
+    number(percent, decimals)
+}
+
+fn compose(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
+    super::check_shape("rates", sheet.rates.len(), sheet.columns.len(), sheet.rows.len())?;
+    if let Some([wrong, of]) = sheet.rates.iter().flatten().find(|[wrong, of]| *of == 0 || wrong > of) {
+        return Err(format!("cannot draw a rate of {wrong} in {of}"));
+    }
+    let table = table(sheet);
+    let mut keys: Vec<Block> = vec![furniture::legend_entry(Swatch::Flat(WHITE), "none", "")];
+    keys.extend(DECADES.iter().map(|(_, color, words)| furniture::legend_entry(Swatch::Flat(*color), words, "")));
+    if sheet.rates.iter().any(Option::is_none) {
+        keys.push(furniture::legend_entry(Swatch::Hatched, "not applicable", ""));
+    }
+    let legend = furniture::flow(&keys, table.width, [34.0, 10.0]);
+    let body = furniture::stack(&[table, legend], 24.0);
+    let body = Block { height: body.height + if sheet.caption.is_empty() { 0.0 } else { 20.0 }, ..body };
+    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+}
+
+/// The names, and the squares with their rates.
+fn table(sheet: &RateSheet<'_>) -> Block {
+    let mut drawing = Drawing::default();
+    let widest = sheet.rows.iter().map(|row| lettering::width(row, DETAIL.size, DETAIL.weight)).fold(0.0, f64::max);
+    let left = widest.ceil() + NAME_GAP;
+    let lefts = lefts(sheet.columns, left);
+    let middle = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };
+    for (column, x) in sheet.columns.iter().zip(&lefts) {
+        drawing.text(x + CELL[0] / 2.0, HEAD - 14.0, middle, column.name);
+    }
+    for (group, [from, to]) in groups(sheet.columns, &lefts) {
+        drawing.text((from + to) / 2.0, 24.0, Type { anchor: Anchor::Middle, ..NAME }, group);
+        drawing.line([from, 36.0], [to, 36.0], &furniture::hairline());
+    }
+    let ink = format!("stroke=\"{}\" stroke-width=\"2.2\"", colors::hex(HATCH));
+    for (row, name) in sheet.rows.iter().enumerate() {
+        let top = HEAD + CELL[1] * row as f64;
+        let base = top + CELL[1] / 2.0 + 8.0;
+        drawing.text(left - NAME_GAP, base, Type { anchor: Anchor::End, color: INK, ..DETAIL }, name);
+        for (col, x) in lefts.iter().enumerate() {
+            let square = [*x, top, CELL[0], CELL[1]];
+            let Some([wrong, of]) = sheet.rates[row * lefts.len() + col] else {
+                hatch(&mut drawing, square, &ink);
+                drawing.rect(square, &outline());
+                continue;
+            };
+            let percent = 100.0 * wrong as f64 / of as f64;
+            let fill = color(percent);
+            drawing.rect(square, &format!("fill=\"{}\"", colors::hex(fill)));
+            drawing.rect(square, &outline());
+            let text = Type { color: colors::ink_on(fill), ..middle };
+            drawing.text(x + CELL[0] / 2.0, base, text, &digits(percent));
+        }
+    }
+    let width = lefts.last().map_or(left, |x| x + CELL[0]);
+    Block { width, height: HEAD + CELL[1] * sheet.rows.len() as f64, drawing }
+}
+
+fn outline() -> String {
+    format!("fill=\"none\" stroke=\"{}\" stroke-width=\"1.2\"", colors::HAIRLINE)
+}
+
+/// Left ends of the columns \[px\].
+fn lefts(columns: &[RateColumn<'_>], left: f64) -> Vec<f64> {
+    let mut x = left;
+    let mut lefts = Vec::with_capacity(columns.len());
+    for (k, column) in columns.iter().enumerate() {
+        if k > 0 && columns[k - 1].group != column.group {
+            x += GROUP_GAP;
+        }
+        lefts.push(x);
+        x += CELL[0];
+    }
+    lefts
+}
+
+/// The groups with their left and right ends \[px\].
+fn groups<'a>(columns: &[RateColumn<'a>], lefts: &[f64]) -> Vec<(&'a str, [f64; 2])> {
+    let mut groups: Vec<(&str, [f64; 2])> = Vec::new();
+    for (column, x) in columns.iter().zip(lefts) {
+        match groups.last_mut() {
+            Some((name, [_, to])) if *name == column.group => *to = x + CELL[0],
+            _ => groups.push((column.group, [*x, x + CELL[0]])),
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text;
+
+    const COLUMNS: [RateColumn<'static>; 3] = [
+        RateColumn { name: "ray", group: "exact" },
+        RateColumn { name: "sweep", group: "exact" },
+        RateColumn { name: "step:1", group: "approximate" },
+    ];
+
+    fn sheet<'a>(rates: &'a [Option<[u64; 2]>]) -> RateSheet<'a> {
+        RateSheet { title: "Failures", caption: &[], rows: &["slits", "walls"], columns: &COLUMNS, rates }
+    }
+
+    #[test]
+    fn none_is_white_and_few_are_not() {
+        let rates = [Some([0, 900]), Some([1, 100_000]), Some([3, 100]), None, Some([0, 5]), Some([5, 5])];
+        let svg = text(draw_rate_sheet(&sheet(&rates), &PictureForm::SVG, &[])).expect("the sheet is valid");
+        for text in [">0<", ">0.001<", ">3<", ">100<", ">exact<", ">approximate<", ">step:1<", ">not applicable<"] {
+            assert!(svg.contains(text), "{text}: {svg}");
+        }
+        assert_eq!((color(0.0), color(0.001), color(3.0)), (WHITE, TURNS[1], TURNS[4]));
+        assert_eq!([0.0012, 0.35, 4.21, 87.4].map(digits), ["0.0012", "0.35", "4.2", "87"]);
+        assert_eq!(svg.matches(">exact<").count(), 1);
+    }
+
+    #[test]
+    fn impossible_sheets_are_refused() {
+        assert!(draw_rate_sheet(&sheet(&[None; 5]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_rate_sheet(&sheet(&[Some([0, 0]); 6]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_rate_sheet(&sheet(&[Some([3, 2]); 6]), &PictureForm::PNG, &[]).is_err());
+    }
+}

@@ -1,0 +1,304 @@
+//! Cost against error, both logarithmic, and beside it the bias of the same contestants, row by row.
+//!
+//! An error of 0 has no place on a logarithmic axis. It has a band of its own at the foot, and the axis is broken there.
+
+use super::colors::{INK, MUTED};
+use super::furniture::{Block, DETAIL, NAME};
+use super::lettering;
+use super::line_look::{LineLook, LineStyle, stroke};
+use super::marks::Bounds;
+use super::picture_form::PictureForm;
+use super::plot_axis::{Axis, Direction, Span};
+use super::plot_frame;
+use super::point_labels::{self, LabeledPoint};
+use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::tradeoff_rows;
+
+/// Width and height of the plot of cost against error \[px\].
+const SIZE: [f64; 2] = [980.0, 800.0];
+/// Height of the band of zeros \[px\].
+const ZERO_BAND: f64 = 104.0;
+/// From the plot to what is beside it, with room for names of ticks \[px\].
+const GAP: f64 = 64.0;
+/// Room above the plots for their titles \[px\].
+const HEAD: f64 = 44.0;
+
+/// A picture of what accuracy costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Tradeoff<'a> {
+    /// Title; may be empty.
+    pub title: &'a str,
+    /// Lines below; long ones are wrapped.
+    pub caption: &'a [String],
+    /// What a contestant costs, with its unit.
+    pub cost_name: &'a str,
+    /// How far it errs, with its unit.
+    pub error_name: &'a str,
+    /// What an error of 0 is called, such as `0: none wrong`.
+    pub zero_name: &'a str,
+    /// What the signed bias is called, with its unit.
+    pub bias_name: &'a str,
+    /// A cost that nothing can be below, and what it is called.
+    pub floor: Option<(f64, &'a str)>,
+    /// The contestants, those of one family behind each other.
+    pub points: &'a [TradeoffPoint<'a>],
+    /// Which of them are on the Pareto front, by rising cost.
+    pub front: &'a [usize],
+}
+
+/// A contestant.
+#[derive(Clone, Copy, Debug)]
+pub struct TradeoffPoint<'a> {
+    /// Its name beside its mark and in its row.
+    pub label: &'a str,
+    /// What its family is called.
+    pub family: &'a str,
+    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
+    pub look: usize,
+    /// Cost, above 0, and error, at least 0; one without is in the rows alone.
+    pub place: Option<(f64, f64)>,
+    /// Signed bias; `None` where there is none.
+    pub bias: Option<f64>,
+}
+
+/// Draws cost against error.
+///
+/// # Errors
+/// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, a front that names no point, or a
+/// keyword of `provenance` that PNG does not allow.
+pub fn draw_tradeoff(
+    plot: &Tradeoff<'_>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>, String> {
+    compose(plot)?.write(form, provenance)
+}
+
+/// The mark of a contestant.
+pub(crate) fn mark(look: usize) -> LineStyle {
+    LineStyle::new(LineLook::Solid, look)
+}
+
+fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
+    check(plot)?;
+    let window = Window::of(plot);
+    let y = window.y_axis(plot.error_name);
+    let x = window.x.axis(plot.cost_name, Direction::Across, SIZE[0]);
+    let left = (y.name_at + 24.0).ceil();
+    let mut framed = plot_frame::axes(SIZE, &x, &y);
+    framed.svg.push_str(&content(plot, &window).svg);
+    plot_frame::frame(&mut framed, SIZE);
+    if window.band > 0.0 {
+        break_marks(&mut framed, SIZE[1] - window.band);
+    }
+    let rows = tradeoff_rows::rows(plot, SIZE[1]);
+    let mut drawing = Drawing::default();
+    let rows_left = left + SIZE[0] + GAP;
+    for (title, at) in [("What accuracy costs", left), ("Which way each errs", rows_left)] {
+        drawing.text(at, 26.0, NAME, title);
+    }
+    drawing.place(&framed, left, HEAD);
+    drawing.place(&rows.drawing, rows_left, HEAD);
+    let height = HEAD + rows.height.max(SIZE[1] + x.name_at + 8.0);
+    let body = Block { width: rows_left + rows.width, height: height + 16.0, drawing };
+    Ok(plot_frame::page(plot.title, 22.0, &body, plot.caption))
+}
+
+fn check(plot: &Tradeoff<'_>) -> Result<(), String> {
+    let is_bad = |point: &&TradeoffPoint<'_>| {
+        let placed =
+            point.place.is_none_or(|(cost, error)| cost.is_finite() && cost > 0.0 && error.is_finite() && error >= 0.0);
+        !placed || point.bias.is_some_and(|bias| !bias.is_finite())
+    };
+    if let Some(point) = plot.points.iter().find(is_bad) {
+        return Err(format!("cannot draw `{}`: wanted a finite cost above 0, error and bias", point.label));
+    }
+    if plot.floor.is_some_and(|(cost, _)| !(cost.is_finite() && cost > 0.0)) {
+        return Err("cannot draw the least cost: wanted it finite and above 0".into());
+    }
+    if plot.front.iter().any(|k| plot.points.get(*k).is_none_or(|point| point.place.is_none())) {
+        return Err("cannot draw the front: wanted points that have a place".into());
+    }
+    Ok(())
+}
+
+/// How costs and errors map to the plot.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    x: Span,
+    y: Span,
+    /// Height of the band of zeros; 0 without a zero \[px\].
+    band: f64,
+}
+
+impl Window {
+    fn of(plot: &Tradeoff<'_>) -> Self {
+        let places = || plot.points.iter().filter_map(|point| point.place);
+        let has_zero = places().any(|(_, error)| error <= 0.0);
+        let costs = places().map(|place| place.0).chain(plot.floor.map(|floor| floor.0));
+        Window {
+            x: Span { ends: padded(costs, 1.6), is_log: true },
+            y: Span { ends: padded(places().map(|place| place.1).filter(|error| *error > 0.0), 2.0), is_log: true },
+            band: if has_zero { ZERO_BAND } else { 0.0 },
+        }
+    }
+
+    fn at(&self, (cost, error): (f64, f64)) -> [f64; 2] {
+        let above = SIZE[1] - self.band;
+        let y = if error > 0.0 { above * (1.0 - self.y.share(error)) } else { SIZE[1] - self.band / 2.0 };
+        [SIZE[0] * self.x.share(cost), y]
+    }
+
+    fn y_axis(&self, name: &str) -> Axis {
+        let mut axis = self.y.axis(name, Direction::Up, SIZE[1] - self.band);
+        if self.band > 0.0 {
+            axis.ticks.push((SIZE[1] - self.band / 2.0, "0".to_string()));
+        }
+        axis
+    }
+}
+
+/// Ends around some values above 0, a factor beyond the least and the largest, at least two powers of ten apart.
+fn padded(values: impl Iterator<Item = f64>, factor: f64) -> [f64; 2] {
+    const LEAST_RATIO: f64 = 100.0;
+    let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high {
+        return [1e-3, 1.0];
+    }
+    let (low, high) = (low / factor, high * factor);
+    let wider = (LEAST_RATIO * low / high).max(1.0).sqrt();
+    [low / wider, high * wider]
+}
+
+/// What is in the frame: the band of zeros, the floor, the front, marks and their labels.
+fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
+    let mut drawing = Drawing::default();
+    let mut taken: Vec<Bounds> = Vec::new();
+    let top_of_band = SIZE[1] - window.band;
+    if window.band > 0.0 {
+        drawing.rect([0.0, top_of_band, SIZE[0], window.band], "fill=\"#0072B2\" fill-opacity=\"0.07\"");
+        let dashed = format!("stroke=\"{MUTED}\" stroke-width=\"1.6\" stroke-dasharray=\"2 6\"");
+        drawing.line([0.0, top_of_band], [SIZE[0], top_of_band], &dashed);
+        let name = Type { color: INK, anchor: Anchor::End, ..DETAIL };
+        drawing.text(SIZE[0] - 14.0, SIZE[1] - 14.0, name, plot.zero_name);
+        let width = lettering::width(plot.zero_name, name.size, name.weight);
+        taken.push([SIZE[0] - 20.0 - width, SIZE[1] - 38.0, SIZE[0], SIZE[1]]);
+    }
+    let placed: Vec<(&TradeoffPoint<'_>, [f64; 2])> =
+        plot.points.iter().filter_map(|point| Some((point, window.at(point.place?)))).collect();
+    if let Some((cost, name)) = plot.floor {
+        let marks: Vec<[f64; 2]> = placed.iter().map(|(_, at)| *at).collect();
+        let x = window.x.share(cost) * SIZE[0];
+        taken.push(floor(&mut drawing, x, (name, top_of_band), &marks));
+        taken.push([x - 2.0, 0.0, x + 2.0, SIZE[1]]);
+    }
+    let front: Vec<[f64; 2]> =
+        plot.front.iter().filter_map(|k| plot.points[*k].place).map(|place| window.at(place)).collect();
+    if front.len() > 1 {
+        drawing.polyline(&front, &format!("{} stroke-opacity=\"0.55\"", stroke(MUTED, 3.0, "")));
+        taken.extend(front.windows(2).flat_map(|ends| point_labels::along(ends[0], ends[1])));
+    }
+    let labeled: Vec<LabeledPoint<'_>> = placed
+        .iter()
+        .map(|(point, at)| LabeledPoint { at: *at, label: point.label, color: mark(point.look).color })
+        .collect();
+    let labels = point_labels::place(&labeled, SIZE, taken);
+    point_labels::leaders(&mut drawing, &labels);
+    for (point, at) in placed.iter().rev() {
+        mark(point.look).draw_marker(&mut drawing, *at);
+    }
+    point_labels::words(&mut drawing, &labels);
+    drawing
+}
+
+/// Draws the least cost as a dashed line with its name upward, beside it where no mark is, and returns what the name takes.
+fn floor(drawing: &mut Drawing, x: f64, (name, bottom): (&str, f64), marks: &[[f64; 2]]) -> Bounds {
+    const CLEAR: f64 = 16.0;
+    let style = format!("stroke=\"{INK}\" stroke-width=\"2.2\" stroke-dasharray=\"10 7\"");
+    drawing.line([x, 0.0], [x, SIZE[1]], &style);
+    let words = Type { anchor: Anchor::Start, ..DETAIL };
+    let length = lettering::width(name, words.size, words.weight);
+    let bounds = |left: f64, top: f64| [left, top, left + words.size + 6.0, top + length];
+    let sides = [x - words.size - 12.0, x + 6.0].into_iter().filter(|left| *left > 2.0);
+    let mut spots = sides.flat_map(|left| [8.0, bottom - length - 8.0].map(|top| bounds(left, top)));
+    let is_clear = |[left, top, right, bottom]: &Bounds| {
+        let is_inside =
+            |[x, y]: &[f64; 2]| (left - CLEAR..right + CLEAR).contains(x) && (top - CLEAR..bottom + CLEAR).contains(y);
+        !marks.iter().any(is_inside)
+    };
+    let spot = spots.find(is_clear).unwrap_or_else(|| bounds(x + 6.0, 8.0));
+    drawing.text_upward(spot[0] + 0.85 * words.size, spot[3], words, name);
+    spot
+}
+
+/// Draws the break of the axis at both sides of the frame.
+fn break_marks(drawing: &mut Drawing, y: f64) {
+    for x in [0.0, SIZE[0]] {
+        let line = |up: f64| [[x - 11.0, y + 6.0 - up], [x + 11.0, y - 6.0 - up]];
+        let [low, high] = [line(-5.0), line(5.0)];
+        drawing.polygon(&[low[0], low[1], high[1], high[0]], "fill=\"#FFFFFF\"");
+        for [from, to] in [low, high] {
+            drawing.line(from, to, &format!("stroke=\"{INK}\" stroke-width=\"1.8\""));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text;
+
+    fn point<'a>(label: &'a str, place: (f64, f64), bias: f64) -> TradeoffPoint<'a> {
+        TradeoffPoint { label, family: "Engines", look: 0, place: Some(place), bias: Some(bias) }
+    }
+
+    fn plot<'a>(points: &'a [TradeoffPoint<'a>], front: &'a [usize]) -> Tradeoff<'a> {
+        Tradeoff {
+            title: "Speed against accuracy",
+            caption: &[],
+            cost_name: "CPU time [ns]",
+            error_name: "Wrong receivers [share]",
+            zero_name: "0: none wrong",
+            bias_name: "Bias [points]",
+            floor: Some((0.5, "memory floor")),
+            points,
+            front,
+        }
+    }
+
+    #[test]
+    fn points_lie_where_their_numbers_say() {
+        let points = [point("a", (1.0, 0.1), 1.0), point("b", (100.0, 0.001), -2.0), point("c", (10.0, 0.0), 0.0)];
+        let plot = plot(&points, &[0, 2]);
+        let window = Window::of(&plot);
+        // Costs from 0.5/1.6 to 160, errors from 0.0005 to 0.2 above a band of zeros of 104 px.
+        let [low, high] = [0.5_f64 / 1.6, 160.0];
+        let x = 980.0 * (10.0 / low).ln() / (high / low).ln();
+        let [cx, cy] = window.at((10.0, 0.0));
+        assert!((cx - x).abs() < 1e-9 && (cy - 748.0).abs() < 1e-9);
+        let y = (800.0 - 104.0) * (0.2_f64 / 0.1).ln() / (0.2_f64 / 0.0005).ln();
+        assert!((window.at((1.0, 0.1))[1] - y).abs() < 1e-9);
+        let svg = text(draw_tradeoff(&plot, &PictureForm::SVG, &[])).expect("the plot is valid");
+        for words in [">0: none wrong<", ">memory floor<", "CPU time [ns]", "Bias [points]", "Wrong receivers"] {
+            assert!(svg.contains(words), "{words}: {svg}");
+        }
+        assert!(draw_tradeoff(&plot, &PictureForm::PNG, &[]).is_ok());
+    }
+
+    #[test]
+    fn without_a_zero_there_is_no_band() {
+        let points = [point("a", (1.0, 0.1), 1.0), point("b", (2.0, 0.01), -2.0)];
+        let svg = text(draw_tradeoff(&plot(&points, &[]), &PictureForm::SVG, &[])).expect("the plot is valid");
+        assert!(!svg.contains("none wrong"));
+        assert!(text(draw_tradeoff(&plot(&[], &[]), &PictureForm::SVG, &[])).is_ok());
+    }
+
+    #[test]
+    fn impossible_points_are_refused() {
+        for bad in [(0.0, 0.1), (f64::NAN, 0.1), (1.0, -0.1), (1.0, f64::INFINITY)] {
+            assert!(draw_tradeoff(&plot(&[point("a", bad, 0.0)], &[]), &PictureForm::PNG, &[]).is_err(), "{bad:?}");
+        }
+        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), f64::NAN)], &[]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), 0.0)], &[1]), &PictureForm::PNG, &[]).is_err());
+    }
+}

@@ -1,0 +1,281 @@
+//! Several UAVs that together see most, and how much more any others could.
+//!
+//! To choose k of n sets whose union is largest is NP-hard. Greedy takes the set that adds most, k times over; what it
+//! covers is at least 1 − (1 − 1/k)^k > 63 % of the optimum (Nemhauser, Wolsey & Fisher 1978). For the instance at hand
+//! more is known: let g_j(S) be what set j adds to a choice S. The optimum O covers no more than S and O together, and
+//! what O adds to S is at most the sum of what its k sets add one by one, so
+//!
+//! ```text
+//!   f(O) ≤ f(S) + Σ_{j ∈ O} g_j(S) ≤ f(S) + sum of the k largest g_j(S)    for every S
+//! ```
+//!
+//! The bound is the least of these over all prefixes S of the greedy choice (Leskovec et al. 2007), the total, and a
+//! Lagrangian dual: pay λ_i ≤ w_i to each chosen set that covers receiver i instead of w_i once for all, then
+//!
+//! ```text
+//!   f(O) ≤ Σ_i (w_i − λ_i) + sum over the k largest of Σ_{i ∈ j} λ_i       for every 0 ≤ λ ≤ w
+//! ```
+//!
+//! because the first sum counts what may go uncovered for nothing and a receiver that O covers is paid at least λ_i. Any λ
+//! gives a bound; subgradient steps look for a good one. All are integers, so nothing is rounded in the unsafe direction.
+//!
+//! # References
+//! Nemhauser, Wolsey & Fisher 1978, Mathematical Programming 14; Leskovec et al. 2007, KDD (bounds for the instance at
+//! hand); Fisher 1981, Management Science 27 (Lagrangian relaxation).
+
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
+use super::score::{quotient, word_sum};
+use super::{Candidate, Score, Scorer, Weights};
+use crate::coverage::{Control, interrupted, maps_at_once};
+use crate::error::Result;
+use crate::raster::BitGrid;
+
+/// Sets of wanted receivers, one per candidate, packed: words of cells without a wanted receiver are left out.
+#[derive(Debug, Clone)]
+pub struct SeenSets {
+    /// Which words of the grid are kept: row and word of the row.
+    kept: Vec<(usize, usize)>,
+    /// What the receivers count, 64 to a kept word; 1 each without.
+    weights: Option<Vec<u128>>,
+    words: Vec<u64>,
+    wanted: Vec<u64>,
+}
+
+impl SeenSets {
+    /// No sets yet, over the wanted receivers.
+    pub fn over(wanted: &BitGrid, weights: Option<&Weights>) -> Self {
+        let kept: Vec<(usize, usize)> = (0..wanted.n_rows())
+            .flat_map(|row| (0..wanted.words_per_row()).map(move |word| (row, word)))
+            .filter(|(row, word)| wanted.row(*row)[*word] != 0)
+            .collect();
+        let of_word = |weights: &Weights, (row, word): (usize, usize)| -> [u128; 64] {
+            let row = weights.row(row);
+            std::array::from_fn(|k| row.get(64 * word + k).copied().unwrap_or(0))
+        };
+        let weights = weights.map(|weights| kept.iter().flat_map(|at| of_word(weights, *at)).collect());
+        let wanted = kept.iter().map(|(row, word)| wanted.row(*row)[*word]).collect();
+        SeenSets { kept, weights, words: Vec::new(), wanted }
+    }
+
+    /// What some candidates see, and their scores: as [`super::scores`] finds them. Adds 1 to `control.done` for each.
+    ///
+    /// # Errors
+    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    pub fn of(scorer: &Scorer<'_>, candidates: &[Candidate], control: &Control) -> Result<(Vec<Score>, SeenSets)> {
+        let mut scores = Vec::with_capacity(candidates.len());
+        let mut sets = SeenSets::over(&scorer.mapper.receiver_cells(), scorer.weights);
+        // Whole sets of cells are held for a few candidates at a time.
+        for chunk in candidates.chunks(8 * maps_at_once()) {
+            if control.stop.load(Ordering::Relaxed) {
+                return Err(interrupted());
+            }
+            let look = |candidate: &Candidate| {
+                let seen = scorer.mapper.seen(&candidate.uav);
+                control.done.fetch_add(1, Ordering::Relaxed);
+                (scorer.score_of(&seen), seen.los)
+            };
+            let (of_chunk, seen): (Vec<Score>, Vec<BitGrid>) = chunk.par_iter().map(look).unzip();
+            scores.extend(of_chunk);
+            sets.extend(&seen);
+        }
+        Ok((scores, sets))
+    }
+
+    /// Bytes that one set takes.
+    pub fn bytes_per_set(&self) -> usize {
+        8 * self.kept.len()
+    }
+
+    /// Adds sets of cells, of which the wanted ones count.
+    pub fn extend(&mut self, sets: &[BitGrid]) {
+        let kept = &self.kept;
+        self.words.extend(sets.iter().flat_map(|set| kept.iter().map(|(row, word)| set.row(*row)[*word])));
+    }
+
+    /// Number of sets.
+    pub fn len(&self) -> usize {
+        if self.kept.is_empty() { 0 } else { self.words.len() / self.kept.len() }
+    }
+
+    /// Whether there is no set.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn set(&self, k: usize) -> &[u64] {
+        &self.words[k * self.kept.len()..(k + 1) * self.kept.len()]
+    }
+
+    /// What the receivers of a set count that are in `left` too.
+    fn value(&self, set: &[u64], left: &[u64]) -> u128 {
+        let common = set.iter().zip(left).map(|(a, b)| a & b);
+        match &self.weights {
+            None => common.map(|word| u64::from(word.count_ones())).sum::<u64>().into(),
+            Some(weights) => common.zip(weights.chunks_exact(64)).map(|(word, w)| word_sum(word, w)).sum(),
+        }
+    }
+
+    /// What each set adds to those whose receivers are no longer in `left`.
+    fn gains(&self, left: &[u64]) -> Vec<u128> {
+        (0..self.len()).into_par_iter().map(|k| self.value(self.set(k), left)).collect()
+    }
+}
+
+/// One of the chosen sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chosen {
+    /// Index of the set.
+    pub set: usize,
+    /// What it adds to those before it.
+    pub gain: u128,
+    /// What it and those before it cover together.
+    pub covered: u128,
+}
+
+/// Sets chosen one by one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cover {
+    /// The sets in the order of choice; fewer than asked for where no other adds anything.
+    pub chosen: Vec<Chosen>,
+    /// What all wanted receivers count together.
+    pub wanted: u128,
+    /// No choice of so many sets covers more than this.
+    pub bound: u128,
+}
+
+impl Cover {
+    /// What the choice covers.
+    pub fn covered(&self) -> u128 {
+        self.chosen.last().map_or(0, |c| c.covered)
+    }
+
+    /// How far the choice may be from the optimum, as a share of the bound; `None` if nothing can be covered.
+    pub fn gap(&self) -> Option<f64> {
+        (self.bound > 0).then(|| quotient(self.bound - self.covered(), self.bound))
+    }
+}
+
+/// Chooses `k` sets whose union is large: greedy, the first of equal sets first, with an upper bound on every choice of
+/// `k`. Every gain is computed in every round, because the bound asks for all of them.
+///
+/// # Errors
+/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
+    let mut left = sets.wanted.clone();
+    let wanted = sets.value(&left, &left);
+    let (mut bound, mut covered) = (wanted, 0);
+    let mut chosen: Vec<Chosen> = Vec::new();
+    loop {
+        if control.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let gains = sets.gains(&left);
+        bound = bound.min(sum_of_largest(&gains, k).saturating_add(covered));
+        // The first of the largest.
+        let best = (0..gains.len()).rev().max_by_key(|j| gains[*j]);
+        let Some(set) = best.filter(|j| gains[*j] > 0 && chosen.len() < k) else { break };
+        covered += gains[set];
+        chosen.push(Chosen { set, gain: gains[set], covered });
+        left.iter_mut().zip(sets.set(set)).for_each(|(left, seen)| *left &= !seen);
+    }
+    if covered < bound && k > 1 {
+        bound = bound.min(dual_bound(sets, k, covered, control)?);
+    }
+    Ok(Cover { chosen, wanted, bound })
+}
+
+/// No more than all numbers hold: no bound is that high.
+fn sum_of_largest(values: &[u128], k: usize) -> u128 {
+    largest(values, k).iter().fold(0, |sum, j| sum.saturating_add(values[*j]))
+}
+
+/// The indices of the `k` largest values, the first of equal ones first.
+fn largest(values: &[u128], k: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    let by_value = |j: &usize| (std::cmp::Reverse(values[*j]), *j);
+    if k < order.len() {
+        order.select_nth_unstable_by_key(k, by_value);
+        order.truncate(k);
+    }
+    order
+}
+
+/// Levels of λ between 0 and the weight of a receiver, as a power of two.
+const LEVEL_BITS: u32 = 6;
+const LEVELS: i32 = 1 << LEVEL_BITS;
+/// Words read by all steps together, at most: seconds, not minutes.
+const MOST_WORDS: u64 = 1 << 32;
+const MOST_STEPS: u64 = 120;
+
+/// The Lagrangian bound, the best of some steps from λ = w/2 on; each moves λ towards what the sets that pay most leave
+/// uncovered, or away from what they cover more than once.
+///
+/// λ_i is w_i times one of [`LEVELS`] levels, and receivers of one level form a plane of bits, so that sums are counts.
+fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Result<u128> {
+    let n_words = sets.kept.len();
+    let words_each = if sets.weights.is_some() { 32 } else { u64::from(LEVEL_BITS) + 1 };
+    let cost = (sets.words.len() as u64).saturating_mul(words_each);
+    let n_steps = (MOST_WORDS / cost.max(1)).min(MOST_STEPS);
+    let mut levels = vec![f64::from(LEVELS) / 2.0; 64 * n_words];
+    let mut least = u128::MAX;
+    let mut stride = f64::from(LEVELS) / 4.0;
+    let mut since_better = 0;
+    for _ in 0..n_steps {
+        if control.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let planes = planes_of(&levels, &sets.wanted);
+        let paid: Vec<u128> = (0..sets.len()).into_par_iter().map(|j| paid_by(sets, j, &planes)).collect();
+        let all = planes.iter().enumerate().map(|(b, plane)| sets.value(plane, &sets.wanted) << b).sum::<u128>();
+        let total = sets.value(&sets.wanted, &sets.wanted);
+        let payers = largest(&paid, k);
+        // What is covered is an integer, so the bound may be rounded down.
+        let bound = sum_of_largest(&paid, k).saturating_add((total << LEVEL_BITS) - all) >> LEVEL_BITS;
+        if bound < least {
+            (least, since_better) = (bound, 0);
+        } else {
+            since_better += 1;
+        }
+        if least <= covered {
+            break;
+        }
+        if since_better >= 4 {
+            (stride, since_better) = (stride * 0.6, 0);
+        }
+        step(&mut levels, sets, &payers, stride);
+    }
+    Ok(least)
+}
+
+/// Receivers by the bits of their levels, lowest first.
+fn planes_of(levels: &[f64], wanted: &[u64]) -> Vec<Vec<u64>> {
+    let mut planes = vec![vec![0_u64; wanted.len()]; LEVEL_BITS as usize + 1];
+    for (k, (wanted, levels)) in wanted.iter().zip(levels.chunks_exact(64)).enumerate() {
+        for (bit, level) in levels.iter().enumerate().filter(|(bit, _)| wanted >> bit & 1 == 1) {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to LEVELS")]
+            let level = level.round() as u64;
+            for (b, plane) in planes.iter_mut().enumerate() {
+                plane[k] |= (level >> b & 1) << bit;
+            }
+        }
+    }
+    planes
+}
+
+/// What a set is paid, in units of 1/[`LEVELS`].
+fn paid_by(sets: &SeenSets, j: usize, planes: &[Vec<u64>]) -> u128 {
+    planes.iter().enumerate().map(|(b, plane)| sets.value(sets.set(j), plane) << b).sum()
+}
+
+/// Raises λ where no payer covers, lowers it where several do.
+fn step(levels: &mut [f64], sets: &SeenSets, payers: &[usize], stride: f64) {
+    for (k, levels) in levels.chunks_exact_mut(64).enumerate() {
+        for (bit, level) in levels.iter_mut().enumerate() {
+            let times = payers.iter().filter(|j| sets.set(**j)[k] >> bit & 1 == 1).count();
+            *level = (*level + stride * (1.0 - times as f64)).clamp(0.0, f64::from(LEVELS));
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Curves of P_LoS in tables.
+
+use crate::error::{Error, Result};
+use crate::los_probability::models::{CurveAxis, UserCurve};
+use crate::quantity::counted;
+use crate::read::{BadRows, RowFault, Table, readable};
+
+/// Reads a curve from a table separated by commas, semicolons or tabs, with the columns `p_los` (0 to 1) and
+/// `theta_deg` (0 to 90) or `distance_m` (≥ 0), in any order of columns and rows. Other columns are ignored, and
+/// `distance_m` too where `theta_deg` is given; lines that begin with `#` are comments. `name` is what messages call it.
+///
+/// # Errors
+/// File error E313 that names the lines, what was found there and what was wanted.
+pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<UserCurve> {
+    let refuse = |found: String| {
+        Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(
+            "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, semicolons \
+             or tabs",
+        )
+    };
+    let table = Table::parse(text).map_err(refuse)?;
+    let column = |name: &str| table.column(&[name]);
+    let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
+    let (Some((axis, axis_column)), Some(p_column)) = (axis, column("p_los")) else {
+        let found = table.found();
+        return Err(refuse(format!("found columns `{found}`, wanted `p_los` and `theta_deg` or `distance_m`")));
+    };
+    let axis_wanted = match axis {
+        CurveAxis::Theta => "0 to 90",
+        CurveAxis::Distance => "at least 0",
+    };
+
+    let rows = table.rows(|_, row| {
+        let number = |column: usize, name: &str, range: std::ops::RangeInclusive<f64>, wanted: &str| match table
+            .number(row, column, wanted)?
+        {
+            v if range.contains(&v) => Ok(v),
+            v => Err(RowFault::Text(format!("`{name}` is `{v}`, wanted {wanted}"))),
+        };
+        let at = number(axis_column, axis.column(), axis.range(), axis_wanted)?;
+        Ok((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, row.line()))
+    });
+    let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |_, text| refuse(text))?;
+    if rows.len() < 2 {
+        let rows = counted(rows.len() as u64, "row", "rows");
+        return Err(refuse(format!("found {rows} of values, wanted at least 2")));
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+    if let Some([first, second]) = rows.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
+        let (column, at) = (axis.column(), first.0);
+        let lines = format!("line {}: `{column}` is `{at}`, as on line {}", second.2, first.2);
+        return Err(refuse(format!("{lines}, wanted each value once")));
+    }
+    let points = rows.into_iter().map(|(at, p, _)| (at, p)).collect();
+    UserCurve::new(name, axis, points).ok_or_else(|| refuse("found no curve".into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        let error = read_curve("c.csv", text, BadRows::Refuse).unwrap_err();
+        assert_eq!(error.code(), "E313");
+        error.to_string()
+    }
+
+    #[test]
+    fn rows_and_columns_come_in_any_order() {
+        let text = "\u{feff}source, P_LoS ,theta_deg,distance_m\n# measured\nx,1,90,0\ny,0.2,10,567\nz,0.4,30,173\n";
+        let curve = read_curve("c.csv", text, BadRows::Refuse).unwrap();
+        assert_eq!((curve.name(), curve.axis()), ("c.csv", CurveAxis::Theta));
+        assert_eq!(curve.points(), [(10.0, 0.2), (30.0, 0.4), (90.0, 1.0)]);
+        let curve = read_curve("c", "distance_m;p_los\n0;1\n100;0,5\n", BadRows::Refuse).unwrap();
+        assert_eq!((curve.axis(), curve.points()), (CurveAxis::Distance, &[(0.0, 1.0), (100.0, 0.5)][..]));
+    }
+
+    #[test]
+    fn each_fault_names_its_line() {
+        for (text, wanted) in [
+            ("", "found columns ``, wanted `p_los` and `theta_deg` or `distance_m`"),
+            ("theta,p_los\n1,0\n2,1\n", "found columns `theta,p_los`, wanted"),
+            ("theta_deg,p_los\n1,0\n", "found 1 row of values, wanted at least 2"),
+            ("theta_deg,p_los\n", "found 0 rows of values, wanted at least 2"),
+            ("theta_deg,p_los\n1,0\n2,45\n", "line 3: `p_los` is `45`, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,0\n91,1\n", "line 3: `theta_deg` is `91`, wanted 0 to 90"),
+            ("distance_m,p_los\n-1,0\n91,1\n", "line 2: `distance_m` is `-1`, wanted at least 0"),
+            ("theta_deg,p_los\n1,0\n2\n", "line 3: `p_los`: found ``, which is not a number, wanted 0 to 1"),
+            ("theta_deg,p_los\n# measured\n\n1,2\n", "line 4: `p_los` is `2`, wanted 0 to 1"),
+            ("theta_deg,p_los\r\n# measured\r\n\r\n1,0\r\n2,3\r\n", "line 5: `p_los` is `3`, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,nan\n", "line 2: `p_los`: found `NaN`, which is not finite, wanted 0 to 1"),
+            ("theta_deg,p_los\n1,0\n2,1\n1,0.5\n", "line 4: `theta_deg` is `1`, as on line 2, wanted each value once"),
+        ] {
+            let found = refusal(text);
+            assert!(found.starts_with("cannot read the curve c.csv: ") && found.contains(wanted), "{found}");
+        }
+    }
+}
