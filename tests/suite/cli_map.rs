@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use skyshed::formats::RasterFile;
 
 use crate::program::Folder;
+use crate::support::read_png;
 
 /// Two buildings in Munich, in ETRS89 / UTM zone 32N; 60 × 40 cells around them.
 const TOWN: &str = r#"{"type": "FeatureCollection",
@@ -370,7 +371,7 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
     for (name, class) in
         [("b.1.png", &(|cell: usize| masks[0][cell]) as &dyn Fn(usize) -> u8), ("b.2.png", &|cell| masks[1][cell])]
     {
-        let image = image::load_from_memory(&folder.read(name)).unwrap().to_rgb8();
+        let image = read_png(&folder.read(name)).to_rgb8();
         assert_eq!(image.dimensions(), (60, 40), "{name}");
         for (cell, pixel) in image.pixels().enumerate() {
             let found = match pixel.0 {
@@ -382,7 +383,7 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
         }
     }
     // The picture of both shows how many see a cell: one color for each count.
-    let image = image::load_from_memory(&folder.read("b.png")).unwrap().to_rgba8();
+    let image = read_png(&folder.read("b.png")).to_rgba8();
     let mut colors: std::collections::BTreeMap<u8, std::collections::BTreeSet<[u8; 4]>> = Default::default();
     for (cell, pixel) in image.pixels().enumerate() {
         let seen = if masks[0][cell] == 2 { 9 } else { masks[0][cell] + masks[1][cell] };

@@ -5,6 +5,7 @@ use skyshed::formats::RasterFile;
 use skyshed::los_probability::bootstrap::{Share, resampled_ratios};
 
 use crate::program::{Folder, program, wait};
+use crate::support::read_png;
 use crate::support::{Random, slow};
 
 /// Two masks of 4 × 4 cells in which every combination of classes that matters occurs.
@@ -337,7 +338,7 @@ fn a_sheet_names_what_it_shows() {
         assert!(svg.contains(words), "{words}");
     }
     assert_eq!(svg.matches("<image ").count(), 3 + 3 + 1);
-    let image = image::load_from_memory(&folder.read("s.png")).unwrap();
+    let image = read_png(&folder.read("s.png"));
     assert!(image.width() > 1000 && image.height() > 800);
     // Seven placements show their differences to the first alone.
     let seven: String = (0..7).map(|k| format!(" --uav {},{},60", 10 + 15 * k, 10)).collect();

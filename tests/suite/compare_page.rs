@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use image::RgbaImage;
 
 use crate::program::Folder;
+use crate::support::read_png;
 
 const BLUE: [u8; 3] = [0x00, 0x72, 0xB2];
 const ORANGE: [u8; 3] = [0xE6, 0x9F, 0x00];
@@ -36,7 +37,7 @@ fn decoded(text: &str) -> Vec<u8> {
 /// The pictures in a page, in order.
 fn pictures(page: &str) -> Vec<RgbaImage> {
     let after = page.split("src=\"data:image/png;base64,").skip(1);
-    after.map(|rest| image::load_from_memory(&decoded(rest.split('"').next().unwrap())).unwrap().to_rgba8()).collect()
+    after.map(|rest| read_png(&decoded(rest.split('"').next().unwrap())).to_rgba8()).collect()
 }
 
 fn number_of(image: &RgbaImage, color: [u8; 3]) -> u64 {
@@ -208,7 +209,7 @@ fn a_browser_shows_the_state_of_the_fragment() {
     for (at, [more, less]) in [("0", [ORANGE, BLUE]), ("1", [BLUE, ORANGE])] {
         let shot = format!("--screenshot={}", folder.word("shot.png"));
         browse(&browser, &folder, &format!("a=light&b=dark&at={at}&layers=los"), &[&shot]);
-        let image = image::load_from_memory(&folder.read("shot.png")).unwrap().to_rgba8();
+        let image = read_png(&folder.read("shot.png")).to_rgba8();
         let [n_more, n_less] = [more, less].map(|color| number_of(&image, color));
         assert!(n_more > 200_000 && n_less < 20_000, "at {at}: {n_more} and {n_less}");
     }
@@ -291,7 +292,7 @@ fn nothing_is_cut_off_or_faint_in_light_and_dark() {
         assert_eq!((noted("marks"), noted("outside"), noted("covered")), ("6", "", "0"), "dark: {is_dark}");
         assert!(noted("words").parse::<u32>().unwrap() > 150);
         browse(&browser, &folder, "", &[&settings, "--window-size=1400,1000", &shot]);
-        let image = image::load_from_memory(&folder.read("shot.png")).unwrap().to_rgba8();
+        let image = read_png(&folder.read("shot.png")).to_rgba8();
         assert_eq!(image.get_pixel(2, 2).0[0] < 64, is_dark, "the paper");
     }
 }

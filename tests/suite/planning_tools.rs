@@ -9,6 +9,7 @@ use zip::ZipArchive;
 
 use crate::cli_map::{MAP, town};
 use crate::program::Folder;
+use crate::support::read_png;
 use crate::support::{has_program, python_with};
 
 const SHAPE: [usize; 2] = [40, 60];
@@ -173,7 +174,7 @@ fn an_overlay_lies_where_proj_says() {
     assert!(kml.contains("<Icon><href>legend.png</href></Icon>") && kml.contains("<size x=\"-1\" y=\"-1\""));
     let mut legend = Vec::new();
     kmz(&folder, "m.kmz").by_name("legend.png").unwrap().read_to_end(&mut legend).unwrap();
-    let legend = image::load_from_memory(&legend).unwrap().to_rgb8();
+    let legend = read_png(&legend).to_rgb8();
     for color in [[0x00, 0x72, 0xB2], [0xE6, 0x9F, 0x00]] {
         assert!(legend.pixels().any(|pixel| pixel.0 == color), "{color:?}");
     }

@@ -118,3 +118,20 @@ pub(crate) fn has_program(name: &str) -> bool {
     }
     has
 }
+
+/// The pixels of a PNG.
+pub(crate) fn read_png(file: &[u8]) -> image::DynamicImage {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
+    decoder.set_transformations(
+        png::Transformations::EXPAND | png::Transformations::STRIP_16 | png::Transformations::ALPHA,
+    );
+    let mut reader = decoder.read_info().expect("it is a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("it fits in memory")];
+    let frame = reader.next_frame(&mut pixels).expect("it is a whole PNG");
+    // Gray becomes gray with opacity.
+    let rgba = match frame.color_type {
+        png::ColorType::Rgba => pixels,
+        _ => pixels.chunks_exact(2).flat_map(|p| [p[0], p[0], p[0], p[1]]).collect(),
+    };
+    image::DynamicImage::ImageRgba8(image::RgbaImage::from_raw(frame.width, frame.height, rgba).expect("all pixels"))
+}

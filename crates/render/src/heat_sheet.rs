@@ -313,7 +313,7 @@ mod tests {
     #[test]
     fn cells_are_around_their_values_with_the_lower_row_below() {
         let file = draw_heat_sheet(&sheet(&[PANEL]), &PictureForm::PNG, &[]).expect("the sheet is valid");
-        let image = image::load_from_memory(&file).expect("it is a PNG").to_rgb8();
+        let image = crate::png::read_png(&file).to_rgb8();
         let svg = svg(&[PANEL]).expect("the sheet is valid");
         // The frame is 0.8 px around the cells of 680 × 520 px, and the only one of this width.
         assert!(svg.contains("width=\"681.6\" height=\"521.6\""), "{svg}");

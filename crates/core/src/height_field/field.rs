@@ -151,6 +151,7 @@ impl HeightField {
     }
 
     /// Which cells are open ground and which are buildings.
+    #[inline]
     pub fn cells(&self) -> &CellSets {
         &self.cells
     }
@@ -230,6 +231,7 @@ impl HeightField {
     }
 
     /// The receivers' grid.
+    #[inline]
     pub fn grid(&self) -> &GeoRef {
         &self.grid
     }

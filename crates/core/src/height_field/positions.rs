@@ -62,6 +62,7 @@ impl RangeLattice {
     }
 
     /// Length of a step along x and y \[CRS units\].
+    #[inline]
     fn step_lengths(&self) -> (f64, f64) {
         (self.frame.unit_x / self.steps_per_cell, self.frame.unit_y / self.steps_per_cell)
     }
@@ -109,11 +110,13 @@ impl GridPositions {
     }
 
     /// Length of a step of distances along x and y \[CRS units\].
+    #[inline]
     pub fn step_lengths(&self) -> (f64, f64) {
         self.range.step_lengths()
     }
 
     /// Steps of distances to the east and north, from a place to the center of the cell in a row and column.
+    #[inline]
     pub fn steps_from(&self, place: &Place) -> impl Fn(usize, usize) -> (i64, i64) + Copy {
         let (x, y) = self.range.at(place.x, place.y);
         move |row, col| (self.xs[col].3 - x, self.ys[row].3 - y)

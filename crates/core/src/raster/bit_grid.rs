@@ -54,16 +54,19 @@ impl BitGrid {
     }
 
     /// Number of rows.
+    #[inline]
     pub fn n_rows(&self) -> usize {
         self.n_rows
     }
 
     /// Number of columns.
+    #[inline]
     pub fn n_cols(&self) -> usize {
         self.n_cols
     }
 
     /// Words that hold one row.
+    #[inline]
     pub fn words_per_row(&self) -> usize {
         self.words_per_row
     }
@@ -75,6 +78,7 @@ impl BitGrid {
     }
 
     /// All words, row by row: `words_per_row` each.
+    #[inline]
     pub fn words(&self) -> &[u64] {
         &self.words
     }

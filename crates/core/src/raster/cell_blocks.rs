@@ -23,6 +23,7 @@ impl CellBlocks {
     }
 
     /// Number of blocks.
+    #[inline]
     pub fn count(&self) -> usize {
         self.n_blocks
     }

@@ -63,6 +63,7 @@ impl GeoRef {
     }
 
     /// West edge \[CRS units\].
+    #[inline]
     pub fn x_min(&self) -> f64 {
         self.x_min
     }
@@ -78,6 +79,7 @@ impl GeoRef {
     }
 
     /// North edge \[CRS units\].
+    #[inline]
     pub fn y_max(&self) -> f64 {
         self.y_max
     }
@@ -91,26 +93,31 @@ impl GeoRef {
     }
 
     /// Width of a cell, west to east \[CRS units\].
+    #[inline]
     pub fn cell_width(&self) -> f64 {
         self.cell_width
     }
 
     /// Height of a cell, north to south \[CRS units\].
+    #[inline]
     pub fn cell_height(&self) -> f64 {
         self.cell_height
     }
 
     /// Number of columns.
+    #[inline]
     pub fn n_cols(&self) -> usize {
         self.n_cols
     }
 
     /// Number of rows.
+    #[inline]
     pub fn n_rows(&self) -> usize {
         self.n_rows
     }
 
     /// Number of cells.
+    #[inline]
     pub fn n_cells(&self) -> usize {
         self.n_cols * self.n_rows
     }
@@ -205,6 +212,7 @@ impl GeoRef {
     }
 
     /// Center of a cell in the plane \[CRS units\].
+    #[inline]
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
         (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)
     }
