@@ -24,7 +24,7 @@
 //! | E603 | a chart: two exact engines differ |
 //! | W201–W204 | flat earth, no receiver, heights at which a UAV cannot be, UAVs outside the grid |
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
-//! | W320–W334 | rasters, listed at [`crate::formats::GeoTiff`]'s module |
+//! | W320–W334 | rasters, listed at the module of GeoTIFF |
 //! | W335, W339 | footprints and rasters brought into another CRS |
 //! | W336–W338 | mosaics: tiles that differ where they overlap, cells in no source, too many tiles to name |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |

@@ -18,6 +18,12 @@ pub struct Sha256(ring::digest::Context);
 #[derive(Clone)]
 pub struct Sha256(sha2::Sha256);
 
+impl Default for Sha256 {
+    fn default() -> Self {
+        Sha256::new()
+    }
+}
+
 impl Sha256 {
     /// Of nothing yet.
     pub fn new() -> Self {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
-use super::shadow_plateaus::{PlateauView, plateaus_los_in_view};
+use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
     OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los,
     r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,

@@ -37,14 +37,6 @@ mod link;
 mod obstruction;
 mod prisms_ray;
 mod shadow;
-mod shadow_cast;
-mod shadow_ceiling;
-mod shadow_grid;
-mod shadow_horizon;
-mod shadow_outline;
-mod shadow_plateaus;
-mod shadow_positions;
-mod shadow_spans;
 mod simd;
 mod sweep;
 
@@ -58,10 +50,10 @@ pub use obstruction::{LeastHeight, Obstruction};
 pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };
-pub use shadow::{ShadowLos, ShadowScene, shadow_los, shadow_los_relief};
-pub use shadow_grid::ShadowGrid;
-pub use shadow_plateaus::{OnPlateaus, PlateauScene, plateaus_los};
-pub use shadow_positions::{InView, ReceiverTile, UavPositions};
+pub use shadow::{
+    InView, OnPlateaus, PlateauScene, ReceiverTile, ShadowGrid, ShadowLos, ShadowScene, UavPositions, plateaus_los,
+    shadow_los, shadow_los_relief,
+};
 pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,

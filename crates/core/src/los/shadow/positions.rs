@@ -1,7 +1,7 @@
 //! `shadow` seen from the ground: which of many UAV positions, all at one height, a receiver is in line of sight of.
 //!
 //! **Line of sight has no direction.** What hides a UAV from a receiver hides the receiver from the UAV, so a grid of UAV
-//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super::shadow`] decides it. Mostly the
+//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super`] decides it. Mostly the
 //! receiver is below the roofs and the positions are above them, so that shadows begin behind the buildings and have no end
 //! (the fourth case there). Where there are many positions this is the cheaper way around. From a street little of the sky is to
 //! be seen, and the walls along the street hide the rest; from above most buildings hide something.
@@ -16,15 +16,17 @@
 //! **Exactness.** Only positions surely inside of all four shadows are in the umbra. The outline around what a caster may
 //! hide holds its closed shadows from everywhere in the tile, so a wall that it shares with another caster, along which only
 //! `ray` can tell, runs through no position that is left if it is left out. What is left is decided as by
-//! [`super::shadow_los`], doubts by `ray`.
+//! [`super::los`], doubts by `ray`.
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::shadow::{Band, BandJob, Receivers, ShadowScene, cells_at_uav, extent_of, plane_of};
-use super::shadow_cast::distance_squared;
-use super::shadow_grid::ShadowGrid;
-use super::shadow_outline::{Outline, Plane, Reach};
-use super::shadow_spans::{LANES, bits_outside, clear, maybe_spans, spans};
+use super::band::{Band, BandJob};
+use super::geometry::distance_squared;
+use super::grid::ShadowGrid;
+use super::outline::{LANES, Outline, Plane, Reach};
+use super::scene::{Receivers, ShadowScene, cells_at_uav, extent_of, plane_of};
+use super::spans::{maybe_spans, spans};
+use super::words::{bits_outside, clear};
 use crate::height_field::{Caster, Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, bits_between};

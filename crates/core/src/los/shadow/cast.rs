@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::shadow_horizon::{FULL_TURN, bearing, sort_by_horizon};
-use super::shadow_outline::{Plane, Reach};
-use super::shadow_spans::as_f64;
+use super::geometry::{FULL_TURN, as_f64, bearing, distance_squared};
+use super::horizon::sort_by_horizon;
+use super::outline::{Plane, Reach};
 use crate::height_field::{Caster, CasterBlock, Casters};
 use crate::quantity::LatticePoint;
 
@@ -113,14 +113,6 @@ fn outward(block: &CasterBlock, uav: LatticePoint) -> (u32, u64) {
     (sector, distance_squared(block.bounds, (uav.x, uav.y)))
 }
 
-/// The square of the distance of a box (west, south, east, north) from a point \[lattice steps\].
-pub(super) fn distance_squared(bounds: [i32; 4], (x, y): (i64, i64)) -> u64 {
-    let beyond = |low: i32, high: i32, at: i64| (i64::from(low) - at).max(at - i64::from(high)).max(0).unsigned_abs();
-    let [west, south, east, north] = bounds;
-    let (dx, dy) = (beyond(west, east, x), beyond(south, north, y));
-    dx * dx + dy * dy
-}
-
 #[cfg(test)]
 mod tests {
     use fearless_simd::Level;
@@ -128,7 +120,7 @@ mod tests {
 
     use super::*;
     use crate::height_field::Prisms;
-    use crate::los::shadow::plane_of;
+    use crate::los::shadow::scene::plane_of;
     use crate::los::{ShadowGrid, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
     use crate::raster::BitGrid;
 

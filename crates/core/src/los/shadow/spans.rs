@@ -1,4 +1,4 @@
-//! The inner loops of [`super::shadow`]: columns between the bounds of an outline, eight rows at a time, heights against a
+//! The inner loops of [`super`]: columns between the bounds of an outline, eight rows at a time, heights against a
 //! ceiling, eight receivers at a time, and words of bits.
 //!
 //! No multiplication is fused with an addition and all rounding is to whole numbers, so every SIMD level computes the
@@ -7,12 +7,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, u64x8};
 
-use super::shadow_ceiling::{Ceiling, Slope};
-use super::shadow_outline::{Line, Outline, Plane};
-use crate::raster::bits_between;
-
-/// Rows whose bounds are computed at once.
-pub(super) const LANES: usize = 8;
+use super::ceiling::{Ceiling, Slope};
+use super::geometry::as_f64;
+use super::outline::{LANES, Line, Outline, Plane};
 
 /// Cells `.0[k]...1[k]` of eight rows.
 pub(super) type Lanes = ([u64; LANES], [u64; LANES]);
@@ -22,17 +19,6 @@ pub(super) struct Spans {
     pub(super) sure: Lanes,
     /// Whether no other cell may be.
     pub(super) is_all_sure: bool,
-}
-
-/// A number as a double: exact below 2^53, rounded once above.
-#[inline(always)]
-pub(super) fn as_f64<T: TryInto<i64>>(v: T) -> f64 {
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "positions and counts are below 2^53, products of two within a margin"
-    )]
-    let v = v.try_into().unwrap_or(i64::MAX) as f64;
-    v
 }
 
 /// The western and the eastern bound of an outline \[columns\] in the eight rows from `row` on, half a column beyond the
@@ -107,49 +93,4 @@ pub(super) fn below_ceiling<S: Simd>(simd: S, ceiling: &Ceiling, q: f64, first: 
         near |= may_be.to_bitmask() << (k * LANES);
     }
     (below, near & !below)
-}
-
-#[inline(always)]
-fn as_index(v: u64) -> usize {
-    usize::try_from(v).unwrap_or(usize::MAX)
-}
-
-/// The bits of the word that begins at column `base` which stand for columns outside of `first..end`.
-#[inline(always)]
-pub(super) fn bits_outside(first: u64, end: u64, base: u64) -> u64 {
-    let below = |col: u64| {
-        let n = col.saturating_sub(base).min(64);
-        (1_u64 << (n & 63)).wrapping_sub(1) | (n >> 6).wrapping_neg()
-    };
-    below(first) | !below(end)
-}
-
-/// Clears bits `first..end` of a row; nothing if `first ≥ end`.
-#[inline(always)]
-pub(super) fn clear(words: &mut [u64], first: u64, end: u64) {
-    if first >= end {
-        return;
-    }
-    let last = end - 1;
-    let (from, to) = (as_index(first / 64), as_index(last / 64));
-    let (head, tail) = (u64::MAX << (first % 64), u64::MAX >> (63 - last % 64));
-    if from == to {
-        words[from] &= !(head & tail);
-        return;
-    }
-    words[from] &= !head;
-    words[from + 1..to].fill(0);
-    words[to] &= !tail;
-}
-
-/// Calls `f` with the columns within `first..end` of the bits that are set.
-#[inline(always)]
-pub(super) fn for_each_bit(words: &[u64], first: usize, end: usize, mut f: impl FnMut(usize)) {
-    for (word, bits) in words.iter().enumerate().take(end.div_ceil(64)).skip(first / 64) {
-        let mut bits = bits & bits_between(first, end, word);
-        while bits != 0 {
-            f(word * 64 + bits.trailing_zeros() as usize);
-            bits &= bits - 1;
-        }
-    }
 }

@@ -1,7 +1,8 @@
 //! The planes below which one caster hides receivers at differing heights. The derivation is in the essay of
-//! [`super::shadow`].
+//! [`super`].
 
-use super::shadow_outline::{Plane, ROUNDING, cross, sub};
+use super::geometry::{cross, sub};
+use super::outline::{Plane, ROUNDING};
 
 /// A plane of heights over the grid: `at + per_col · column + per_q · q` \[lattice steps\].
 #[derive(Debug, Clone, Copy)]

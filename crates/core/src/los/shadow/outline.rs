@@ -1,8 +1,11 @@
-//! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the essay of [`super::shadow`].
+//! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the essay of [`super`].
 
-use super::shadow_grid::ShadowGrid;
-use super::shadow_spans::{LANES, as_f64};
+use super::geometry::{as_f64, cross, sub};
+use super::grid::ShadowGrid;
 use crate::quantity::LatticePoint;
+
+/// Rows whose bounds are computed at once.
+pub(super) const LANES: usize = 8;
 
 /// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
 ///
@@ -397,14 +400,4 @@ impl Outline {
         let slack = self.margin + 1.0;
         plane.wanted_columns(column(self.extent.0) - slack, column(self.extent.1) + slack)
     }
-}
-
-#[inline(always)]
-pub(super) fn sub(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-#[inline(always)]
-pub(super) fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
-    a[0] * b[1] - a[1] * b[0]
 }

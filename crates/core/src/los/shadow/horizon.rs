@@ -24,9 +24,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-use super::shadow_cast::distance_squared;
-use super::shadow_outline::cross;
-use super::shadow_spans::as_f64;
+use super::geometry::{FULL_TURN, as_f64, bearing, cross, distance_squared};
 use crate::quantity::LatticePoint;
 
 /// Relative slack of drops; those of [`f32`] err by less than a tenth of it.
@@ -37,9 +35,6 @@ const SEAM: f64 = 1.0 / (1 << 16) as f64;
 
 /// Bins for the square root of the number of prisms: some five for each block along the rim of a city.
 const BINS_PER_SIDE: f64 = 16.0;
-
-/// What a bearing rises by around the UAV.
-pub(super) const FULL_TURN: f64 = 4.0;
 
 /// What is known of some receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -234,13 +229,6 @@ impl Seen {
         let drops = if z < uav.z { (drop(far, -SLACK), drop(near, SLACK)) } else { if_not_below };
         Seen { touched, filled, distances: (near, far), drops }
     }
-}
-
-/// Which way a position lies: rises counterclockwise from 0 in the south by 1 to each quadrant; no number for `(0, 0)`.
-pub(super) fn bearing(x: i64, y: i64) -> f64 {
-    let (x, y) = (as_f64(x), as_f64(y));
-    let slope = y / (x.abs() + y.abs());
-    if x >= 0.0 { 1.0 + slope } else { 3.0 - slope }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Where the receivers of `shadow` stand: the columns and rows of a grid on the lattice of the prisms.
 
-use super::shadow_spans::as_f64;
+use super::geometry::as_f64;
 
 /// Where receivers stand in the plane.
 #[derive(Debug, Clone)]

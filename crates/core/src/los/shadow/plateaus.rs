@@ -5,13 +5,13 @@
 //! about a third of a sweep over the cells.
 //!
 //! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
-//! ground: [`super::shadow`] decides them. Each other plateau is a level of its own, mostly of few cells. Below the UAV, its
+//! ground: [`super`] decides them. Each other plateau is a level of its own, mostly of few cells. Below the UAV, its
 //! horizon tells of many that they are all hidden, or all in line of sight, and which prisms can hide anybody
-//! ([`super::shadow_horizon`]). Seen from the others the sky is wide, and only what stands between the plateau and the UAV
+//! ([`super::horizon`]). Seen from the others the sky is wide, and only what stands between the plateau and the UAV
 //! can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above
 //! the highest top. Their shadows are cast on the plateau's cells alone.
 //!
-//! **Exactness.** Shadows are those of [`super::shadow`], with their margins and doubts. Bounds on what lies in between are
+//! **Exactness.** Shadows are those of [`super`], with their margins and doubts. Bounds on what lies in between are
 //! computed in doubles and widened by a lattice step, far more than they can err. The doubts are asked of [`prisms_los`]: a
 //! link between two points that are not below the lowest height is blocked by the prisms if and only if it is by the columns,
 //! but for the receiver's own cell, which is exempt among columns and not among prisms. It matters where the ray is below the
@@ -23,13 +23,16 @@ use std::ops::ControlFlow;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
-use super::columns_ray::columns_los;
-use super::prisms_ray::prisms_los;
-use super::shadow::{ShadowScene, plane_of, shadow_los, shadow_los_among};
-use super::shadow_grid::ShadowGrid;
-use super::shadow_horizon::{Sight, sort_by_horizon};
-use super::shadow_outline::{Outline, Plane, Reach, Rows};
-use super::shadow_spans::{LANES, as_f64, bits_outside, clear, for_each_bit, maybe_spans, spans};
+use super::super::columns_ray::columns_los;
+use super::super::prisms_ray::prisms_los;
+use super::geometry::as_f64;
+use super::grid::ShadowGrid;
+use super::horizon::{Sight, sort_by_horizon};
+use super::map::{shadow_los, shadow_los_among};
+use super::outline::{LANES, Outline, Plane, Reach, Rows};
+use super::scene::{ShadowScene, plane_of};
+use super::spans::{maybe_spans, spans};
+use super::words::{bits_outside, clear, for_each_bit};
 use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow, bits_between};
@@ -87,7 +90,7 @@ pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPl
 }
 
 /// The same, given what the UAV has in view of the plateaus of the scene.
-pub(super) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView) -> BitGrid {
+pub(in crate::los) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView) -> BitGrid {
     let PlateauView { uav, receivers, .. } = *view;
     let plateaus = scene.plateaus;
     let height = |top: i32| match receivers {
@@ -113,10 +116,10 @@ pub(super) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView)
 
 /// What a UAV has in view of a raster of plateaus.
 #[derive(Debug)]
-pub(super) struct PlateauView {
-    pub(super) uav: LatticePoint,
-    pub(super) receivers: OnPlateaus,
-    pub(super) window: CellWindow,
+pub(in crate::los) struct PlateauView {
+    pub(in crate::los) uav: LatticePoint,
+    pub(in crate::los) receivers: OnPlateaus,
+    pub(in crate::los) window: CellWindow,
     /// The prisms of the window that may hide a receiver below the UAV; `None` for all of the raster.
     before_horizon: Option<Prisms>,
     /// What the horizon tells of the receivers on each plateau apart; nothing where they are at one level.
@@ -124,7 +127,7 @@ pub(super) struct PlateauView {
 }
 
 impl PlateauView {
-    pub(super) fn new(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Self {
+    pub(in crate::los) fn new(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Self {
         let PlateauScene { plateaus, window, .. } = *scene;
         let nothing_known = PlateauView { uav, receivers, window, before_horizon: None, apart: Vec::new() };
         let (apart, above) = match receivers {

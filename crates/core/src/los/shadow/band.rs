@@ -1,281 +1,22 @@
-//! `shadow` over prisms: casts the shadow of every convex piece on the receivers, row by row, into a set of bits.
-//!
-//! **Method.** Let u be the UAV, F a convex footprint with its roof at H, and let receivers stand at height z. A receiver
-//! at p is hidden by this prism alone if and only if some point u + t(p − u), 0 < t < 1, of the ray lies in the interior
-//! of F while the ray is below the roof there: h_U + t(z − h_U) < H. With s = 1/t > 1 the hidden set is the union of all
-//! u + s(F° − u) over the s that the heights admit:
-//!
-//! ```text
-//!   H ≤ z and H ≤ h_U    nothing
-//!   z < H < h_U          1 < s < f, f = (h_U − z)/(h_U − H)     the roof's shadow on the plane z
-//!   H ≥ h_U and H ≥ z    1 < s                                  no end
-//!   h_U < H < z          g < s, g = (z − h_U)/(H − h_U)         no end, and it begins behind the building
-//!   ⇒ always near < s < far, with near = 1 or g, and far = f or ∞; near may be larger where another hides what is nearer
-//! ```
-//!
-//! **Half-planes.** Let edge A→B of the counterclockwise F have direction E, and let K = E × (A − u). Inside F,
-//! E × (p − u) > K; u itself is outside of the edge's line if K > 0 (the edge *faces* u), inside if K < 0. Scaled by s
-//! about u the edge bounds E × (p − u) > s·K. A point of the cone over F from u leaves through edges that do not face u
-//! and enters through those that do, so it is hidden if and only if it is inside the facing edges at s = near, inside the
-//! others at s = far (if there is an end), and inside the cone, whose sides are the lines from u through the two vertices
-//! where facing edges meet others. An edge whose line passes through u (K = 0) is such a side itself; over F there is no
-//! facing edge and the cone is the whole plane. So the hidden set is an open convex set: an intersection of half-planes
-//! E × q > K', q = p − u. Along a row of cells each of them is one bound on the column, `at + per_q·q_y`: the hidden cells
-//! of the row lie between the largest of the western and the smallest of the eastern bounds.
-//!
-//! **Exactness.** Coordinates, E, K and the rows' q_y are integers (K and products of differences below 2^55 in i64); the
-//! bounds are computed in doubles, in one order of operations at every SIMD level, with an error proven to be below a
-//! margin (`shadow_outline::ROUNDING`) of about 1e-11 cells. Cells farther from all bounds than the margin are decided.
-//! The few others are put down as *doubts*, and `ray` is asked about those that are wanted and that no other
-//! shadow has hidden by the end: it alone knows whether the wall or diagonal that they look along is shared. Nothing else
-//! can be hidden: where the ray is blocked only by several pieces together it runs along an edge of two of them, so the
-//! receiver lies on a bounding line (K = 0) of both, in the closure of both shadows, and is a doubt. Where centers of cells
-//! do not lie evenly on the lattice (cells of 0.3 m) the margin grows by the largest deviation.
-//!
-//! **Differing heights** ([`shadow_los_relief`]). Solved for z, the half-plane of an edge at s = f (or g) reads
-//! z < h_U + (E × q)·(H − h_U)/K: below the plane through the UAV and the far (near) upper edge. So within the cone and
-//! behind the near edges a prism hides the receivers below the lowest of these planes, and below its roof if that is below
-//! the UAV: its ceiling. The least of several planes is concave, so its values at the corners of a tile bound it there: tiles
-//! whose receivers are all below are filled as before, tiles whose receivers are all above are left out, and in the others
-//! eight receivers at a time are compared with the planes, again with a proven margin and doubts. Higher receivers are
-//! hidden by less, so the outline on the lowest bounds all. Where many receivers stand at the lowest height (flat ground
-//! with roofs) they are cast first, as one level. A ceiling kept per cell in doubles was not taken: every shadow would write
-//! 64 times the memory and no ground would ever be dark.
-//!
-//! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
-//! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
-//! what stands before them hides no more ([`super::shadow_horizon`]), so that most of the ground is cleared about once. Blocks of
-//! neighboring casters go nearest first, one sector of azimuths after the other, so that the far ones find their ground dark:
-//! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
-//! likewise.
+//! A band of rows on which shadows are cast: what is hidden in it, and what is in doubt.
 
-use fearless_simd::{Level, Simd, dispatch};
-use rayon::prelude::*;
+use fearless_simd::Simd;
 
-use super::prisms_ray::prisms_los;
-use super::shadow_cast::Cast;
-use super::shadow_ceiling::Ceiling;
-use super::shadow_grid::ShadowGrid;
-use super::shadow_outline::{Outline, Plane, Reach};
-use super::shadow_spans::{LANES, Lanes, as_f64, below_ceiling, bits_outside, clear, for_each_bit, maybe_spans, spans};
-use crate::height_field::{Casters, Prisms};
+use super::super::prisms_ray::prisms_los;
+use super::cast::Cast;
+use super::ceiling::Ceiling;
+use super::geometry::as_f64;
+use super::outline::{LANES, Outline, Plane, Reach};
+use super::scene::{Receivers, ShadowScene};
+use super::spans::{Lanes, below_ceiling, maybe_spans, spans};
+use super::words::{bits_outside, clear, for_each_bit};
 use crate::quantity::LatticePoint;
-use crate::raster::BitGrid;
 
 /// Rows, and columns, of a tile: one word of bits.
-const TILE: usize = 64;
+pub(super) const TILE: usize = 64;
 
 /// Words a row that a shadow counted as narrow may meet.
 const NARROW: usize = 3;
-
-/// Everything about shadows that is the same for many UAVs.
-#[derive(Debug, Clone, Copy)]
-pub struct ShadowScene<'a> {
-    /// What hides receivers.
-    pub prisms: &'a Prisms,
-    /// What casts shadows: all casters of the prisms, or those that matter.
-    pub casters: &'a Casters,
-    /// Where receivers stand.
-    pub grid: &'a ShadowGrid,
-    /// The cells to decide, of the same shape as the grid.
-    pub wanted: &'a BitGrid,
-    /// Vector instructions to use; the outcome is the same at all levels.
-    pub level: Level,
-    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
-    pub n_bands: usize,
-}
-
-/// The cells in line of sight of a UAV.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ShadowLos {
-    /// The wanted cells that are in line of sight.
-    pub los: BitGrid,
-    /// How many they are.
-    pub count: u64,
-    /// Receivers on the boundary of a shadow that `ray` was asked about.
-    pub asked: u64,
-}
-
-/// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in line of sight of `uav`
-/// past the prisms: cell for cell what [`prisms_los`] says.
-///
-/// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
-/// checked).
-pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
-    match plane_of(scene.grid, scene.wanted, uav) {
-        Some(plane) => {
-            let cast = Cast::new(scene.casters, &plane, (z, z));
-            cast_all(scene, scene.wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &Receivers::Level(z), &cast)
-        }
-        None => nothing(scene),
-    }
-}
-
-/// Like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
-pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: LatticePoint, z: i64) -> BitGrid {
-    match plane_of(scene.grid, &cells, uav) {
-        Some(plane) => {
-            let cast = Cast::new(scene.casters, &plane, (z, z));
-            cast_all(scene, cells, &plane, &Receivers::Level(z), &cast).los
-        }
-        None => cells,
-    }
-}
-
-/// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
-/// cell.
-///
-/// Cost: where a quarter or more of the receivers stand at the lowest height (flat ground), those cost no more than by
-/// [`shadow_los`]; the others one comparison, eight at a time, for each shadow that their tile does not settle.
-pub fn shadow_los_relief(
-    scene: &ShadowScene<'_>,
-    uav: LatticePoint,
-    height: &(impl Fn(usize, usize) -> i32 + Sync),
-) -> ShadowLos {
-    let wanted = scene.wanted;
-    let width = wanted.words_per_row() * 64;
-    let mut heights = vec![0.0; wanted.n_rows() * width];
-    let (lowest, highest) = heights
-        .par_chunks_mut(width.max(1))
-        .enumerate()
-        .map(|(row, heights)| {
-            let mut range = (i32::MAX, i32::MIN);
-            for_each_bit(wanted.row(row), 0, wanted.n_cols(), |col| {
-                let z = height(row, col);
-                range = (range.0.min(z), range.1.max(z));
-                heights[col] = f64::from(z);
-            });
-            range
-        })
-        .reduce(|| (i32::MAX, i32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
-    let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
-    // Receivers on flat ground are one level, those on roofs the rest.
-    let (mut level, mut rest) = (BitGrid::new(wanted.n_rows(), wanted.n_cols()), wanted.clone());
-    for row in 0..wanted.n_rows() {
-        let words = row * wanted.words_per_row()..(row + 1) * wanted.words_per_row();
-        let (level, rest) = (&mut level.words_mut()[words.clone()], &mut rest.words_mut()[words]);
-        for (k, (level, rest)) in level.iter_mut().zip(rest).enumerate() {
-            let mut lowest_of_word = 0;
-            for (bit, z) in heights[row * width + k * 64..][..64].iter().enumerate() {
-                lowest_of_word |= u64::from(*z <= f64::from(lowest)) << bit;
-            }
-            *level = *rest & lowest_of_word;
-            *rest &= !*level;
-        }
-    }
-    let relief = Receivers::Relief { heights, width };
-    if level.count() * 4 < wanted.count() {
-        return cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast);
-    }
-    let on_some = |wanted: &BitGrid, receivers: &Receivers| match plane_of(scene.grid, wanted, uav) {
-        Some(plane) => {
-            let cells = wanted.in_rows(plane.rows.0..plane.rows.1);
-            cast_all(&ShadowScene { wanted, ..*scene }, cells, &plane, receivers, &cast)
-        }
-        None => nothing(&ShadowScene { wanted, ..*scene }),
-    };
-    let one = on_some(&level, &Receivers::Level(i64::from(lowest)));
-    let all = on_some(&rest, &relief);
-    ShadowLos { los: all.los.or(&one.los), count: all.count + one.count, asked: all.asked + one.asked }
-}
-
-/// How high receivers stand \[1/1024 m above the datum\].
-pub(super) enum Receivers {
-    Level(i64),
-    /// By cell, `width` to the row, whole words of cells; 0 where none is wanted.
-    Relief {
-        heights: Vec<f64>,
-        width: usize,
-    },
-}
-
-impl Receivers {
-    #[inline(always)]
-    fn at(&self, row: usize, col: usize) -> i64 {
-        match self {
-            Receivers::Level(z) => *z,
-            Receivers::Relief { heights, width } => {
-                #[expect(clippy::cast_possible_truncation, reason = "came from an i32")]
-                let z = heights[row * width + col] as i64;
-                z
-            }
-        }
-    }
-}
-
-/// What is found where no cell is wanted.
-fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
-    ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
-}
-
-/// Casts shadows on receivers of a scene; `los` are all the cells that hold one, and become those in line of sight.
-fn cast_all(
-    scene: &ShadowScene<'_>,
-    mut los: BitGrid,
-    plane: &Plane,
-    receivers: &Receivers,
-    cast: &Cast<'_>,
-) -> ShadowLos {
-    let at_uav = cells_at_uav(scene.grid, plane, &los);
-    let words_per_row = los.words_per_row();
-    let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
-    let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
-    let (first, end) = (plane.rows.0 * words_per_row, plane.rows.1 * words_per_row);
-    let in_band = |(k, words): (usize, &mut [u64])| {
-        let first = plane.rows.0 + k * rows_per_band;
-        let rows = (first, first + words.len() / words_per_row);
-        let job = BandJob { scene, plane, receivers, rows, at_uav: &at_uav };
-        dispatch!(scene.level, simd => job.cast(simd, cast, words))
-    };
-    let bands = &mut los.words_mut()[first..end];
-    let counts = if n_tiles * TILE <= rows_per_band {
-        in_band((0, bands))
-    } else {
-        let counts = bands.par_chunks_mut(rows_per_band * words_per_row).enumerate().map(in_band);
-        counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
-    };
-    ShadowLos { los, count: counts.0, asked: counts.1 }
-}
-
-/// The rows and the columns between which all cells of a set lie that are within some; `None` without any.
-pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> Option<(Span, Span)> {
-    let (first_word, end_word) = (cols.0 / 64, cols.1.div_ceil(64));
-    let is_used = |row: &usize| cells.row(*row)[first_word..end_word].iter().any(|w| *w != 0);
-    let first = (rows.0..rows.1).find(is_used)?;
-    let last = (first..rows.1).rev().find(is_used)?;
-    // PERF: row by row, as they lie in memory.
-    let mut used = cells.row(first)[first_word..end_word].to_vec();
-    for row in first + 1..=last {
-        used.iter_mut().zip(&cells.row(row)[first_word..end_word]).for_each(|(used, word)| *used |= word);
-    }
-    let west = used.iter().position(|w| *w != 0)?;
-    let east = used.iter().rposition(|w| *w != 0)?;
-    let first_col = (first_word + west) * 64 + used[west].trailing_zeros() as usize;
-    let end_col = (first_word + east) * 64 + 64 - used[east].leading_zeros() as usize;
-    Some(((first, last + 1), (first_col, end_col)))
-}
-
-/// The first of some rows or columns, and the one after the last.
-type Span = (usize, usize);
-
-/// The plane as seen from a UAV; `None` if no cell is wanted.
-pub(super) fn plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -> Option<Plane> {
-    let (rows, cols) = extent_of(wanted, (0, wanted.n_rows()), (0, wanted.n_cols()))?;
-    Some(Plane::new(grid, uav, rows, cols))
-}
-
-/// The wanted cells right below or above the UAV, of which no shadow tells.
-pub(super) fn cells_at_uav(grid: &ShadowGrid, plane: &Plane, wanted: &BitGrid) -> Vec<(usize, usize)> {
-    let (x, y) = (plane.uav.x, plane.uav.y);
-    let cols = grid.xs.partition_point(|at| *at < x)..grid.xs.partition_point(|at| *at <= x);
-    let rows = grid.ys.partition_point(|at| *at > y)..grid.ys.partition_point(|at| *at >= y);
-    let within = |cells: std::ops::Range<usize>, (first, end): Span| cells.start.max(first)..cells.end.min(end);
-    within(rows, plane.rows)
-        .flat_map(|row| within(cols.clone(), plane.cols).map(move |col| (row, col)))
-        .filter(|(row, col)| wanted.contains(*row, *col))
-        .collect()
-}
 
 /// One band of rows.
 pub(super) struct BandJob<'a> {
@@ -308,7 +49,7 @@ pub(super) struct Band<'a> {
 impl BandJob<'_> {
     /// Clears the cells that the blocks of casters hide; returns how many are left and how many were asked about.
     #[inline(always)]
-    fn cast<S: Simd>(&self, simd: S, cast: &Cast<'_>, words: &mut [u64]) -> (u64, u64) {
+    pub(super) fn cast<S: Simd>(&self, simd: S, cast: &Cast<'_>, words: &mut [u64]) -> (u64, u64) {
         let mut band = Band::new(words, self.scene.wanted.words_per_row());
         let tiles = self.tile_heights();
         if let Some((lowest, highest)) = self.heights(&tiles) {

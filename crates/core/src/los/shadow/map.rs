@@ -1,0 +1,130 @@
+//! Whole maps past prisms, for receivers at one height or at many.
+
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+
+use super::band::{BandJob, TILE};
+use super::cast::Cast;
+use super::outline::Plane;
+use super::scene::{Receivers, ShadowLos, ShadowScene, cells_at_uav, plane_of};
+use super::words::for_each_bit;
+use crate::quantity::LatticePoint;
+use crate::raster::BitGrid;
+
+/// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in line of sight of `uav`
+/// past the prisms: cell for cell what [`super::super::prisms_los`] says.
+///
+/// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
+/// checked).
+pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
+    match plane_of(scene.grid, scene.wanted, uav) {
+        Some(plane) => {
+            let cast = Cast::new(scene.casters, &plane, (z, z));
+            cast_all(scene, scene.wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &Receivers::Level(z), &cast)
+        }
+        None => nothing(scene),
+    }
+}
+
+/// Like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
+pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: LatticePoint, z: i64) -> BitGrid {
+    match plane_of(scene.grid, &cells, uav) {
+        Some(plane) => {
+            let cast = Cast::new(scene.casters, &plane, (z, z));
+            cast_all(scene, cells, &plane, &Receivers::Level(z), &cast).los
+        }
+        None => cells,
+    }
+}
+
+/// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
+/// cell.
+///
+/// Cost: where a quarter or more of the receivers stand at the lowest height (flat ground), those cost no more than by
+/// [`shadow_los`]; the others one comparison, eight at a time, for each shadow that their tile does not settle.
+pub fn shadow_los_relief(
+    scene: &ShadowScene<'_>,
+    uav: LatticePoint,
+    height: &(impl Fn(usize, usize) -> i32 + Sync),
+) -> ShadowLos {
+    let wanted = scene.wanted;
+    let width = wanted.words_per_row() * 64;
+    let mut heights = vec![0.0; wanted.n_rows() * width];
+    let (lowest, highest) = heights
+        .par_chunks_mut(width.max(1))
+        .enumerate()
+        .map(|(row, heights)| {
+            let mut range = (i32::MAX, i32::MIN);
+            for_each_bit(wanted.row(row), 0, wanted.n_cols(), |col| {
+                let z = height(row, col);
+                range = (range.0.min(z), range.1.max(z));
+                heights[col] = f64::from(z);
+            });
+            range
+        })
+        .reduce(|| (i32::MAX, i32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
+    let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
+    // Receivers on flat ground are one level, those on roofs the rest.
+    let (mut level, mut rest) = (BitGrid::new(wanted.n_rows(), wanted.n_cols()), wanted.clone());
+    for row in 0..wanted.n_rows() {
+        let words = row * wanted.words_per_row()..(row + 1) * wanted.words_per_row();
+        let (level, rest) = (&mut level.words_mut()[words.clone()], &mut rest.words_mut()[words]);
+        for (k, (level, rest)) in level.iter_mut().zip(rest).enumerate() {
+            let mut lowest_of_word = 0;
+            for (bit, z) in heights[row * width + k * 64..][..64].iter().enumerate() {
+                lowest_of_word |= u64::from(*z <= f64::from(lowest)) << bit;
+            }
+            *level = *rest & lowest_of_word;
+            *rest &= !*level;
+        }
+    }
+    let relief = Receivers::Relief { heights, width };
+    if level.count() * 4 < wanted.count() {
+        return cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast);
+    }
+    let on_some = |wanted: &BitGrid, receivers: &Receivers| match plane_of(scene.grid, wanted, uav) {
+        Some(plane) => {
+            let cells = wanted.in_rows(plane.rows.0..plane.rows.1);
+            cast_all(&ShadowScene { wanted, ..*scene }, cells, &plane, receivers, &cast)
+        }
+        None => nothing(&ShadowScene { wanted, ..*scene }),
+    };
+    let one = on_some(&level, &Receivers::Level(i64::from(lowest)));
+    let all = on_some(&rest, &relief);
+    ShadowLos { los: all.los.or(&one.los), count: all.count + one.count, asked: all.asked + one.asked }
+}
+
+/// What is found where no cell is wanted.
+fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
+    ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
+}
+
+/// Casts shadows on receivers of a scene; `los` are all the cells that hold one, and become those in line of sight.
+fn cast_all(
+    scene: &ShadowScene<'_>,
+    mut los: BitGrid,
+    plane: &Plane,
+    receivers: &Receivers,
+    cast: &Cast<'_>,
+) -> ShadowLos {
+    let at_uav = cells_at_uav(scene.grid, plane, &los);
+    let words_per_row = los.words_per_row();
+    let n_tiles = (plane.rows.1 - plane.rows.0).div_ceil(TILE);
+    let rows_per_band = n_tiles.div_ceil(scene.n_bands.max(1)) * TILE;
+    let (first, end) = (plane.rows.0 * words_per_row, plane.rows.1 * words_per_row);
+    let in_band = |(k, words): (usize, &mut [u64])| {
+        let first = plane.rows.0 + k * rows_per_band;
+        let rows = (first, first + words.len() / words_per_row);
+        let job = BandJob { scene, plane, receivers, rows, at_uav: &at_uav };
+        dispatch!(scene.level, simd => job.cast(simd, cast, words))
+    };
+    let bands = &mut los.words_mut()[first..end];
+    let counts = if n_tiles * TILE <= rows_per_band {
+        in_band((0, bands))
+    } else {
+        let counts = bands.par_chunks_mut(rows_per_band * words_per_row).enumerate().map(in_band);
+        counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+    };
+    ShadowLos { los, count: counts.0, asked: counts.1 }
+}

@@ -1,0 +1,100 @@
+//! What shadows are cast on, and the cells that they can meet.
+
+use fearless_simd::Level;
+
+use super::grid::ShadowGrid;
+use super::outline::Plane;
+use crate::height_field::{Casters, Prisms};
+use crate::quantity::LatticePoint;
+use crate::raster::BitGrid;
+
+/// Everything about shadows that is the same for many UAVs.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadowScene<'a> {
+    /// What hides receivers.
+    pub prisms: &'a Prisms,
+    /// What casts shadows: all casters of the prisms, or those that matter.
+    pub casters: &'a Casters,
+    /// Where receivers stand.
+    pub grid: &'a ShadowGrid,
+    /// The cells to decide, of the same shape as the grid.
+    pub wanted: &'a BitGrid,
+    /// Vector instructions to use; the outcome is the same at all levels.
+    pub level: Level,
+    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
+    pub n_bands: usize,
+}
+
+/// The cells in line of sight of a UAV.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShadowLos {
+    /// The wanted cells that are in line of sight.
+    pub los: BitGrid,
+    /// How many they are.
+    pub count: u64,
+    /// Receivers on the boundary of a shadow that `ray` was asked about.
+    pub asked: u64,
+}
+
+/// How high receivers stand \[1/1024 m above the datum\].
+pub(super) enum Receivers {
+    Level(i64),
+    /// By cell, `width` to the row, whole words of cells; 0 where none is wanted.
+    Relief {
+        heights: Vec<f64>,
+        width: usize,
+    },
+}
+
+impl Receivers {
+    #[inline(always)]
+    pub(super) fn at(&self, row: usize, col: usize) -> i64 {
+        match self {
+            Receivers::Level(z) => *z,
+            Receivers::Relief { heights, width } => {
+                #[expect(clippy::cast_possible_truncation, reason = "came from an i32")]
+                let z = heights[row * width + col] as i64;
+                z
+            }
+        }
+    }
+}
+
+/// The rows and the columns between which all cells of a set lie that are within some; `None` without any.
+pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> Option<(Span, Span)> {
+    let (first_word, end_word) = (cols.0 / 64, cols.1.div_ceil(64));
+    let is_used = |row: &usize| cells.row(*row)[first_word..end_word].iter().any(|w| *w != 0);
+    let first = (rows.0..rows.1).find(is_used)?;
+    let last = (first..rows.1).rev().find(is_used)?;
+    // PERF: row by row, as they lie in memory.
+    let mut used = cells.row(first)[first_word..end_word].to_vec();
+    for row in first + 1..=last {
+        used.iter_mut().zip(&cells.row(row)[first_word..end_word]).for_each(|(used, word)| *used |= word);
+    }
+    let west = used.iter().position(|w| *w != 0)?;
+    let east = used.iter().rposition(|w| *w != 0)?;
+    let first_col = (first_word + west) * 64 + used[west].trailing_zeros() as usize;
+    let end_col = (first_word + east) * 64 + 64 - used[east].leading_zeros() as usize;
+    Some(((first, last + 1), (first_col, end_col)))
+}
+
+/// The first of some rows or columns, and the one after the last.
+type Span = (usize, usize);
+
+/// The plane as seen from a UAV; `None` if no cell is wanted.
+pub(super) fn plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -> Option<Plane> {
+    let (rows, cols) = extent_of(wanted, (0, wanted.n_rows()), (0, wanted.n_cols()))?;
+    Some(Plane::new(grid, uav, rows, cols))
+}
+
+/// The wanted cells right below or above the UAV, of which no shadow tells.
+pub(super) fn cells_at_uav(grid: &ShadowGrid, plane: &Plane, wanted: &BitGrid) -> Vec<(usize, usize)> {
+    let (x, y) = (plane.uav.x, plane.uav.y);
+    let cols = grid.xs.partition_point(|at| *at < x)..grid.xs.partition_point(|at| *at <= x);
+    let rows = grid.ys.partition_point(|at| *at > y)..grid.ys.partition_point(|at| *at >= y);
+    let within = |cells: std::ops::Range<usize>, (first, end): Span| cells.start.max(first)..cells.end.min(end);
+    within(rows, plane.rows)
+        .flat_map(|row| within(cols.clone(), plane.cols).map(move |col| (row, col)))
+        .filter(|(row, col)| wanted.contains(*row, *col))
+        .collect()
+}
