@@ -516,12 +516,15 @@ fn interrupted(folder: &Folder, words: &[&str], pause: Duration) -> (Option<i32>
 fn an_interrupt_ends_with_130_and_leaves_nothing() {
     let folder = Folder::new();
     // Long enough that it cannot be done before the signal.
-    let words = ["map", "itu:suburban", "--size", "9000", "--uav", "4500,4500,10", "-o", "out.tif", "-o", "out.png"];
-    for pause in [Duration::from_millis(30), Duration::from_millis(1200)] {
+    let words = ["map", "itu:suburban", "--size", "12000", "--uav", "4500,4500,10", "-o", "out.tif", "-o", "out.png"];
+    for pause in [Duration::from_millis(30), Duration::from_millis(700)] {
         let (code, err, until_end) = interrupted(&folder, &words, pause);
-        assert_eq!(code, Some(130), "after {pause:?}: {err}");
         assert!(until_end < Duration::from_secs(2), "{until_end:?}");
-        assert!(err.ends_with("error[E130]: interrupted; nothing was written\n"), "{err}");
+        // In its first moments, before it listens, the signal itself ends it.
+        if code.is_some() || pause > Duration::from_millis(500) {
+            assert_eq!(code, Some(130), "after {pause:?}: {err}");
+            assert!(err.ends_with("error[E130]: interrupted; nothing was written\n"), "{err}");
+        }
         assert_eq!(folder.files(), [""; 0]);
     }
 }
