@@ -167,9 +167,9 @@ impl ZoneMap {
     /// # Examples
     ///
     /// ```
-    /// use skyshed::height_field::HeightField;
-    /// use skyshed::scene::{BuiltUp, BuiltUpCity};
-    /// use skyshed::zones::{Zone, ZoneMap};
+    /// use skyshed_core::height_field::HeightField;
+    /// use skyshed_core::scene::{BuiltUp, BuiltUpCity};
+    /// use skyshed_core::zones::{Zone, ZoneMap};
     ///
     /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
     /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
@@ -179,7 +179,7 @@ impl ZoneMap {
     /// assert_eq!(zones.at(10.0, 30.0), Some(Zone::Street));
     /// assert_eq!(zones.at(30.0, 30.0), Some(Zone::Rooftop));
     /// assert_eq!(zones.count(Zone::Courtyard), 0);
-    /// # Ok::<(), skyshed::Error>(())
+    /// # Ok::<(), skyshed_core::Error>(())
     /// ```
     pub fn of(field: &HeightField, built_up: Option<&BuiltUp>) -> Self {
         match built_up.filter(|_| field.prisms().is_some()) {

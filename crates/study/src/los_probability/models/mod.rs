@@ -23,8 +23,8 @@
 //! # Examples
 //!
 //! ```
-//! use skyshed::los_probability::models::{Model, ModelLink};
-//! use skyshed::scene::BuiltUp;
+//! use skyshed_study::los_probability::models::{Model, ModelLink};
+//! use skyshed_core::scene::BuiltUp;
 //!
 //! let urban = BuiltUp::new(0.3, 500.0, 15.0)?;
 //! let mut link = ModelLink {
@@ -41,7 +41,7 @@
 //! link.built_up = BuiltUp::new(0.435, 4679.0, 8.8)?;
 //! let refusal = Model::AlHourani2014.p_los(&link).expect_err("Ghent is outside");
 //! assert!(refusal.to_string().contains("αβ = 2035"));
-//! # Ok::<(), skyshed::Error>(())
+//! # Ok::<(), skyshed_core::Error>(())
 //! ```
 
 use std::fmt;
