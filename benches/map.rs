@@ -187,7 +187,7 @@ fn measure_levels(environment: &str, n: usize) {
         for (level, samples) in levels.iter().zip(&mut samples) {
             for (((field, method), uav), samples) in engines.iter().zip(&uavs).zip(samples) {
                 let receivers = receivers(field);
-                let los = GridLos::new(field, *method).with_level(*level);
+                let los = GridLos::new(field, *method).expect("a method for the scene").with_level(*level);
                 samples.push(on_one_thread(|| bits(&los, uav, &receivers)));
             }
         }
@@ -229,7 +229,7 @@ impl Rows {
         let options = MapOptions { method, ..MapOptions::default() };
         let mapper = Mapper::new(field, &options).expect("an engine for the scene");
         let compared = self.compare(&mapper, field, uav);
-        let los = GridLos::new(field, mapper.method().0);
+        let los = GridLos::new(field, mapper.method().0).expect("a method for the scene");
         let receivers = receivers(field);
 
         let mut mask = vec![0; heights.len()];
@@ -299,7 +299,7 @@ impl Rows {
 
         assert_eq!(map.mask.len(), n_cells);
         assert_eq!(Tally::of_mask(&map.mask).los, map.tally.los, "the tally does not count the mask");
-        let los = GridLos::new(field, mapper.method().0);
+        let los = GridLos::new(field, mapper.method().0).expect("a method for the scene");
         let receivers = receivers(field);
         let bits = los.los(&uav.station, &receivers, &receivers.cells, field.grid().window());
         assert_eq!((bits.count(), mapper.count(uav).1), (map.tally.los, map.tally.los), "bits and mask differ");

@@ -263,7 +263,9 @@ fn neither_threads_nor_vectors_change_a_cell() {
         let window = CellWindow { row: 0, col: 0, n_rows: grid.n_rows(), n_cols: grid.n_cols() };
         let los: Vec<_> = simd_levels()
             .into_iter()
-            .map(|level| GridLos::new(field, method).with_level(level).los(&uav.station, &receivers, &cells, window))
+            .map(|level| {
+                GridLos::new(field, method).unwrap().with_level(level).los(&uav.station, &receivers, &cells, window)
+            })
             .collect();
         assert!(los.len() >= 2 && los.iter().all(|found| *found == los[0]), "{method:?}");
     }

@@ -216,3 +216,37 @@ fn a_tiff_without_any_block_takes_no_memory() {
     let answer = folder.type_in("map sparse.tif --uav 1,1,50amsl --json");
     assert!(answer.refused(3)[0].starts_with("error[E305]"), "{}", answer.err);
 }
+
+/// The engine of a city on terrain is that of its own cells: coarser receivers stand on other cells than the terrain's, so that
+/// the sweep which decides the fine ones has no answer for them. It panicked.
+#[test]
+fn coarser_receivers_over_a_terrain_are_decided_by_an_engine_of_their_own() {
+    let folder = Folder::new();
+    let rows: Vec<String> = (0..200)
+        .map(|row| (0..200).map(|col| ((row * 7 + col * 3) % 40 / 2).to_string()).collect::<Vec<_>>().join(" "))
+        .collect();
+    let head = "ncols 200\nnrows 200\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n";
+    folder.write("terrain.asc", &format!("{head}{}\n", rows.join("\n")));
+    let house = |k: i32| {
+        let (w, s) = (20 + 45 * (k % 4), 20 + 45 * (k / 4));
+        let (e, n) = (w + 20, s + 20);
+        format!(
+            r#"{{"type":"Feature","properties":{{"height":{}}},"geometry":{{"type":"Polygon","coordinates":[[[{w},{s}],[{e},{s}],[{e},{n}],[{w},{n}],[{w},{s}]]]}}}}"#,
+            15 + 3 * (k % 4)
+        )
+    };
+    let houses = (0..16).map(house).collect::<Vec<_>>().join(",");
+    folder.write("houses.geojson", &format!(r#"{{"type":"FeatureCollection","features":[{houses}]}}"#));
+    let line = "plos houses.geojson --terrain terrain.asc --extent 0,0,200,200 --cell 1 --height 60 --positions 9 --theta 40:60:20 \
+                --method maps --json";
+    let p_los = |document: &Value| -> Vec<f64> {
+        let rows = document["rows"].as_array().unwrap();
+        rows.iter().map(|row| row["p_los"].as_f64().unwrap()).collect()
+    };
+    let exact = folder.type_in(line).done().json();
+    assert_eq!(exact["real_cities"][0]["engine"], "shadow+sweep", "{exact}");
+    let coarse = folder.type_in(&format!("{line} --tolerance 0.1")).done().json();
+    assert_eq!(coarse["real_cities"][0]["engine"], "shadow+ray", "{coarse}");
+    let (exact, coarse) = (p_los(&exact), p_los(&coarse));
+    assert!(exact != coarse && exact.iter().zip(&coarse).all(|(a, b)| (a - b).abs() <= 0.1), "{exact:?} {coarse:?}");
+}

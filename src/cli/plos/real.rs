@@ -10,7 +10,7 @@ use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::cli::plan::{limits_in_words, read_scene, receiver_height, warn_of_drop_across};
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
-use crate::los::{Method, MethodChoice};
+use crate::los::{Method, MethodChoice, WrongMethod};
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
@@ -49,7 +49,8 @@ impl Group {
 
 /// How links are decided and counted.
 pub(super) struct Sight {
-    method: Method,
+    /// What is taken for a scene, which a coarser one may answer otherwise.
+    choice: MethodChoice,
     block_m: f64,
     bands: Vec<Band>,
 }
@@ -129,17 +130,13 @@ impl Real {
                 return Err(Error::limit(502, text).with_hint("choose a part of it with `--extent`"));
             }
         }
-        let (method, _) = Method::choose(&self.field, choice).map_err(|wrong| {
-            Error::usage(118, format!("the method that was asked for cannot decide {}: {}", self.word, wrong.why))
-                .with_hint(format!("`--method maps` takes `{}` here", wrong.instead.name()))
-        })?;
         let size = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
         let block_m = args.block.unwrap_or((size / 8.0).max(100.0));
         if block_m <= 0.0 {
             return Err(Error::usage(113, format!("`--block` is `{block_m}`, wanted above 0 m")));
         }
         let theta_band = checked_theta_band(args)?;
-        let sight = Sight { method, block_m, bands: bands(&sweeps.far, theta_band) };
+        let sight = Sight { choice, block_m, bands: bands(&sweeps.far, theta_band) };
         let (coarse, tolerance) = match args.tolerance {
             Some(tolerance) => {
                 let (coarse, facts) = coarsest_within(self, args, (sweeps, &sight), tolerance)?;
@@ -148,6 +145,7 @@ impl Real {
             None => (None, None),
         };
         let field = coarse.as_ref().unwrap_or(&self.field);
+        let (method, _) = Method::choose(field, choice).map_err(|wrong| self.refuse(wrong))?;
         let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
         let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
         let mut rows = Vec::new();
@@ -202,11 +200,17 @@ impl Real {
         sight: &Sight,
     ) -> Result<RealCity<'a>> {
         let rx_height = receiver_height(args.rx_height)?;
-        let city = RealCity::new(field, sight.method, rx_height, field.grid().meters_per_unit(), sight.block_m);
+        let city = RealCity::new(field, sight.choice, rx_height, field.grid().meters_per_unit(), sight.block_m)
+            .map_err(|wrong| self.refuse(wrong))?;
         Ok(match self.cells_of(users, zones)? {
             Some(cells) => city.with_users(&cells),
             None => city,
         })
+    }
+
+    fn refuse(&self, wrong: WrongMethod) -> Error {
+        Error::usage(118, format!("the method that was asked for cannot decide {}: {}", self.word, wrong.why))
+            .with_hint(format!("`--method maps` takes `{}` here", wrong.instead.name()))
     }
 
     /// The cells that users of a zone stand on; `None` for all open ground.

@@ -13,7 +13,7 @@ use super::stability::{Decided, ShiftedRoofs};
 use super::{Stability, Tally, Uav};
 use crate::error::{Error, ErrorClass, Result};
 use crate::height_field::{Casters, GridPositions, HeightField, Station};
-use crate::los::{GridLos, GridReceivers, Method, MethodChoice, link_los};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod, link_los};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
@@ -156,10 +156,11 @@ impl<'a> Mapper<'a> {
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
     /// one.
     pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
-        let (method, why) = Method::choose(field, options.method).map_err(|wrong| {
+        let refuse = |wrong: WrongMethod| {
             Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
                 .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
-        })?;
+        };
+        let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
             let text =
                 format!("layers of heights with `{method}`, which is approximate: they are exact, and would not agree");
@@ -180,7 +181,7 @@ impl<'a> Mapper<'a> {
         let n_cols = field.grid().n_cols();
         let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
         xs.resize(n_cols.div_ceil(64) * 64, 0.0);
-        let engine = GridLos::new(field, method);
+        let engine = GridLos::new(field, method).map_err(refuse)?;
         let alone = engine.clone().in_one_band();
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
         Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })

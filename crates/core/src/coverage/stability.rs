@@ -163,7 +163,7 @@ impl Mapper<'_> {
         let (field, engine) = match which {
             Move::RoofsUp | Move::RoofsDown => {
                 let field = roofs.after(which)?;
-                (field, &GridLos::new(field, self.method().0))
+                (field, &GridLos::new(field, self.method().0).map_err(|wrong| wrong.why.to_string())?)
             }
             _ => (self.field(), self.engine()),
         };

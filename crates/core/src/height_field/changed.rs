@@ -1,5 +1,6 @@
 //! The same scene with one thing changed: its receivers, its buildings, or the heights of its roofs.
 
+use super::solid::{RasterSolid, Solid, VectorSolid};
 use super::{CellSets, Columns, HeightField, Piece, Prisms, Ring};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
 use crate::raster::{GeoRef, set_bits};
@@ -8,7 +9,7 @@ impl HeightField {
     /// The same solids under receivers on another grid.
     pub(super) fn with_receivers_on(&self, grid: &GeoRef) -> HeightField {
         let mut field = HeightField { grid: grid.clone(), ..self.clone() };
-        field.roofs = self.prisms.is_some().then(|| field.rasterize_roofs());
+        field.find_roofs();
         field.find_cells_without_data();
         field.cells = CellSets::of(&field);
         field
@@ -16,9 +17,12 @@ impl HeightField {
 
     /// The same ground without a building.
     pub(super) fn without_prisms(&self) -> HeightField {
-        let prisms = self.prisms.as_ref().map(|(_, frame)| (Prisms::new(Vec::<(Ring, i32, u32)>::new()), *frame));
-        let mut field = HeightField { prisms, building_ids: Vec::new(), ..self.clone() };
-        field.roofs = Some(vec![VOID; self.grid.n_cells()]);
+        let mut field = self.clone();
+        if let Solid::Vector(vector) = &mut field.solid {
+            vector.prisms = Prisms::new(Vec::<(Ring, i32, u32)>::new());
+            vector.building_ids = Vec::new();
+            vector.roofs = vec![VOID; self.grid.n_cells()];
+        }
         field.cells = CellSets::of(&field);
         field
     }
@@ -32,20 +36,23 @@ impl HeightField {
         let limit = height_steps(MAX_HEIGHT_M)?;
         let raised = |top: i32| Some(top + steps).filter(|top| top.abs() <= limit);
         let mut field = self.clone();
-        if let Some((prisms, _)) = &mut field.prisms {
-            let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
-            *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?);
-        } else if let Some((columns, _)) = &mut field.columns {
-            let n_cols = columns.n_cols();
-            let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
-            let mut tops = columns.tops().to_vec();
-            for row in 0..columns.n_rows() {
-                for col in set_bits(moves.row(row)) {
-                    tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
-                }
+        match &mut field.solid {
+            Solid::Vector(VectorSolid { prisms, .. }) => {
+                let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
+                *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?);
             }
-            let steps = columns.steps();
-            *columns = Columns::new(columns.n_rows(), n_cols, tops).with_cells_of(steps);
+            Solid::Raster(RasterSolid { columns, .. }) => {
+                let n_cols = columns.n_cols();
+                let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
+                let mut tops = columns.tops().to_vec();
+                for row in 0..columns.n_rows() {
+                    for col in set_bits(moves.row(row)) {
+                        tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
+                    }
+                }
+                let steps = columns.steps();
+                *columns = Columns::new(columns.n_rows(), n_cols, tops).with_cells_of(steps);
+            }
         }
         Some(field)
     }

@@ -90,11 +90,11 @@ impl HeightField {
     /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground
     /// there: *approximate*. `None` for a raster scene.
     pub fn rasterized(&self) -> Option<HeightField> {
-        self.prisms()?;
+        let roofs = &self.solid.vector()?.roofs;
         let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());
         // What blocks is all that is there, also outside of the data area.
         let top = |cell: usize| {
-            let roof = self.roofs.as_ref().map_or(VOID, |roofs| roofs[cell]);
+            let roof = roofs[cell];
             if roof == VOID { self.ground_at(&positions.center(cell / n_cols, cell % n_cols)) } else { roof }
         };
         let tops = (0..grid.n_cells()).into_par_iter().map(top);

@@ -8,6 +8,7 @@
 //! back. Its border is true to about a cell.
 
 use super::HeightField;
+use super::solid::Solid;
 use crate::error::Warning;
 use crate::outlines::{labelled_parts, overlapped_cells};
 use crate::quantity::{Frame, STEPS_PER_UNIT, VOID};
@@ -131,24 +132,29 @@ impl KnownGround {
 impl HeightField {
     /// Finds the cells of the receivers' grid that lie outside of the known ground.
     pub(super) fn find_cells_without_data(&mut self) {
-        if let Some(known) = &self.known_ground {
+        if let Some(known) = self.known_ground() {
             self.without_data = Some(known.outside(&self.grid)).filter(|outside| outside.count() > 0);
         }
+    }
+
+    /// Where the ground of a vector scene is known, if not everywhere.
+    fn known_ground(&self) -> Option<&KnownGround> {
+        self.solid.vector()?.known_ground.as_ref()
     }
 
     /// Takes all ground for known where less than a tenth of what is near the footprints is open: a lone building says nothing
     /// of a city.
     pub(super) fn know_all_if_little_is_open(&mut self, warnings: &mut Vec<Warning>) {
-        if self.known_ground.is_none() {
+        let Solid::Vector(vector) = &mut self.solid else { return };
+        if vector.known_ground.is_none() {
             return;
         }
         let n_known = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
-        let roofs = self.roofs.as_deref().unwrap_or(&[]);
-        let n_built = roofs.iter().filter(|roof| **roof != VOID).count() as u64;
+        let n_built = vector.roofs.iter().filter(|roof| **roof != VOID).count() as u64;
         if n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known {
             return;
         }
-        (self.known_ground, self.without_data) = (None, None);
+        (vector.known_ground, self.without_data) = (None, None);
         warnings.push(Warning::new(
             379,
             "hardly any open ground lies between the footprints, so all ground counts as known (`--data-area auto|all|FILE`)",
@@ -157,7 +163,7 @@ impl HeightField {
 
     /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.
     pub fn outside_data(&self) -> Option<&BitGrid> {
-        self.without_data.as_ref().filter(|_| self.known_ground.is_some())
+        self.without_data.as_ref().filter(|_| self.known_ground().is_some())
     }
 
     /// The heights \[m\] of those buildings that stand on the receivers' grid and in its data area.
@@ -174,7 +180,7 @@ impl HeightField {
     /// Whether a position \[CRS units\] is in the data area, as the cell is that holds it; everywhere is, where a scene has
     /// none.
     pub fn is_known_at(&self, x: f64, y: f64) -> bool {
-        let Some(known) = &self.known_ground else { return true };
+        let Some(known) = self.known_ground() else { return true };
         match (self.grid.cell_at(x, y), &self.without_data) {
             (Some((row, col)), Some(without_data)) => !without_data.contains(row, col),
             (Some(_), None) => true,

@@ -4,10 +4,11 @@ use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
 use super::data_area::KnownGround;
+use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellSets, Columns, ConvexPieces, Place, Plateaus, Prisms, Ring, cell_frame, convex_pieces};
 use crate::error::Warning;
 use crate::quantity::{BLOCKS_ALL, Frame, VOID, counted, meters};
-use crate::raster::{BitGrid, CellLattice, GeoRef, LargeVec};
+use crate::raster::{BitGrid, CellLattice, GeoRef};
 use crate::scene::{DataArea, Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -16,31 +17,11 @@ use crate::scene::{DataArea, Footprint, Ground, Solids};
 #[derive(Debug, Clone)]
 pub struct HeightField {
     pub(super) grid: GeoRef,
-    pub(super) prisms: Option<(Prisms, Frame)>,
-    pub(super) columns: Option<(Columns, Frame)>,
-    pub(super) floor: Floor,
-    /// Where a vector scene knows the ground, if not everywhere.
-    pub(super) known_ground: Option<KnownGround>,
+    pub(super) solid: Solid,
     /// The cells of the receivers' grid without data though a ground is known there, if there are any: those outside of the
     /// known ground, and those where a surface model has no height.
     pub(super) without_data: Option<BitGrid>,
-    /// Vector scenes: roof of each cell whose center is inside a building, [`VOID`] elsewhere.
-    pub(super) roofs: Option<Vec<i32>>,
-    pub(super) building_ids: Vec<String>,
     pub(super) cells: CellSets,
-}
-
-/// What lies below the buildings.
-#[derive(Debug, Clone)]
-pub(super) enum Floor {
-    /// The columns themselves: a surface model alone.
-    Surface,
-    /// A plane; in a raster scene, cells more than the threshold above it are buildings.
-    Flat { z: i32, building_threshold: i32 },
-    /// The terrain of a raster scene, cell by cell.
-    Terrain { tops: LargeVec<i32>, building_threshold: i32 },
-    /// The columns: the terrain of a vector scene, on its own grid.
-    Columns,
 }
 
 /// What a cell of the receivers' grid is.
@@ -64,23 +45,14 @@ impl HeightField {
         let mut field = match solids {
             Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
-                let floor = match ground {
-                    Ground::Surface => Floor::Surface,
-                    Ground::Flat(z) => Floor::Flat { z, building_threshold },
-                    Ground::Terrain(terrain) => Floor::Terrain { tops: terrain.into_cells(), building_threshold },
+                let below = match ground {
+                    Ground::Surface => Below::Surface,
+                    Ground::Flat(z) => Below::Flat { z, building_threshold },
+                    Ground::Terrain(terrain) => Below::Terrain { tops: terrain.into_cells(), building_threshold },
                 };
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
-                HeightField {
-                    grid: grid.clone(),
-                    prisms: None,
-                    columns: Some((columns, cell_frame(&georef))),
-                    floor,
-                    known_ground: None,
-                    without_data: voids,
-                    roofs: None,
-                    building_ids: Vec::new(),
-                    cells: no_cells,
-                }
+                let solid = Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), below });
+                HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
                 let prisms = prisms_of(&footprints, warnings);
@@ -91,30 +63,22 @@ impl HeightField {
                     DataArea::Within(area) => Some(KnownGround::Area(area)),
                 };
                 let building_ids = footprints.into_iter().map(|f| f.id).collect();
-                let (columns, floor) = match ground {
+                let ground = match ground {
                     Ground::Terrain(terrain) => {
                         let georef = terrain.georef().clone();
                         let lattice = CellLattice::under(&frame, &georef);
                         let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
                         // PERF: the ground is asked for cell by cell.
                         columns.tops();
-                        (Some((columns.with_cells_of(lattice.steps), lattice.frame)), Floor::Columns)
+                        VectorGround::Terrain { columns: columns.with_cells_of(lattice.steps), frame: lattice.frame }
                     }
-                    Ground::Flat(z) => (None, Floor::Flat { z, building_threshold: 0 }),
-                    Ground::Surface => (None, Floor::Flat { z: 0, building_threshold: 0 }),
+                    Ground::Flat(z) => VectorGround::Flat(z),
+                    Ground::Surface => VectorGround::Flat(0),
                 };
-                let mut field = HeightField {
-                    grid: grid.clone(),
-                    prisms: Some((prisms, frame)),
-                    columns,
-                    floor,
-                    known_ground,
-                    without_data: None,
-                    roofs: None,
-                    building_ids,
-                    cells: no_cells,
-                };
-                field.roofs = Some(field.rasterize_roofs());
+                let solid = VectorSolid { prisms, frame, ground, roofs: Vec::new(), known_ground, building_ids };
+                let solid = Solid::Vector(solid);
+                let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };
+                field.find_roofs();
                 field.find_cells_without_data();
                 if is_auto {
                     field.know_all_if_little_is_open(warnings);
@@ -129,7 +93,7 @@ impl HeightField {
 
     /// Warns of cells of a vector scene below which no terrain is known.
     fn warn_of_unknown_ground(&self, warnings: &mut Vec<Warning>) {
-        let is_on_terrain = self.prisms.is_some() && matches!(self.floor, Floor::Columns);
+        let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
         let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
         let n_unknown = of_data - self.cells.open.count() - self.cells.building.count();
         if is_on_terrain && n_unknown > 0 {
@@ -158,56 +122,55 @@ impl HeightField {
 
     /// The cells of a raster scene.
     pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
-        if self.prisms.is_some() {
-            return None;
-        }
-        let ground = match &self.floor {
-            Floor::Surface | Floor::Columns => RasterGround::Surface,
-            Floor::Flat { z, building_threshold } => {
+        let RasterSolid { columns, below, .. } = self.solid.raster()?;
+        let ground = match below {
+            Below::Surface => RasterGround::Surface,
+            Below::Flat { z, building_threshold } => {
                 RasterGround::Flat { z: *z, building_threshold: *building_threshold }
             }
-            Floor::Terrain { tops, building_threshold } => {
+            Below::Terrain { tops, building_threshold } => {
                 RasterGround::Terrain { tops, building_threshold: *building_threshold }
             }
         };
-        Some(RasterCells { tops: self.columns()?.tops(), ground })
+        Some(RasterCells { tops: columns.tops(), ground })
     }
 
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
-        match self.floor {
-            Floor::Flat { z, .. } => Some(z),
-            Floor::Surface | Floor::Terrain { .. } | Floor::Columns => None,
+        match &self.solid {
+            Solid::Raster(RasterSolid { below: Below::Flat { z, .. }, .. }) => Some(*z),
+            Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
+            Solid::Raster(_) | Solid::Vector(_) => None,
         }
     }
 
     /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
     pub(super) fn ground_on_grid(&self) -> Option<&[i32]> {
-        match &self.floor {
-            Floor::Terrain { tops, .. } => Some(tops),
-            Floor::Surface => self.columns().map(Columns::tops),
-            Floor::Columns if self.columns_are_on_grid() => self.columns().map(Columns::tops),
-            Floor::Columns | Floor::Flat { .. } => None,
+        match &self.solid {
+            Solid::Raster(RasterSolid { below: Below::Terrain { tops, .. }, .. }) => Some(tops),
+            Solid::Raster(RasterSolid { below: Below::Surface, columns, .. }) => Some(columns.tops()),
+            Solid::Raster(RasterSolid { below: Below::Flat { .. }, .. }) => None,
+            Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
         }
     }
 
     /// The roof of each building cell.
     pub(super) fn roofs_on_grid(&self) -> &[i32] {
-        match &self.roofs {
-            Some(roofs) => roofs,
-            None => self.columns().map_or(&[], Columns::tops),
+        match &self.solid {
+            Solid::Raster(raster) => raster.columns.tops(),
+            Solid::Vector(vector) => &vector.roofs,
         }
     }
 
     /// Whether the cells of the columns are those of the receivers' grid.
     pub fn columns_are_on_grid(&self) -> bool {
-        self.columns.as_ref().is_some_and(|(columns, frame)| {
+        self.solid.columns().is_some_and(|(columns, frame)| {
             let shape = (columns.n_rows(), columns.n_cols());
-            let of_grid = match &self.prisms {
-                Some((_, scene)) => CellLattice::under(scene, &self.grid).frame,
+            let of_grid = match self.prisms_frame() {
+                Some(scene) => CellLattice::under(&scene, &self.grid).frame,
                 None => cell_frame(&self.grid),
             };
-            shape == (self.grid.n_rows(), self.grid.n_cols()) && *frame == of_grid
+            shape == (self.grid.n_rows(), self.grid.n_cols()) && frame == of_grid
         })
     }
 
@@ -226,8 +189,8 @@ impl HeightField {
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
     /// known.
     pub fn plateaus(&self) -> Option<&Plateaus> {
-        let is_raster = self.prisms.is_none() && matches!(self.floor, Floor::Surface | Floor::Flat { .. });
-        self.columns().filter(|_| is_raster && self.columns_are_on_grid())?.plateaus()
+        let raster = self.solid.raster().filter(|raster| !matches!(raster.below, Below::Terrain { .. }))?;
+        Some(&raster.columns).filter(|_| self.columns_are_on_grid())?.plateaus()
     }
 
     /// The receivers' grid.
@@ -238,37 +201,37 @@ impl HeightField {
 
     /// The prisms, in a vector scene.
     pub fn prisms(&self) -> Option<&Prisms> {
-        self.prisms.as_ref().map(|(p, _)| p)
+        self.solid.vector().map(|vector| &vector.prisms)
     }
 
     /// The columns: the surface of a raster scene, or the terrain of a vector scene.
     pub fn columns(&self) -> Option<&Columns> {
-        self.columns.as_ref().map(|(c, _)| c)
+        self.solid.columns().map(|(columns, _)| columns)
     }
 
     /// The frame of the prisms' lattice.
     pub fn prisms_frame(&self) -> Option<Frame> {
-        self.prisms.as_ref().map(|(_, frame)| *frame)
+        self.solid.vector().map(|vector| vector.frame)
     }
 
     /// The frame of the columns' lattice.
     pub fn columns_frame(&self) -> Option<Frame> {
-        self.columns.as_ref().map(|(_, frame)| *frame)
+        self.solid.columns().map(|(_, frame)| frame)
     }
 
     /// The id of a building of the prisms.
     pub fn building_id(&self, building: u32) -> &str {
-        &self.building_ids[building as usize]
+        self.solid.vector().map_or("", |vector| &vector.building_ids[building as usize])
     }
 
     /// Number of buildings, in a vector scene.
     pub fn n_buildings(&self) -> usize {
-        self.building_ids.len()
+        self.solid.vector().map_or(0, |vector| vector.building_ids.len())
     }
 
     /// Whether receivers stand on a surface model because nothing below it is known.
     pub fn is_surface_only(&self) -> bool {
-        matches!(self.floor, Floor::Surface)
+        self.solid.raster().is_some_and(|raster| matches!(raster.below, Below::Surface))
     }
 
     /// What a cell is; `place` is its center.
@@ -278,89 +241,77 @@ impl HeightField {
         if self.without_data.as_ref().is_some_and(|cells| cells.contains(index / n_cols, index % n_cols)) {
             return CellKind::Void;
         }
-        if let Some(roofs) = &self.roofs {
-            let ground = self.ground_at(place);
-            return match (ground, roofs[index]) {
+        match &self.solid {
+            Solid::Raster(raster) => raster.kind_of(raster.columns.tops()[index], index),
+            Solid::Vector(vector) => match (self.ground_at(place), vector.roofs[index]) {
                 (VOID, VOID) => CellKind::Void,
                 (ground, VOID) => CellKind::Open(ground),
                 (_, roof) => CellKind::Building(roof),
-            };
-        }
-        self.kind_of_column(self.columns.as_ref().map_or(VOID, |(c, _)| c.tops()[index]), index)
-    }
-
-    /// What a cell of a raster scene is, given the top of its column.
-    #[inline]
-    fn kind_of_column(&self, top: i32, index: usize) -> CellKind {
-        if top == VOID || top == BLOCKS_ALL {
-            return CellKind::Void;
-        }
-        let above = |ground: i32, threshold: i32| {
-            if ground == VOID {
-                CellKind::Void
-            } else if i64::from(top) - i64::from(ground) > i64::from(threshold) {
-                CellKind::Building(top)
-            } else {
-                CellKind::Open(ground)
-            }
-        };
-        match &self.floor {
-            Floor::Surface | Floor::Columns => CellKind::Open(top),
-            Floor::Flat { z, building_threshold } => above(*z, *building_threshold),
-            Floor::Terrain { tops, building_threshold } => above(tops[index], *building_threshold),
+            },
         }
     }
 
     /// The ground and, if it is a building, the roof of a cell of the columns; both `None` where it is void. A surface
     /// model alone is all ground.
     pub fn column_parts(&self, cell: usize) -> (Option<i32>, Option<i32>) {
-        let n_cols = self.columns().map_or(1, Columns::n_cols);
-        let is_void = |cells: &BitGrid| self.prisms.is_none() && cells.contains(cell / n_cols, cell % n_cols);
-        let columns = self.columns.as_ref().filter(|_| !self.without_data.as_ref().is_some_and(is_void));
-        let Some(top) = columns.map(|(c, _)| c.tops()[cell]).filter(|t| *t != VOID && *t != BLOCKS_ALL) else {
+        let Some((columns, _)) = self.solid.columns() else { return (None, None) };
+        let n_cols = columns.n_cols();
+        let is_void = |cells: &BitGrid| self.prisms().is_none() && cells.contains(cell / n_cols, cell % n_cols);
+        let top = columns.tops()[cell];
+        if top == VOID || top == BLOCKS_ALL || self.without_data.as_ref().is_some_and(is_void) {
             return (None, None);
-        };
+        }
         let parts = |ground: i32, threshold: i32| {
             let is_building = ground != VOID && i64::from(top) - i64::from(ground) > i64::from(threshold);
             (Some(if is_building { ground } else { top }), is_building.then_some(top))
         };
-        match &self.floor {
-            Floor::Surface | Floor::Columns => (Some(top), None),
+        match &self.solid {
             // Under footprints the columns are the terrain.
-            Floor::Flat { .. } if self.prisms.is_some() => (Some(top), None),
-            Floor::Flat { z, building_threshold } => parts(*z, *building_threshold),
-            Floor::Terrain { tops, building_threshold } => parts(tops[cell], *building_threshold),
+            Solid::Vector(_) => (Some(top), None),
+            Solid::Raster(raster) => match &raster.below {
+                Below::Surface => (Some(top), None),
+                Below::Flat { z, building_threshold } => parts(*z, *building_threshold),
+                Below::Terrain { tops, building_threshold } => parts(tops[cell], *building_threshold),
+            },
         }
     }
 
     /// Height of the ground at a place, of the cell to its north-east on an edge; [`VOID`] where none is known.
     pub fn ground_at(&self, place: &Place) -> i32 {
-        let cell = || self.columns.as_ref().and_then(|(c, _)| c.cell_at(place.on_columns.0, place.on_columns.1));
-        let surface = || match (cell(), &self.columns) {
-            (Some(cell), Some((columns, _))) if columns.top_at(cell) != BLOCKS_ALL => columns.top_at(cell),
+        let cell_of = |columns: &Columns| columns.cell_at(place.on_columns.0, place.on_columns.1);
+        let top_of = |columns: &Columns| match cell_of(columns).map(|cell| columns.top_at(cell)) {
+            Some(top) if top != BLOCKS_ALL => top,
             _ => VOID,
         };
-        match &self.floor {
-            Floor::Surface | Floor::Columns => surface(),
-            // Ground that was typed has no end.
-            Floor::Flat { z, .. } => *z,
-            Floor::Terrain { tops, .. } => cell().map_or(VOID, |cell| tops[cell]),
+        match &self.solid {
+            Solid::Raster(raster) => match &raster.below {
+                Below::Surface => top_of(&raster.columns),
+                // Ground that was typed has no end.
+                Below::Flat { z, .. } => *z,
+                Below::Terrain { tops, .. } => cell_of(&raster.columns).map_or(VOID, |cell| tops[cell]),
+            },
+            Solid::Vector(vector) => match &vector.ground {
+                VectorGround::Flat(z) => *z,
+                VectorGround::Terrain { columns, .. } => top_of(columns),
+            },
         }
     }
 
     /// Height of the roof at a place, if a building is there (the one to its north-east on an edge).
     pub fn roof_at(&self, place: &Place) -> Option<i32> {
-        if let Some((prisms, _)) = &self.prisms {
-            return prisms.roof_at(place.on_prisms.0, place.on_prisms.1).map(|(top, _)| top);
-        }
-        let (columns, _) = self.columns.as_ref()?;
-        let cell = columns.cell_at(place.on_columns.0, place.on_columns.1)?;
-        let n_cols = columns.n_cols();
+        let raster = match &self.solid {
+            Solid::Raster(raster) => raster,
+            Solid::Vector(vector) => {
+                return vector.prisms.roof_at(place.on_prisms.0, place.on_prisms.1).map(|(top, _)| top);
+            }
+        };
+        let cell = raster.columns.cell_at(place.on_columns.0, place.on_columns.1)?;
+        let n_cols = raster.columns.n_cols();
         let is_void = |cells: &BitGrid| cells.contains(cell / n_cols, cell % n_cols);
         if self.without_data.as_ref().is_some_and(is_void) {
             return None;
         }
-        match self.kind_of_column(columns.top_at(cell), cell) {
+        match raster.kind_of(raster.columns.top_at(cell), cell) {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
         }
@@ -368,18 +319,18 @@ impl HeightField {
 
     /// The height below which the vertical line at a place is inside the prisms; [`VOID`] if it is not.
     pub fn inside_prisms_below(&self, place: &Place) -> i32 {
-        self.prisms.as_ref().map_or(VOID, |(p, _)| p.solid_below(place.on_prisms.0, place.on_prisms.1))
+        self.prisms().map_or(VOID, |p| p.solid_below(place.on_prisms.0, place.on_prisms.1))
     }
 
     /// The height below which the vertical line at a place is inside the columns; [`VOID`] if it is not.
     pub fn inside_columns_below(&self, place: &Place) -> i32 {
-        self.columns.as_ref().map_or(VOID, |(c, _)| c.solid_below(place.on_columns.0, place.on_columns.1))
+        self.columns().map_or(VOID, |c| c.solid_below(place.on_columns.0, place.on_columns.1))
     }
 
     /// The highest obstacle \[1/1024 m\], [`VOID`] if there is none.
     pub fn max_top(&self) -> i32 {
-        let prisms = self.prisms.as_ref().map_or(VOID, |(p, _)| p.max_top());
-        prisms.max(self.columns.as_ref().map_or(VOID, |(c, _)| c.max_top()))
+        let prisms = self.prisms().map_or(VOID, Prisms::max_top);
+        prisms.max(self.columns().map_or(VOID, Columns::max_top))
     }
 
     /// The surface seen from above at each cell \[m above the datum\], NaN where void.
@@ -420,6 +371,30 @@ impl HeightField {
             }
         });
         cells
+    }
+}
+
+impl RasterSolid {
+    /// What a cell is, given the top of its column.
+    #[inline]
+    fn kind_of(&self, top: i32, cell: usize) -> CellKind {
+        if top == VOID || top == BLOCKS_ALL {
+            return CellKind::Void;
+        }
+        let above = |ground: i32, threshold: i32| {
+            if ground == VOID {
+                CellKind::Void
+            } else if i64::from(top) - i64::from(ground) > i64::from(threshold) {
+                CellKind::Building(top)
+            } else {
+                CellKind::Open(ground)
+            }
+        };
+        match &self.below {
+            Below::Surface => CellKind::Open(top),
+            Below::Flat { z, building_threshold } => above(*z, *building_threshold),
+            Below::Terrain { tops, building_threshold } => above(tops[cell], *building_threshold),
+        }
     }
 }
 

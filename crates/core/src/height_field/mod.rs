@@ -16,6 +16,7 @@ mod plateaus;
 mod positions;
 mod prisms;
 mod roofs;
+mod solid;
 mod tile_maxima;
 mod triangulate;
 

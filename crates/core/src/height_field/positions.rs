@@ -179,7 +179,7 @@ impl HeightField {
         let mut moved = self.place(place.x + dx, place.y + dy);
         // Rounding the sum could make no step of one, or two.
         let by = |(x, y): (i64, i64)| (x + east, y + north);
-        match &self.prisms {
+        match self.prisms() {
             Some(_) => {
                 moved.on_prisms = by(place.on_prisms);
                 moved.on_columns = self.on_columns(moved.on_prisms);
@@ -196,7 +196,7 @@ impl HeightField {
 
     /// The cell centers of any grid on the lattices.
     pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
-        GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms.is_some()), |x, y| self.place(x, y))
+        GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
     }
 }
 

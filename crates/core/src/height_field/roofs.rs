@@ -2,17 +2,31 @@
 
 use std::ops::Range;
 
-use super::HeightField;
+use super::solid::Solid;
+use super::{HeightField, Prisms};
 use crate::quantity::VOID;
 use crate::raster::BitGrid;
 
 impl HeightField {
-    /// The roof of every cell whose center is in the interior of B and above the ground.
+    /// Finds the roof of every cell of a vector scene whose center is in the interior of B and above the ground.
     ///
     /// Cost: the rows that each edge of a piece passes, and the cells in each piece.
-    pub(super) fn rasterize_roofs(&self) -> Vec<i32> {
+    pub(super) fn find_roofs(&mut self) {
+        if let Some(prisms) = self.prisms() {
+            let roofs = self.roofs_of(prisms);
+            self.set_roofs(roofs);
+        }
+    }
+
+    /// Says what the roofs of a vector scene are.
+    pub(super) fn set_roofs(&mut self, roofs: Vec<i32>) {
+        if let Solid::Vector(vector) = &mut self.solid {
+            vector.roofs = roofs;
+        }
+    }
+
+    fn roofs_of(&self, prisms: &Prisms) -> Vec<i32> {
         let mut roofs = vec![VOID; self.grid.n_cells()];
-        let Some((prisms, _)) = &self.prisms else { return roofs };
         let positions = self.positions();
         let centers = Centers { xs: positions.prisms_xs().collect(), ys: positions.prisms_ys().collect() };
         let n_cols = self.grid.n_cols();

@@ -10,7 +10,9 @@ use super::{
     OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength, UavPositions, link_los,
     r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, StandsOn, Station, TileMaxima};
+use crate::height_field::{
+    Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, StandsOn, Station, TileMaxima,
+};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
@@ -275,6 +277,12 @@ impl<'a> GridReceivers<'a> {
         i64::from(self.base(cell)) + i64::from(self.above)
     }
 
+    /// Heights of receivers by row and column \[1/1024 m above the datum\].
+    fn heights(&self) -> impl Fn(usize, usize) -> i64 + Sync + '_ {
+        let n_cols = self.cells.n_cols();
+        move |row, col| self.height(row * n_cols + col)
+    }
+
     /// Height of the lowest receiver; `None` without any.
     pub fn lowest(&self) -> Option<i64> {
         self.cells.words().iter().any(|w| *w != 0).then(|| i64::from(self.range.0) + i64::from(self.above))
@@ -293,13 +301,79 @@ fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
+/// An engine with the solids that it works on.
+#[derive(Debug, Clone)]
+enum Engine<'a> {
+    Ray,
+    Step(&'a Columns, StepLength),
+    Xdraw(&'a Columns),
+    R2(&'a Columns),
+    Sweep(&'a Columns),
+    /// Shadows of the plateaus of columns; where those cannot decide, the sweep.
+    Plateaus(&'a Columns, &'a Plateaus, ShadowGrid),
+    Shadow(PrismShadows<'a>),
+    /// And then the sweep for the terrain below the prisms.
+    ShadowSweep(PrismShadows<'a>, &'a Columns),
+    /// And then rays, which ask prisms and terrain alike.
+    ShadowRay(PrismShadows<'a>),
+}
+
+/// Prisms, and where receivers stand among them.
+#[derive(Debug, Clone)]
+struct PrismShadows<'a> {
+    prisms: &'a Prisms,
+    grid: ShadowGrid,
+}
+
+impl<'a> Engine<'a> {
+    /// The engine of a method over the solids of a field.
+    fn new(field: &'a HeightField, method: Method, positions: &GridPositions) -> Result<Self, WrongMethod> {
+        let shadows = |prisms| {
+            let grid = ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
+            PrismShadows { prisms, grid }
+        };
+        Ok(match (method, field.prisms(), field.columns()) {
+            (Method::Ray, ..) => Engine::Ray,
+            (Method::Step(length), None, Some(columns)) => Engine::Step(columns, length),
+            (Method::Xdraw, None, Some(columns)) => Engine::Xdraw(columns),
+            (Method::R2, None, Some(columns)) => Engine::R2(columns),
+            (Method::Sweep, None, Some(columns)) => {
+                // What many threads will want is made before they do.
+                columns.tiles();
+                Engine::Sweep(columns)
+            }
+            (Method::Shadow, None, Some(columns)) => match field.plateaus() {
+                Some(plateaus) => {
+                    let grid = ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
+                    Engine::Plateaus(columns, plateaus, grid)
+                }
+                // A raster that was changed may have none any more.
+                None => Engine::Sweep(columns),
+            },
+            (Method::Shadow, Some(prisms), None) => Engine::Shadow(shadows(prisms)),
+            (Method::ShadowSweep, Some(prisms), Some(columns)) if field.columns_can_be_swept() => {
+                Engine::ShadowSweep(shadows(prisms), columns)
+            }
+            (Method::ShadowRay, Some(prisms), Some(_)) => Engine::ShadowRay(shadows(prisms)),
+            (_, prisms, columns) => {
+                let (why, instead) = match (prisms, columns) {
+                    (Some(_), None) => ("footprints on flat ground are no raster, and have no terrain", Method::Shadow),
+                    (Some(_), Some(_)) => ("footprints on terrain are no raster", Method::ShadowRay),
+                    (None, _) => ("a raster has no footprints", Method::Sweep),
+                };
+                return Err(WrongMethod { why, instead });
+            }
+        })
+    }
+}
+
 /// An engine made ready for a scene: what does not depend on the UAV is done once.
 #[derive(Debug, Clone)]
 pub struct GridLos<'a> {
     field: &'a HeightField,
     method: Method,
+    engine: Engine<'a>,
     positions: GridPositions,
-    shadows: Option<ShadowGrid>,
     /// What casts shadows, if not all prisms do.
     casters: Option<Arc<Casters>>,
     level: SimdLevel,
@@ -310,27 +384,22 @@ pub struct GridLos<'a> {
 }
 
 impl<'a> GridLos<'a> {
-    /// Makes ready; the method must be one that [`Method::choose`] gives for the field.
-    pub fn new(field: &'a HeightField, method: Method) -> Self {
+    /// Makes ready.
+    ///
+    /// # Errors
+    /// If the method is for another kind of scene; none of those that [`Method::choose`] gives for the field is.
+    pub fn new(field: &'a HeightField, method: Method) -> Result<Self, WrongMethod> {
         let positions = field.positions();
-        let on_prisms = || ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
-        let on_columns = || ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
-        let shadows = field.prisms().map(|_| on_prisms()).or_else(|| field.plateaus().map(|_| on_columns()));
-        // What many threads will want is made before they do.
-        if let (Method::Sweep, Some(columns)) = (method, field.columns()) {
-            columns.tiles();
-        }
-        let level = SimdLevel::new();
-        GridLos {
+        Ok(GridLos {
             field,
             method,
+            engine: Engine::new(field, method, &positions)?,
             positions,
-            shadows,
             casters: None,
-            level,
+            level: SimdLevel::new(),
             is_one_band: false,
             last_view: Arc::default(),
-        }
+        })
     }
 
     /// The same with other vector instructions: no result depends on them.
@@ -368,7 +437,7 @@ impl<'a> GridLos<'a> {
     /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as receivers see them; `None` unless the
     /// engine is `shadow` over prisms alone.
     pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
-        let prisms = self.field.prisms().filter(|_| self.method == Method::Shadow)?;
+        let Engine::Shadow(PrismShadows { prisms, .. }) = &self.engine else { return None };
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
     }
@@ -376,9 +445,11 @@ impl<'a> GridLos<'a> {
     /// Whether receivers are decided by one level of shadows, or by the shadows of plateaus: at a cost that grows with the
     /// rows that are asked for.
     pub fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
-        self.method == Method::Shadow
-            && (self.field.prisms().is_some() && receivers.level().is_some()
-                || self.on_plateaus(uav, receivers).is_some())
+        match &self.engine {
+            Engine::Shadow(_) => receivers.level().is_some(),
+            Engine::Plateaus(columns, plateaus, _) => on_plateaus(columns, plateaus, uav, receivers).is_some(),
+            _ => false,
+        }
     }
 
     /// The receivers of `wanted` that are in line of sight of a UAV.
@@ -386,31 +457,38 @@ impl<'a> GridLos<'a> {
     /// `wanted` are some of the cells of `receivers`, and `window` holds them, together with all cells between them and
     /// the UAV.
     pub fn los(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
-        match self.method {
-            Method::Ray => self.by_rays(uav, receivers, wanted),
-            Method::Step(length) => self.by_links(receivers, wanted, |field, receiver| {
-                let (uav, receiver) = (uav.on_columns(), receiver.on_columns());
-                field.columns().is_none_or(|columns| step_los(columns, uav, receiver, length))
+        match &self.engine {
+            Engine::Ray => self.by_rays(uav, receivers, wanted),
+            Engine::Step(columns, length) => self.by_links(receivers, wanted, |_, receiver| {
+                step_los(columns, uav.on_columns(), receiver.on_columns(), *length)
             }),
-            Method::Xdraw => self.by_slopes(receivers, wanted, |columns, height| {
-                xdraw_los(columns, uav.on_columns(), height, wanted, window)
-            }),
-            Method::R2 => self.by_slopes(receivers, wanted, |columns, height| {
-                r2_los(columns, uav.on_columns(), height, wanted, window)
-            }),
-            Method::Sweep => self.by_sweep(uav, receivers, wanted, window),
-            Method::Shadow if self.field.prisms().is_none() => self.by_plateaus(uav, receivers, wanted, window),
-            Method::Shadow => self.by_shadows(uav, receivers, wanted),
+            Engine::Xdraw(columns) => xdraw_los(columns, uav.on_columns(), &receivers.heights(), wanted, window),
+            Engine::R2(columns) => r2_los(columns, uav.on_columns(), &receivers.heights(), wanted, window),
+            Engine::Sweep(columns) => self.by_sweep(columns, uav, receivers, wanted, window),
+            Engine::Plateaus(columns, plateaus, grid) => match on_plateaus(columns, plateaus, uav, receivers) {
+                Some(on_plateaus) => {
+                    let n_bands = self.n_bands();
+                    let scene = PlateauScene { columns, plateaus, grid, wanted, window, level: self.level, n_bands };
+                    plateaus_los_in_view(&scene, &self.view_of(&scene, uav.on_columns(), on_plateaus))
+                }
+                None => self.by_sweep(columns, uav, receivers, wanted, window),
+            },
+            Engine::Shadow(shadows) => self.by_shadows(shadows, uav, receivers, wanted),
             // What the prisms hide need not be asked of the terrain.
-            Method::ShadowSweep => {
-                let left = self.by_shadows(uav, receivers, wanted);
-                self.by_sweep(uav, receivers, &left, window)
+            Engine::ShadowSweep(shadows, columns) => {
+                let left = self.by_shadows(shadows, uav, receivers, wanted);
+                self.by_sweep(columns, uav, receivers, &left, window)
             }
-            Method::ShadowRay => {
-                let left = self.by_shadows(uav, receivers, wanted);
+            Engine::ShadowRay(shadows) => {
+                let left = self.by_shadows(shadows, uav, receivers, wanted);
                 self.by_rays(uav, receivers, &left)
             }
         }
+    }
+
+    /// Bands of rows that are worked on side by side.
+    fn n_bands(&self) -> usize {
+        if self.is_one_band { 1 } else { rayon::current_num_threads() }
     }
 
     fn by_rays(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
@@ -438,20 +516,14 @@ impl<'a> GridLos<'a> {
         los
     }
 
-    /// The wanted receivers that an engine over whole columns finds, given their heights.
-    fn by_slopes(
+    fn by_sweep(
         &self,
+        columns: &Columns,
+        uav: &Station,
         receivers: &GridReceivers<'_>,
         wanted: &BitGrid,
-        find: impl Fn(&Columns, &(dyn Fn(usize, usize) -> i64 + Sync)) -> BitGrid,
+        window: CellWindow,
     ) -> BitGrid {
-        let n_cols = wanted.n_cols();
-        let height = |row: usize, col: usize| receivers.height(row * n_cols + col);
-        self.field.columns().map_or_else(|| wanted.clone(), |columns| find(columns, &height))
-    }
-
-    fn by_sweep(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
-        let Some(columns) = self.field.columns() else { return wanted.clone() };
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
         let heights = match receivers.bases() {
@@ -462,22 +534,6 @@ impl<'a> GridLos<'a> {
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los
-    }
-
-    fn by_plateaus(
-        &self,
-        uav: &Station,
-        receivers: &GridReceivers<'_>,
-        wanted: &BitGrid,
-        window: CellWindow,
-    ) -> BitGrid {
-        let (Some((columns, plateaus, on_plateaus)), Some(grid)) = (self.on_plateaus(uav, receivers), &self.shadows)
-        else {
-            return self.by_sweep(uav, receivers, wanted, window);
-        };
-        let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
-        let scene = PlateauScene { columns, plateaus, grid, wanted, window, level: self.level, n_bands };
-        plateaus_los_in_view(&scene, &self.view_of(&scene, uav.on_columns(), on_plateaus))
     }
 
     /// What a UAV has in view of plateaus.
@@ -496,25 +552,14 @@ impl<'a> GridLos<'a> {
         }
     }
 
-    /// The plateaus of a raster, and where receivers stand on them; `None` unless their shadows decide.
-    fn on_plateaus(
+    fn by_shadows(
         &self,
+        PrismShadows { prisms, grid }: &PrismShadows<'_>,
         uav: &Station,
         receivers: &GridReceivers<'_>,
-    ) -> Option<(&'a Columns, &'a Plateaus, OnPlateaus)> {
-        let (columns, plateaus) = (self.field.columns()?, self.field.plateaus()?);
-        let on_plateaus = match receivers.level() {
-            Some(z) => OnPlateaus::Level(z),
-            None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above))?,
-        };
-        // Beside the raster a UAV may be below all of it.
-        let lowest = uav.z.min(i64::from(receivers.range.0) + i64::from(receivers.above));
-        (lowest >= i64::from(plateaus.lowest())).then_some((columns, plateaus, on_plateaus))
-    }
-
-    fn by_shadows(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid) -> BitGrid {
-        let (Some(prisms), Some(grid)) = (self.field.prisms(), &self.shadows) else { return wanted.clone() };
-        let n_bands = if self.is_one_band { 1 } else { rayon::current_num_threads() };
+        wanted: &BitGrid,
+    ) -> BitGrid {
+        let n_bands = self.n_bands();
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         let scene = ShadowScene { prisms, casters, grid, wanted, level: self.level, n_bands };
         let n_cols = wanted.n_cols();
@@ -526,4 +571,20 @@ impl<'a> GridLos<'a> {
             }
         }
     }
+}
+
+/// Where receivers stand on plateaus; `None` unless the shadows of these decide.
+fn on_plateaus(
+    columns: &Columns,
+    plateaus: &Plateaus,
+    uav: &Station,
+    receivers: &GridReceivers<'_>,
+) -> Option<OnPlateaus> {
+    let on_plateaus = match receivers.level() {
+        Some(z) => OnPlateaus::Level(z),
+        None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above))?,
+    };
+    // Beside the raster a UAV may be below all of it.
+    let lowest = uav.z.min(i64::from(receivers.range.0) + i64::from(receivers.above));
+    (lowest >= i64::from(plateaus.lowest())).then_some(on_plateaus)
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::bootstrap::{Drawing, RESAMPLINGS, spread};
 use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
 use crate::height_field::{HeightField, Station};
-use crate::los::{GridLos, GridReceivers, Method};
+use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellBlocks, CellWindow, set_bits};
 
@@ -93,14 +93,29 @@ pub struct RealCity<'a> {
 
 impl<'a> RealCity<'a> {
     /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
-    pub fn new(field: &'a HeightField, method: Method, rx_height: i32, meters_per_unit: f64, block_m: f64) -> Self {
-        RealCity {
+    ///
+    /// # Errors
+    /// If the choice names an engine for another kind of scene.
+    pub fn new(
+        field: &'a HeightField,
+        choice: MethodChoice,
+        rx_height: i32,
+        meters_per_unit: f64,
+        block_m: f64,
+    ) -> Result<Self, WrongMethod> {
+        let (method, _) = Method::choose(field, choice)?;
+        Ok(RealCity {
             field,
-            engine: GridLos::new(field, method),
+            engine: GridLos::new(field, method)?,
             receivers: GridReceivers::new(&field.cells().open, field.ground_of_cells(), rx_height),
             meters_per_unit,
             blocks: CellBlocks::new(field.grid(), meters_per_unit, block_m),
-        }
+        })
+    }
+
+    /// The engine in use.
+    pub fn method(&self) -> Method {
+        self.engine.method()
     }
 
     /// The same city with users on some of the cells alone, such as those of a zone.

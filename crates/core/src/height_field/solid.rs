@@ -1,0 +1,85 @@
+//! What a ray can hit in a scene, and what receivers stand on: columns alone, or prisms with the ground below them.
+
+use super::data_area::KnownGround;
+use super::{Columns, Prisms};
+use crate::quantity::Frame;
+use crate::raster::LargeVec;
+
+/// The solids of a scene, of one kind or the other.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one of them")]
+pub(super) enum Solid {
+    Raster(RasterSolid),
+    Vector(VectorSolid),
+}
+
+/// A raster scene: columns over the cells of the receivers' grid.
+#[derive(Debug, Clone)]
+pub(super) struct RasterSolid {
+    pub(super) columns: Columns,
+    pub(super) frame: Frame,
+    pub(super) below: Below,
+}
+
+/// What lies below the surface of a raster scene; a cell more than the threshold above it is a building.
+#[derive(Debug, Clone)]
+pub(super) enum Below {
+    /// Nothing that is known: receivers stand on the surface.
+    Surface,
+    /// A plane.
+    Flat { z: i32, building_threshold: i32 },
+    /// A terrain, cell by cell.
+    Terrain { tops: LargeVec<i32>, building_threshold: i32 },
+}
+
+/// A vector scene: prisms on the ground. A wall that they happen to share with the terrain is not joined.
+#[derive(Debug, Clone)]
+pub(super) struct VectorSolid {
+    pub(super) prisms: Prisms,
+    pub(super) frame: Frame,
+    pub(super) ground: VectorGround,
+    /// Roof of each cell whose center is inside a building, [`crate::quantity::VOID`] elsewhere.
+    pub(super) roofs: Vec<i32>,
+    /// Where the ground is known, if not everywhere.
+    pub(super) known_ground: Option<KnownGround>,
+    pub(super) building_ids: Vec<String>,
+}
+
+/// What prisms stand on.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one of them")]
+pub(super) enum VectorGround {
+    /// A plane.
+    Flat(i32),
+    /// A terrain on a grid of its own.
+    Terrain { columns: Columns, frame: Frame },
+}
+
+impl Solid {
+    /// The columns with the frame of their lattice: the surface of a raster scene, or the terrain of a vector scene.
+    pub(super) fn columns(&self) -> Option<(&Columns, Frame)> {
+        match self {
+            Solid::Raster(raster) => Some((&raster.columns, raster.frame)),
+            Solid::Vector(vector) => match &vector.ground {
+                VectorGround::Flat(_) => None,
+                VectorGround::Terrain { columns, frame } => Some((columns, *frame)),
+            },
+        }
+    }
+
+    /// The solids of a vector scene.
+    pub(super) fn vector(&self) -> Option<&VectorSolid> {
+        match self {
+            Solid::Raster(_) => None,
+            Solid::Vector(vector) => Some(vector),
+        }
+    }
+
+    /// The solid of a raster scene.
+    pub(super) fn raster(&self) -> Option<&RasterSolid> {
+        match self {
+            Solid::Raster(raster) => Some(raster),
+            Solid::Vector(_) => None,
+        }
+    }
+}
