@@ -1,6 +1,10 @@
 //! No run takes more memory than `--max-memory`: it stays within a tenth of it, or ends with exit code 5 and no file.
 
-use crate::program::Folder;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::program::{Folder, wait};
 
 /// What is taken before a watch comes to its turn on a machine that runs other tests \[bytes\].
 const SLACK: u64 = 8 << 20;
@@ -21,6 +25,7 @@ fn scenes() -> Folder {
         "houses.geojson",
         &serde_json::json!({"type": "FeatureCollection", "crs": crs, "features": features}).to_string(),
     );
+    folder.write("walk.csv", "x,y\n10,10\n800,10\n800,700\n");
     folder
 }
 
@@ -42,6 +47,13 @@ fn a_run_stays_within_its_memory_or_is_refused() {
         "compare houses.geojson --uav 3,3,90 --uav 300,300,90 -o a.html -o a.tif",
         "plos houses.geojson --theta 30,60 -o a.csv",
         "stress houses.geojson --uav 3,3,90 -o a.csv",
+        "stress --scenes 10 -o a.csv",
+        "link city.tif --ground 0 --uav 10,10,90 --track walk.csv -o a.csv",
+        "info houses.geojson --uav 3,3,90 --json",
+        "place houses.geojson --height 60 --sample street:20 -o a.csv",
+        "plos itu:urban --method city,product --cities 10 -o a.csv",
+        "chart itu:urban --size 500 --uav 10,10,90 --time 0 -o a.csv",
+        "chart itu:urban --plos --time 0 -o a.csv",
     ] {
         let before = folder.files();
         let (answer, needed) = folder.measured(line);
@@ -68,6 +80,79 @@ fn a_run_stays_within_its_memory_or_is_refused() {
             assert!(said[0].starts_with("error[E501]: cannot "), "{said:?}");
             let starts = said[0].contains("cannot start");
             assert!(starts || peak <= limit + limit / 10 + SLACK, "{line}: {peak} of {limit} bytes");
+            assert_eq!(folder.files(), before, "{line}");
+        }
+    }
+}
+
+/// A control group with a limit of memory, removed when dropped.
+struct Group(PathBuf);
+
+impl Group {
+    /// A group below the root of version 1 or 2; `None` where this process may not make one.
+    fn new(limit: u64) -> Option<Group> {
+        let name = format!("skyshed-{}-{limit}", std::process::id());
+        let roots = [("/sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("/sys/fs/cgroup", "memory.max")];
+        roots.into_iter().find_map(|(root, file)| {
+            let folder = Path::new(root).join(&name);
+            std::fs::create_dir(&folder).ok()?;
+            let group = Group(folder);
+            // Never a new file: a folder that is no group holds none.
+            let mut file = std::fs::OpenOptions::new().write(true).open(group.0.join(file)).ok()?;
+            file.write_all(limit.to_string().as_bytes()).ok()?;
+            Some(group)
+        })
+    }
+}
+
+impl Drop for Group {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir(&self.0);
+    }
+}
+
+/// Says so past the capture of the test harness.
+fn skipped() {
+    let _ = writeln!(std::io::stderr(), "SKIPPED: no control group with a limit of memory can be made here");
+}
+
+/// Without `--max-memory` the bound is that of the group; what exceeds it is ended by the kernel with a signal, which is a failure.
+#[test]
+fn a_run_in_a_group_with_little_memory_is_refused_and_not_killed() {
+    let folder = scenes();
+    for line in [
+        "map city.tif --ground 0 --uav 10,10,90 -o a.tif -o a.png -o a.npz",
+        "map houses.geojson --uav 3,3,90 -o a.tif -o a.json",
+        "info houses.geojson --tile 20 -o a.tif",
+        "compare houses.geojson --uav 3,3,90 --uav 300,300,90 -o a.html -o a.tif",
+    ] {
+        let before = folder.files();
+        let (answer, needed) = folder.measured(line);
+        assert_eq!(answer.code(), 0, "{line}: {answer:?}");
+        let written: Vec<String> = folder.files().into_iter().filter(|file| !before.contains(file)).collect();
+        let clear = || written.iter().for_each(|file| std::fs::remove_file(folder.join(file)).unwrap());
+        clear();
+        for (limit, is_enough) in [(needed / 4, false), (needed / 2, false), (2 * needed, true)] {
+            let Some(group) = Group::new(limit) else { return skipped() };
+            let mut command = Command::new("sh");
+            command.args([
+                "-c",
+                "echo $$ > \"$1/cgroup.procs\" || exit 99; shift; exec \"$0\" \"$@\"",
+                env!("CARGO_BIN_EXE_skyshed"),
+            ]);
+            command.arg(&group.0).args(line.split(' ')).current_dir(folder.path());
+            let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+            let answer = wait(child);
+            match answer.code() {
+                0 => {
+                    clear();
+                    continue;
+                }
+                99 => return skipped(),
+                _ => {}
+            }
+            assert!(!is_enough, "{line}: {needed} bytes suffice, but of {limit}: {answer:?}");
+            assert!(answer.refused(5)[0].starts_with("error[E501]: cannot "), "{answer:?}");
             assert_eq!(folder.files(), before, "{line}");
         }
     }

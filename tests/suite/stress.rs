@@ -357,7 +357,6 @@ fn what_makes_no_sense_is_refused() {
     for (line, code, first) in [
         ("stress --uav 1,1,9", 2, "error[E116]: `--uav` has no meaning without a scene"),
         ("stress --cell 2", 2, "error[E116]: `--cell` has no meaning without a scene"),
-        ("stress --max-memory 1G", 2, "error[E116]: `--max-memory` has no meaning without a scene"),
         ("stress --radius 5", 2, "error[E116]: `--radius` has no meaning without a scene"),
         ("stress --attribution me -o a.png", 2, "error[E116]: `--attribution` has no meaning without a scene"),
         ("stress --title Failures -o a.csv", 2, "error[E116]: `--title` has no meaning without a .png, .svg or .pdf"),

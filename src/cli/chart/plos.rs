@@ -26,7 +26,7 @@ pub(super) fn run(
     outputs: &[(PathBuf, Format)],
 ) -> Result<()> {
     refuse_typed(args, &["uav", "uavs"], "with `--plos`, which averages over all places")?;
-    let of_a_scene = ["receivers", "peers", "radius", "method", "max_memory", "cell", "size", "ground", "hash"];
+    let of_a_scene = ["receivers", "peers", "radius", "method", "cell", "size", "ground", "hash"];
     refuse_typed(args, &of_a_scene, "with `--plos`, which maps no scene")?;
     let of_files =
         ["terrain", "extent", "crs", "building_threshold", "height_field", "top_field", "missing", "nodata_as"];

@@ -157,7 +157,7 @@ pub(in crate::cli) struct PlosArgs {
     pub(in crate::cli) title: Option<String>,
     #[command(flatten)]
     pub(in crate::cli) size: PictureSize,
-    /// Most memory that the maps of a real city may take, such as 800M or 4G
+    /// Most memory that the run may take, such as 800M or 4G
     #[arg(long, value_name = "SIZE", value_parser = memory_size, allow_hyphen_values = true, help_heading = "Effort")]
     pub(in crate::cli) max_memory: Option<u64>,
     #[command(flatten)]

@@ -180,7 +180,6 @@ fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&SceneWord]) -> Result
         "hash",
         "positions",
         "block",
-        "max_memory",
         "base",
         "data_area",
         "height_unit",

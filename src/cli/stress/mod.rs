@@ -36,13 +36,12 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
 }
 
 /// Arguments that only a scene can use.
-const OF_A_SCENE: [&str; 19] = [
+const OF_A_SCENE: [&str; 18] = [
     "uav",
     "rx_height",
     "receivers",
     "attribution",
     "radius",
-    "max_memory",
     "terrain",
     "ground",
     "building_threshold",
