@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::cell_sets::{RasterCells, RasterGround};
-use super::data_area::KnownGround;
+use super::known_ground::KnownGround;
 use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellSets, Columns, ConvexPieces, Place, Plateaus, Prisms, Ring, cell_frame, convex_pieces};
 use crate::error::Warning;

@@ -11,6 +11,7 @@ mod changed;
 mod coarser;
 mod data_area;
 mod field;
+mod known_ground;
 mod merge;
 mod plateaus;
 mod positions;

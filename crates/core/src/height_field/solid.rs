@@ -1,6 +1,6 @@
 //! What a ray can hit in a scene, and what receivers stand on: columns alone, or prisms with the ground below them.
 
-use super::data_area::KnownGround;
+use super::known_ground::KnownGround;
 use super::{Columns, Prisms};
 use crate::quantity::Frame;
 use crate::raster::LargeVec;

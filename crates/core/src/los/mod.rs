@@ -33,7 +33,9 @@ mod approximate;
 mod cell_walk;
 mod columns_ray;
 mod grid_los;
+mod grid_receivers;
 mod link;
+mod method;
 mod obstruction;
 mod prisms_ray;
 mod shadow;
@@ -44,8 +46,10 @@ pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
 pub use columns_ray::{
     columns_crossed, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
 };
-pub use grid_los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
+pub use grid_los::GridLos;
+pub use grid_receivers::GridReceivers;
 pub use link::{link_least_heights, link_least_receiver_heights, link_least_step, link_los};
+pub use method::{Method, MethodChoice, WrongMethod};
 pub use obstruction::{LeastHeight, Obstruction};
 pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,

@@ -1,0 +1,141 @@
+//! Receivers on the cells of a grid, and how high each is.
+
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
+use crate::height_field::{Columns, StandsOn, TileMaxima};
+use crate::raster::{BitGrid, set_bits};
+
+/// Receivers of one kind on the cells of a grid, ready for many UAVs.
+#[derive(Debug, Clone)]
+pub struct GridReceivers<'a> {
+    /// The cells that hold one.
+    pub cells: Cow<'a, BitGrid>,
+    /// What they stand on.
+    stands_on: StandsOn<'a>,
+    /// How high they are above it \[1/1024 m\].
+    pub(super) above: i32,
+    /// The lowest and the highest of `stands_on` over the cells.
+    pub(super) range: (i32, i32),
+    /// The highest by tile, once an engine has asked for it.
+    tiles: OnceLock<TileMaxima>,
+}
+
+impl<'a> GridReceivers<'a> {
+    /// Receivers on some cells, `above` \[1/1024 m\] over what they stand on.
+    pub fn new(cells: impl Into<Cow<'a, BitGrid>>, stands_on: StandsOn<'a>, above: i32) -> Self {
+        let cells = cells.into();
+        let range = match &stands_on {
+            StandsOn::Flat(z) => (*z, *z),
+            StandsOn::Tops(columns) => (columns.min_top(), columns.max_top()),
+            StandsOn::Cells(heights) => {
+                let n_cols = cells.n_cols();
+                let of_row = |row: usize| {
+                    let heights = &heights[row * n_cols..(row + 1) * n_cols];
+                    cells.row(row).iter().zip(heights.chunks(64)).fold(NO_RANGE, |range, (word, heights)| {
+                        // Most words are full or empty.
+                        widest(
+                            range,
+                            match *word {
+                                0 => NO_RANGE,
+                                u64::MAX => heights.iter().fold(NO_RANGE, |r, z| widest(r, (*z, *z))),
+                                word => {
+                                    set_bits(&[word]).fold(NO_RANGE, |r, bit| widest(r, (heights[bit], heights[bit])))
+                                }
+                            },
+                        )
+                    })
+                };
+                let (low, high) = (0..cells.n_rows()).into_par_iter().map(of_row).reduce(|| NO_RANGE, widest);
+                if low > high { (0, 0) } else { (low, high) }
+            }
+        };
+        GridReceivers { cells, stands_on, above, range, tiles: OnceLock::new() }
+    }
+
+    /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
+    #[inline]
+    pub fn base(&self, cell: usize) -> i32 {
+        match &self.stands_on {
+            StandsOn::Flat(z) => *z,
+            StandsOn::Cells(heights) => heights[cell],
+            StandsOn::Tops(columns) => columns.top_at(cell),
+        }
+    }
+
+    /// Copies what receivers stand on in cells of one row, from cell `first` on.
+    pub fn copy_bases(&self, first: usize, out: &mut [i32]) {
+        match &self.stands_on {
+            StandsOn::Flat(z) => out.fill(*z),
+            StandsOn::Cells(heights) => out.copy_from_slice(&heights[first..first + out.len()]),
+            StandsOn::Tops(columns) => columns.copy_tops(first, out),
+        }
+    }
+
+    /// Whether receivers stand on the tops of these very columns.
+    pub(super) fn is_on_tops_of(&self, columns: &Columns) -> bool {
+        match &self.stands_on {
+            StandsOn::Flat(_) => false,
+            // What is not held in memory is not compared.
+            StandsOn::Cells(heights) => columns.tops_in_memory().is_some_and(|tops| std::ptr::eq(tops, &**heights)),
+            StandsOn::Tops(on) => std::ptr::eq(*on, columns),
+        }
+    }
+
+    /// What the receivers stand on, cell by cell, and how high they are above it \[1/1024 m\]; `None` on flat ground.
+    pub fn bases(&self) -> Option<(&[i32], i32)> {
+        match &self.stands_on {
+            StandsOn::Flat(_) => None,
+            StandsOn::Cells(heights) => Some((heights, self.above)),
+            StandsOn::Tops(columns) => Some((columns.tops(), self.above)),
+        }
+    }
+
+    /// The highest of what all cells hold that receivers stand on, by tile; found when it is first asked for.
+    pub(super) fn tiles(&self) -> &TileMaxima {
+        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the tiles.
+        match self.tiles.get() {
+            Some(tiles) => tiles,
+            None => {
+                let tiles = TileMaxima::of(self.bases().map_or(&[], |(bases, _)| bases), self.cells.n_cols());
+                self.tiles.get_or_init(|| tiles)
+            }
+        }
+    }
+
+    /// Bounds on what the receivers stand on, and how high they are above it \[1/1024 m\].
+    pub fn range(&self) -> ((i32, i32), i32) {
+        (self.range, self.above)
+    }
+
+    /// Height of the receiver of a cell \[1/1024 m above the datum\].
+    #[inline]
+    pub fn height(&self, cell: usize) -> i64 {
+        i64::from(self.base(cell)) + i64::from(self.above)
+    }
+
+    /// Heights of receivers by row and column \[1/1024 m above the datum\].
+    pub(super) fn heights(&self) -> impl Fn(usize, usize) -> i64 + Sync + '_ {
+        let n_cols = self.cells.n_cols();
+        move |row, col| self.height(row * n_cols + col)
+    }
+
+    /// Height of the lowest receiver; `None` without any.
+    pub fn lowest(&self) -> Option<i64> {
+        self.cells.words().iter().any(|w| *w != 0).then(|| i64::from(self.range.0) + i64::from(self.above))
+    }
+
+    /// The one height of all receivers, if it is one.
+    pub fn level(&self) -> Option<i64> {
+        (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))
+    }
+}
+
+/// The range of no heights.
+const NO_RANGE: (i32, i32) = (i32::MAX, i32::MIN);
+
+fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {
+    (a.0.min(b.0), a.1.max(b.1))
+}

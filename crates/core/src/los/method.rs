@@ -1,0 +1,159 @@
+//! The methods that decide maps: what may be asked for, and what a scene calls for.
+
+use std::borrow::Cow;
+
+use super::StepLength;
+use crate::height_field::HeightField;
+
+/// Which engine is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MethodChoice {
+    /// The fastest that is exact on the scene.
+    #[default]
+    Auto,
+    /// A ray per receiver.
+    Ray,
+    /// The bracketed sweep, for columns.
+    Sweep,
+    /// Projected shadows, for prisms.
+    Shadow,
+    /// Samples along a ray, for columns: approximate.
+    Step(StepLength),
+    /// Slopes interpolated from cell to cell, for columns: approximate.
+    Xdraw,
+    /// The nearest ray to the perimeter, for columns: approximate.
+    R2,
+}
+
+/// Which engine decides. All but the last three are exact and give the same cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// A ray per receiver.
+    Ray,
+    /// The bracketed sweep.
+    Sweep,
+    /// Projected shadows: of prisms, or of the plateaus of a raster.
+    Shadow,
+    /// Projected shadows for the prisms, the sweep for the terrain below them.
+    ShadowSweep,
+    /// Projected shadows for the prisms; a ray per receiver for a terrain on a grid of its own.
+    ShadowRay,
+    /// Samples along a ray: approximate.
+    Step(StepLength),
+    /// Slopes interpolated from cell to cell: approximate.
+    Xdraw,
+    /// The nearest ray to the perimeter: approximate.
+    R2,
+}
+
+impl std::str::FromStr for MethodChoice {
+    type Err = String;
+
+    /// `auto`, `ray`, `sweep`, `shadow`, `step:K` (K in cells), `xdraw` or `r2`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(MethodChoice::Auto),
+            "ray" => return Ok(MethodChoice::Ray),
+            "sweep" => return Ok(MethodChoice::Sweep),
+            "shadow" => return Ok(MethodChoice::Shadow),
+            "xdraw" => return Ok(MethodChoice::Xdraw),
+            "r2" => return Ok(MethodChoice::R2),
+            _ => {}
+        }
+        let Some(cells) = text.strip_prefix("step:") else {
+            return Err(format!("found `{text}`, wanted auto, ray, sweep, shadow, step:K, xdraw or r2"));
+        };
+        let length = cells.parse().ok().and_then(StepLength::new);
+        length
+            .map(MethodChoice::Step)
+            .ok_or_else(|| format!("found `{text}`, wanted step:K with K from 0.02 to 1000 cells"))
+    }
+}
+
+impl std::fmt::Display for Method {
+    /// The word for it in documents.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name())
+    }
+}
+
+/// Why a method cannot be used on a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WrongMethod {
+    /// What the scene lacks.
+    pub why: &'static str,
+    /// What to ask for instead.
+    pub instead: Method,
+}
+
+impl Method {
+    /// The method that a choice comes to on a scene, and why.
+    ///
+    /// # Errors
+    /// If the choice names an engine for another kind of scene.
+    pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
+        let auto = match (field.prisms().is_some(), field.columns().is_some()) {
+            (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
+            (true, true) if field.columns_can_be_swept() => {
+                (Method::ShadowSweep, "footprints on terrain: shadows for the roofs, one sweep for the terrain")
+            }
+            (true, true) => (
+                Method::ShadowRay,
+                "terrain whose cells are not those of the receivers, or not of 1 m or an nth of it: shadows for the roofs, rays \
+                 for the terrain",
+            ),
+            (false, _) if field.plateaus().is_some() => {
+                (Method::Shadow, "a raster of few flat blocks: shadows of their roofs")
+            }
+            (false, _) => (Method::Sweep, "a raster: one sweep over its cells"),
+        };
+        let is_raster = field.prisms().is_none();
+        match (choice, auto.0) {
+            (MethodChoice::Auto, _) => Ok(auto),
+            (MethodChoice::Ray, _) => Ok((Method::Ray, "asked for")),
+            (MethodChoice::Sweep, _) if is_raster => Ok((Method::Sweep, "asked for")),
+            (MethodChoice::Step(length), _) if is_raster => Ok((Method::Step(length), "asked for")),
+            (MethodChoice::Xdraw, _) if is_raster => Ok((Method::Xdraw, "asked for")),
+            (MethodChoice::R2, _) if is_raster => Ok((Method::R2, "asked for")),
+            (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
+                Ok((auto.0, "asked for"))
+            }
+            (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
+                Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
+            }
+            (MethodChoice::Shadow, _) => Err(WrongMethod {
+                why: "no raster of few flat blocks on flat ground (of 512 × 512 cells or more)",
+                instead: auto.0,
+            }),
+        }
+    }
+
+    /// The word for it in documents.
+    pub fn name(self) -> Cow<'static, str> {
+        match self {
+            Method::Ray => "ray".into(),
+            Method::Sweep => "sweep".into(),
+            Method::Shadow => "shadow".into(),
+            Method::ShadowSweep => "shadow+sweep".into(),
+            Method::ShadowRay => "shadow+ray".into(),
+            Method::Step(length) => format!("step:{}", length.cells()).into(),
+            Method::Xdraw => "xdraw".into(),
+            Method::R2 => "r2".into(),
+        }
+    }
+
+    /// Whether its answer is that of `ray` for every receiver.
+    pub fn is_exact(self) -> bool {
+        !matches!(self, Method::Step(_) | Method::Xdraw | Method::R2)
+    }
+
+    /// `exact` or `approximate`, for captions.
+    pub fn exactness(self) -> &'static str {
+        if self.is_exact() { "exact" } else { "approximate" }
+    }
+
+    /// Its word with what it is worth, for captions: `sweep (exact)`.
+    pub fn in_words(self) -> String {
+        format!("{self} ({})", self.exactness())
+    }
+}
