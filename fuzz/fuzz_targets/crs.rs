@@ -5,7 +5,6 @@
 use libfuzzer_sys::fuzz_target;
 use skyshed::crs;
 use skyshed::crs::transform;
-use skyshed::raster::Crs;
 use skyshed_fuzz::{answered, grid};
 
 fuzz_target!(|text: &str| {

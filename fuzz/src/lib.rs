@@ -67,6 +67,6 @@ fn build(scene: Option<Scene>) {
 
 /// A grid for files that name places in a scene, in UTM so that degrees are brought into it.
 pub fn grid() -> GeoRef {
-    let crs = skyshed::raster::crs::from_epsg(25832).expect("a registered system");
+    let crs = crs::from_epsg(25832).expect("a registered system");
     GeoRef::new((691_000.0, 5_335_000.0), (1.0, 1.0), (64, 64), Some(crs)).expect("a valid grid")
 }

@@ -320,7 +320,7 @@ impl<'a> SiteRuns<'a> {
         if site.is_some() {
             (args.uav, args.uavs, args.skip_bad) = (Vec::new(), None, false);
         }
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         hasher.update(format!("{} {args:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
         digest_words(hasher)
     }

@@ -137,7 +137,7 @@ impl ChartReport {
 
     /// SHA-256 of what does not depend on the machine: a line of method, parameters and counts per row.
     fn digest(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         for row in self.rows.iter().filter(|row| row.family != Family::Peer) {
             let counts = row.result.as_ref().map(|(_, counts)| format!("{:?}", count_cells(counts)));
             hasher.update(format!("{},{},{counts:?}\n", row.method, row.parameters));

@@ -174,7 +174,7 @@ pub struct MaskDigest(Sha256);
 impl MaskDigest {
     /// The digest of a map without sites.
     pub fn new(grid: &GeoRef) -> Self {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         hasher.update((grid.n_cols() as u64).to_le_bytes());
         hasher.update((grid.n_rows() as u64).to_le_bytes());
         MaskDigest(hasher)

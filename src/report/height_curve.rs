@@ -130,7 +130,7 @@ pub struct HeightCurveReport {
 /// SHA-256 of the curves: per site in order the number of its receivers (u64), then for each height at which receivers
 /// come into sight that height (i32, 1/1024 m above the datum) and the number in sight from there up (u64); little endian.
 pub fn curve_digest<'a>(curves: impl Iterator<Item = &'a HeightCurve>) -> String {
-    let mut hasher = Sha256::new();
+    let mut hasher = Sha256::default();
     for curve in curves {
         hasher.update(curve.receivers().to_le_bytes());
         for (height, in_sight) in curve.steps() {

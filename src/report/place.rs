@@ -193,7 +193,7 @@ fn count(n: u128) -> u64 {
 /// SHA-256 of the values of the ranked places: per place its x and y (f64), its height above the datum (f64) and its value,
 /// seen and wanted (u64, weights u128) or margin (f32); little endian.
 pub fn place_digest(ranked: &[PlaceFacts]) -> String {
-    let mut hasher = Sha256::new();
+    let mut hasher = Sha256::default();
     for place in ranked {
         [place.x, place.y, place.height_amsl_m].iter().for_each(|v| hasher.update(v.to_le_bytes()));
         match place.value {

@@ -268,7 +268,7 @@ impl PlosReport {
 
     /// SHA-256 of the table, cells separated by commas and rows by line breaks.
     pub fn digest(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         for row in self.table() {
             hasher.update(row.join(","));
             hasher.update("\n");

@@ -123,7 +123,7 @@ impl StressReport {
 
     /// SHA-256 of the table, its cells and rows each ended by a line break.
     fn digest(&self) -> String {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         for cell in self.table().iter().flat_map(|row| row.iter().map(String::as_str).chain([""])) {
             hasher.update(cell.as_bytes());
             hasher.update(b"\n");

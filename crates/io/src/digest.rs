@@ -19,24 +19,20 @@ pub struct Sha256(ring::digest::Context);
 pub struct Sha256(sha2::Sha256);
 
 impl Default for Sha256 {
-    fn default() -> Self {
-        Sha256::new()
-    }
-}
-
-impl Sha256 {
     /// Of nothing yet.
-    pub fn new() -> Self {
+    fn default() -> Self {
         #[cfg(feature = "ring")]
         let empty = ring::digest::Context::new(&ring::digest::SHA256);
         #[cfg(not(feature = "ring"))]
         let empty = sha2::Digest::new();
         Sha256(empty)
     }
+}
 
+impl Sha256 {
     /// The digest of some bytes.
     pub fn digest(bytes: &[u8]) -> [u8; 32] {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         hasher.update(bytes);
         hasher.finalize()
     }
@@ -80,7 +76,7 @@ mod tests {
     fn digests_are_those_of_the_standard() {
         // FIPS 180-2, appendix B.1 and B.3, and the empty message.
         let of = |bytes: &[u8]| {
-            let mut hasher = Sha256::new();
+            let mut hasher = Sha256::default();
             bytes.chunks(999).for_each(|part| hasher.update(part));
             hasher.hex_digits()
         };

@@ -66,7 +66,7 @@ pub(super) fn is_geojson(path: &Path) -> Result<bool> {
 /// If the file cannot be read.
 pub fn source_of(path: &Path, always_hash: bool) -> Result<Source> {
     if is_standard_input(path) {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         hasher.update(read_input(path)?);
         return Ok(Source { path: input_name(path), sha256: Some(hasher.hex_digits()) });
     }
@@ -74,7 +74,7 @@ pub fn source_of(path: &Path, always_hash: bool) -> Result<Source> {
     let mut file = std::fs::File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let sha256 = if always_hash || length <= HASH_LIMIT_BYTES {
-        let mut hasher = Sha256::new();
+        let mut hasher = Sha256::default();
         let mut block = vec![0; 1 << 16];
         loop {
             match file.read(&mut block).map_err(unreadable)? {
