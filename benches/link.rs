@@ -11,10 +11,10 @@ use std::sync::LazyLock;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{link_least_receiver_heights, link_los};
-use skyshed::quantity::height_steps;
-use skyshed::scene::Ground;
+use skyshed_core::city::Ground;
+use skyshed_core::height_field::{HeightField, Station};
+use skyshed_core::los::{link_least_receiver_heights, link_los};
+use skyshed_core::quantity::height_steps;
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};
 

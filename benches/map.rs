@@ -26,13 +26,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use skyshed::coverage::{Control, MapOptions, Mapper, Tally, Uav, class};
-use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, SimdLevel, link_los, simd_levels};
-use skyshed::quantity::VOID;
-use skyshed::raster::{CellWindow, GeoRef, Raster};
-use skyshed::read::{SurfaceOptions, read_surface};
-use skyshed::scene::{Ground, NodataAs, Solids};
+use skyshed_core::city::{Ground, NodataAs, Solids};
+use skyshed_core::coverage::{Control, MapOptions, Mapper, Tally, Uav, class};
+use skyshed_core::height_field::{HeightField, Station};
+use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice, SimdLevel, link_los, simd_levels};
+use skyshed_core::quantity::VOID;
+use skyshed_core::raster::{CellWindow, GeoRef, Raster};
+use skyshed_io::read::{SurfaceOptions, read_surface};
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};
 use self::quiet::{Run, calibrate, is_enough, median, median_of_all, n_quiet, timed};

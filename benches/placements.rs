@@ -14,13 +14,13 @@ use std::path::Path;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use rayon::prelude::*;
-use skyshed::coverage::{Control, MapOptions, Mapper, Uav};
-use skyshed::height_field::HeightField;
-use skyshed::los::MethodChoice;
-use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores_over_grid};
-use skyshed::quantity::Height;
-use skyshed::read::{FootprintOptions, read_footprints};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::coverage::{Control, MapOptions, Mapper, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::Height;
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, ranked, scores_over_grid};
 
 fn main() {
     divan::main();
@@ -81,7 +81,7 @@ fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
             let built_up = BuiltUp::named("urban").expect("a named environment");
             let city =
                 BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 2.0, seed: cities::SEED, ground_m: 0.0 };
-            let scene = city.scene().expect("a city within the limits");
+            let scene = city.city().expect("a city within the limits");
             HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
         }
         City::Munich => munich(2.0),

@@ -5,14 +5,14 @@
 
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use skyshed::coverage::{MapOptions, Mapper, Uav};
-use skyshed::height_field::HeightField;
-use skyshed::los_probability::estimate::Count;
-use skyshed::placement::{Drawn, ReceiverParts, SampledCounts, over_cities};
-use skyshed::quantity::Height;
-use skyshed::raster::CellBlocks;
-use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
-use skyshed::zones::{Zone, ZoneMap};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::coverage::{MapOptions, Mapper, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::CellBlocks;
+use skyshed_core::zones::{Zone, ZoneMap};
+use skyshed_study::los_probability::estimate::Count;
+use skyshed_study::placement::{Drawn, ReceiverParts, SampledCounts, over_cities};
 
 const ZONES: [Zone; 3] = [Zone::Crossroad, Zone::Street, Zone::Rooftop];
 const CITIES: u64 = 20;
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// What all receivers within 100 m of the placements over each zone see, in one city.
 fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
-    let scene = city.scene()?;
+    let scene = city.city()?;
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     let zones = ZoneMap::of(&field, scene.built_up.as_ref());
     let options = MapOptions { radius: Some(RADIUS_M), ..MapOptions::default() };

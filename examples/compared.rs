@@ -6,14 +6,14 @@
 
 use std::path::Path;
 
-use skyshed::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav, count_pairs};
-use skyshed::height_field::HeightField;
-use skyshed::quantity::Height;
-use skyshed::raster::CellBlocks;
-use skyshed::read::{FootprintOptions, read_footprints};
-use skyshed::render::{CompareMap, ComparePair, CompareSheet, Mark, PictureForm, draw_compare_sheet};
-use skyshed::scene::Site;
-use skyshed::zones::{N_CODES, ZoneMap};
+use skyshed_core::city::Site;
+use skyshed_core::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav, count_pairs};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::CellBlocks;
+use skyshed_core::zones::{N_CODES, ZoneMap};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_render::{CompareMap, ComparePair, CompareSheet, Mark, PictureForm, draw_compare_sheet};
 
 /// Name, x, y, height above ground \[m\].
 const PLACEMENTS: [(&str, f64, f64, f64); 3] = [
@@ -45,7 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = Vec::new();
     for (first, second) in [(0, 1), (0, 2), (1, 2)] {
         let counts = count_pairs::<N_CODES>(&maps[first].mask, &maps[second].mask, &cells);
-        let all = counts.iter().flatten().fold(Default::default(), |sum: skyshed::coverage::PairCounts, c| sum.plus(c));
+        let all =
+            counts.iter().flatten().fold(Default::default(), |sum: skyshed_core::coverage::PairCounts, c| sum.plus(c));
         let title = format!("{} → {}", uavs[first].id, uavs[second].id);
         let detail = format!("both {}, gained {}, lost {}", all.both, all.only_second, all.only_first);
         println!("{title}: {detail}");

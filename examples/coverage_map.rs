@@ -6,12 +6,12 @@
 
 use std::path::Path;
 
-use skyshed::coverage::{Control, MapOptions, Uav, map_site};
-use skyshed::height_field::HeightField;
-use skyshed::quantity::Height;
-use skyshed::read::{FootprintOptions, read_footprints};
-use skyshed::render::{Layer, MapPicture, Mark, PictureForm, draw_map};
-use skyshed::scene::Site;
+use skyshed_core::city::Site;
+use skyshed_core::coverage::{Control, MapOptions, Uav, map_site};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_render::{Layer, MapPicture, Mark, PictureForm, draw_map};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");

@@ -5,10 +5,10 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use skyshed::Result;
-use skyshed::coverage::{Control, MapOptions, Uav, map_site};
-use skyshed::height_field::HeightField;
-use skyshed::quantity::Height;
-use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::coverage::{Control, MapOptions, Uav, map_site};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
 
 fn main() -> Result<()> {
     println!("P_LoS of receivers 1.5 m above ground, by elevation angle, UAV 100 m over a crossroad, one city each");
@@ -16,7 +16,7 @@ fn main() -> Result<()> {
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
         let built_up = BuiltUp::named(name).expect("a named environment");
         let scene =
-            BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.scene()?;
+            BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.city()?;
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let middle = (500.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
         let site = Site { id: "1".into(), x: middle, y: middle, height: Height::AboveGround(100.0) };

@@ -5,15 +5,15 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use skyshed::Result;
-use skyshed::coverage::Uav;
-use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{LeastHeight, link_least_receiver_heights, link_los};
-use skyshed::quantity::{Height, height_steps, meters};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::coverage::Uav;
+use skyshed_core::height_field::{HeightField, Station};
+use skyshed_core::los::{LeastHeight, link_least_receiver_heights, link_los};
+use skyshed_core::quantity::{Height, height_steps, meters};
 
 fn main() -> Result<()> {
     let built_up = BuiltUp::named("urban").expect("`urban` is a named environment");
-    let scene = BuiltUpCity { built_up, size_m: 500.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+    let scene = BuiltUpCity { built_up, size_m: 500.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     println!("{built_up}: {} buildings", field.n_buildings());
 

@@ -7,12 +7,12 @@
 
 use std::path::Path;
 
-use skyshed::coverage::{Control, MapOptions, Mapper};
-use skyshed::height_field::HeightField;
-use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, SeenSets, cover};
-use skyshed::quantity::Height;
-use skyshed::raster::{BitGrid, GeoRef};
-use skyshed::read::{FootprintOptions, read_footprints};
+use skyshed_core::coverage::{Control, MapOptions, Mapper};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::{BitGrid, GeoRef};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, SeenSets, cover};
 
 /// The middle of the square, and its sides \[m\].
 const MIDDLE: (f64, f64) = (691_549.7, 5_334_762.2);

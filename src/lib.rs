@@ -1,50 +1,52 @@
 //! Exact line-of-sight coverage maps: what a hovering UAV can see of a city, cell by cell.
 //!
-//! Data flows one way through the modules, in this order: a **raster** or other file becomes a **scene**; a scene
-//! becomes a **height field**, what a ray can hit, on an integer lattice; **los** decides who sees whom, exactly; **zones**
-//! tells streets, crossroads, courtyards and rooftops apart; **coverage** makes maps; **los_probability** says how likely
-//! line of sight is; **placement** finds where to hover; **accuracy** tells what a method costs and errs; **render**,
-//! **export** and **report** turn all that into pictures, files and documents; **cli** is the program.
-//!
-//! What line of sight means is written once, in [`los`].
-//!
-//! # Examples
+//! A [`Scene`] is a city that was opened or generated. Asked what a [`Uav`] sees, it answers with a [`Coverage`]; of several,
+//! with [`Coverages`]. Each answer has its numbers, says what was odd, and saves itself by the extension of a file.
 //!
 //! ```
-//! use skyshed::coverage::{Control, MapOptions, Uav, map_site};
-//! use skyshed::height_field::HeightField;
-//! use skyshed::quantity::Height;
-//! use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
+//! use skyshed::{Height, Scene, Uav};
 //!
-//! // 300 m of the ITU urban environment, on a grid of 1 m cells.
-//! let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
-//! let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
-//! let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
-//!
-//! // A UAV 100 m above the crossroad in the south-west.
-//! let site = Site { id: "1".into(), x: 10.0, y: 10.0, height: Height::AboveGround(100.0) };
-//! let uav = Uav::place(&site, &field, None)?;
-//! let map = map_site(&field, &uav, &MapOptions::default(), &Control::default())?;
-//! let p_los = map.tally.p_los().expect("there are streets in range");
-//! assert!(p_los > 0.3 && p_los < 0.9);
+//! let city = Scene::options().size_m(300.0).open("itu:urban")?;
+//! let seen = city.coverage(Uav::new(150.0, 150.0, Height::agl(120.0))).radius_m(100.0).run()?;
+//! println!("{:.4} of {} receivers", seen.p_los().unwrap_or(f64::NAN), seen.receivers());
 //!
 //! // Inside a building nothing can hover: the error says what is there and what to ask instead.
-//! let inside = Site { id: "2".into(), x: 30.0, y: 30.0, height: Height::AboveGround(1.0) };
-//! assert!(Uav::place(&inside, &field, None).is_err());
+//! assert!(city.coverage(Uav::new(30.0, 30.0, Height::agl(1.0))).run().is_err());
 //! # Ok::<(), skyshed::Error>(())
 //! ```
+//!
+//! Lengths are in meters, positions in the scene's reference system, heights as [`Height`] says. What line of sight means is
+//! written in `skyshed_core::los`.
+//!
+//! The crates below hold what only experts need: `skyshed_core` the engines, `skyshed_study` P_LoS, placement and accuracy,
+//! `skyshed_io` formats and readers, `skyshed_render` pictures.
 
-pub mod report;
-
+#[doc(hidden)]
 pub mod cli;
+mod map;
+mod memory;
+mod os_words;
+mod picture;
+mod progress;
+mod report;
+mod scene;
+mod uav;
+mod words;
 
+pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, Receivers, SaveOptions};
+pub use progress::Progress;
+pub use scene::{Scene, SceneOptions};
+pub use skyshed_core::coverage::class;
+pub use skyshed_core::los::MethodChoice;
+pub use skyshed_core::quantity::Height;
 pub use skyshed_core::{Error, ErrorClass, Result, Warning};
-pub use skyshed_core::{coverage, error, height_field, los, outlines, overlay, quantity, raster, scene, zones};
-pub use skyshed_io::{crs, export, formats, read};
-pub use skyshed_render as render;
-pub use skyshed_study::{accuracy, los_probability, placement};
+pub use skyshed_io::export::Layer;
+pub use uav::Uav;
 
-use skyshed_io::digest;
+use skyshed_core::{city, coverage, error, height_field, los, quantity, raster, zones};
+use skyshed_io::{crs, digest, export, formats, read};
+use skyshed_render as render;
+use skyshed_study::{accuracy, los_probability, placement};
 
 /// The README's code is tested like any other.
 #[cfg(doctest)]

@@ -1,10 +1,10 @@
 //! The cities of the benches: as footprints, and the same as a raster.
 
-use skyshed::coverage::Uav;
-use skyshed::height_field::HeightField;
-use skyshed::quantity::{Height, height_steps};
-use skyshed::raster::{GeoRef, Raster};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
+use skyshed_core::coverage::Uav;
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::{Height, height_steps};
+use skyshed_core::raster::{GeoRef, Raster};
 
 /// The seed of every city.
 pub(crate) const SEED: u64 = 1;
@@ -13,7 +13,7 @@ pub(crate) const SEED: u64 = 1;
 pub(crate) fn footprints(environment: &str, n: usize) -> HeightField {
     let built_up = BuiltUp::named(environment).expect("a named environment");
     let scene = BuiltUpCity { built_up, size_m: n as f64, margin_m: 0.0, cell_m: 1.0, seed: SEED, ground_m: 0.0 }
-        .scene()
+        .city()
         .expect("a city within the limits");
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }

@@ -3,13 +3,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use skyshed::crs;
-use skyshed::crs::transform;
+use skyshed_io::crs;
+use skyshed_io::crs::transform;
 use skyshed_fuzz::{answered, grid};
 
 fuzz_target!(|text: &str| {
     let Some(crs) = answered(crs::parse(text)) else { return };
-    if let Some(wkt) = skyshed::crs::wkt_of(&crs) {
+    if let Some(wkt) = skyshed_io::crs::wkt_of(&crs) {
         assert!(!wkt.is_empty());
     }
     let grid = grid();

@@ -4,13 +4,13 @@
 
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use libfuzzer_sys::fuzz_target;
-use skyshed::coverage::{Control, MapOptions, Receivers, Uav, map_site};
-use skyshed::height_field::{ConvexPieces, HeightField, convex_pieces};
-use skyshed::los::MethodChoice;
-use skyshed::quantity::{Frame, Height};
-use skyshed::raster::GeoRef;
-use skyshed::overlay::even_odd;
-use skyshed::scene::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
+use skyshed_core::coverage::{Control, MapOptions, Receivers, Uav, map_site};
+use skyshed_core::height_field::{ConvexPieces, HeightField, convex_pieces};
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::{Frame, Height};
+use skyshed_core::raster::GeoRef;
+use skyshed_core::overlay::even_odd;
+use skyshed_core::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 
 /// Few heights, so that many are equal.
 const HEIGHTS: [i32; 6] = [0, 1, 3072, 3073, 9728, 20_480];

@@ -6,10 +6,10 @@ use std::str::FromStr;
 
 use libfuzzer_sys::fuzz_target;
 use serde_json::json;
-use skyshed::los::MethodChoice;
-use skyshed::quantity::{Height, parse_number};
-use skyshed::read::Projection;
-use skyshed::scene::BuiltUpCity;
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::{Height, parse_number};
+use skyshed_io::read::Projection;
+use skyshed_core::city::BuiltUpCity;
 use skyshed_fuzz::{answered, footprints};
 
 fuzz_target!(|text: &str| {

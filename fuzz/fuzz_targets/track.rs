@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use skyshed::read::{BadRows, read_track};
+use skyshed_io::read::{BadRows, read_track};
 use skyshed_fuzz::{answered, grid, written};
 
 fuzz_target!(|bytes: &[u8]| {

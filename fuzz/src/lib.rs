@@ -4,11 +4,11 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use skyshed::crs;
-use skyshed::height_field::HeightField;
-use skyshed::raster::GeoRef;
-use skyshed::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
-use skyshed::scene::Scene;
+use skyshed_io::crs;
+use skyshed_core::height_field::HeightField;
+use skyshed_core::raster::GeoRef;
+use skyshed_io::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
+use skyshed_core::city::City;
 use skyshed::{ErrorClass, Result};
 
 /// A folder of this process on a memory disk, if the machine has one.
@@ -59,7 +59,7 @@ pub fn surface(name: &str, bytes: &[u8]) {
     build(answered(read_surface(&written(name, bytes), &SurfaceOptions::default(), &mut Vec::new())));
 }
 
-fn build(scene: Option<Scene>) {
+fn build(scene: Option<City>) {
     if let Some(scene) = scene {
         HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     }

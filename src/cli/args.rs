@@ -8,15 +8,17 @@ use super::chart::ChartArgs;
 use super::compare::CompareArgs;
 use super::place::PlaceArgs;
 use super::plos::PlosArgs;
-use super::repairs::FoundRepairs;
 use super::stress::StressArgs;
 use super::typed::{SceneWord, length, scene_word};
 use crate::error::Error;
-use crate::export::{Format, as_text, encode_table};
+use crate::export::{Layer, as_text, encode_table};
+use crate::formats::TiffLayout;
 use crate::los::MethodChoice;
+use crate::map::{PolygonClasses, Receivers};
+use crate::picture::{PictureSize, PictureWords};
 use crate::read::Projection;
-use crate::render::{PictureForm, PictureFormat};
-use crate::zones::Zone;
+use crate::scene::FoundRepairs;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
@@ -173,9 +175,9 @@ pub(super) struct SceneArgs {
     /// Flat ground at this height above the datum [m]; footprints and generated cities: 0
     #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, conflicts_with = "terrain")]
     pub(super) ground: Option<f64>,
-    /// A cell whose surface is more than this above the ground is a building [m]
-    #[arg(long, value_name = "M", value_parser = number, default_value = "0.25", allow_hyphen_values = true)]
-    pub(super) building_threshold: f64,
+    /// A cell whose surface is more than this above the ground is a building [m]; default 0.25
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(super) building_threshold: Option<f64>,
     /// Property that holds a footprint's height above ground; default `height`, of CityJSON the highest point. Text may
     /// name its unit: 12.5 m, 40 ft, 39'4"
     #[arg(long, value_name = "NAME")]
@@ -183,12 +185,12 @@ pub(super) struct SceneArgs {
     /// Property that holds the height of a footprint's top above the datum, instead
     #[arg(long, value_name = "NAME", conflicts_with = "height_field")]
     pub(super) top_field: Option<String>,
-    /// Unit of heights of footprints that name none
-    #[arg(long, value_enum, default_value = "m")]
-    pub(super) height_unit: HeightUnitArg,
-    /// Property that holds a footprint's number of storeys, for `--missing levels`
-    #[arg(long, value_name = "NAME", default_value = "building:levels")]
-    pub(super) levels_field: String,
+    /// Unit of heights of footprints that name none; default m
+    #[arg(long, value_enum)]
+    pub(super) height_unit: Option<HeightUnitArg>,
+    /// Property that holds a footprint's number of storeys, for `--missing levels`; default `building:levels`
+    #[arg(long, value_name = "NAME")]
+    pub(super) levels_field: Option<String>,
     /// Table of a GeoPackage, where it has several
     #[arg(long, value_name = "NAME")]
     pub(super) layer: Option<String>,
@@ -196,9 +198,9 @@ pub(super) struct SceneArgs {
     /// footprint area, refuse the file otherwise
     #[arg(long, value_enum)]
     pub(super) missing: Option<Missing>,
-    /// Which of the terrain cells that a footprint overlaps its height is above
-    #[arg(long, value_enum, default_value = "lowest")]
-    pub(super) base: Base,
+    /// Which of the terrain cells that a footprint overlaps its height is above; default lowest
+    #[arg(long, value_enum)]
+    pub(super) base: Option<Base>,
     /// Where footprints tell of the ground: `auto` is between them (what no disc of 100 m reaches without meeting one), and
     /// everywhere with `--extent`; `all`; or the polygons of a file. Cells elsewhere hold no data
     #[arg(long, value_name = "auto|all|FILE")]
@@ -217,16 +219,16 @@ pub(super) struct SceneArgs {
     /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
     #[arg(long, value_name = "auto|EPSG:N", value_parser = projection)]
     pub(super) project: Option<Projection>,
-    /// Edge length of a generated city [m]; with `--sample` and a radius that of the ground that placements are over, and the
+    /// Edge length of a generated city [m], default 1000; with `--sample` and a radius that of the ground that placements are over, and the
     /// city goes on around it
-    #[arg(long, value_name = "M", value_parser = number, default_value = "1000", allow_hyphen_values = true)]
-    pub(super) size: f64,
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(super) size: Option<f64>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
-    /// What nodata cells do to links
-    #[arg(long, value_enum, default_value = "clear")]
-    pub(super) nodata_as: Nodata,
+    /// What nodata cells do to links; default clear
+    #[arg(long, value_enum)]
+    pub(super) nodata_as: Option<Nodata>,
     /// Hash inputs above 64 MB too
     #[arg(long)]
     pub(super) hash: bool,
@@ -310,80 +312,6 @@ pub(super) struct EngineArgs {
     pub(super) max_memory: Option<u64>,
 }
 
-/// What a picture says beside what it shows.
-#[derive(Debug, Clone, Args)]
-pub(super) struct PictureWords {
-    /// Title of the picture, or of the page
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
-    pub(super) attribution: Option<String>,
-    #[command(flatten)]
-    pub(super) size: PictureSize,
-}
-
-/// How large a picture is.
-#[derive(Debug, Clone, Copy, Args)]
-pub(super) struct PictureSize {
-    /// Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
-    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(100..=10_000))]
-    pub(super) width: Option<u32>,
-    /// Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=2400))]
-    pub(super) dpi: Option<u32>,
-}
-
-impl PictureSize {
-    /// How a picture of a format is written.
-    pub(super) fn form(self, format: Format) -> PictureForm {
-        let format = match format {
-            Format::Svg => PictureFormat::Svg,
-            Format::Pdf => PictureFormat::Pdf,
-            _ => PictureFormat::Png,
-        };
-        PictureForm { format, width_px: self.width, dpi: self.dpi }
-    }
-
-    /// Where no picture is made, its size would be lost in silence.
-    pub(super) fn refuse_without_picture(self, outputs: &[(PathBuf, Format)]) -> Result<(), Error> {
-        if outputs.iter().any(|(_, format)| format.is_picture()) {
-            return Ok(());
-        }
-        match [("--width", self.width), ("--dpi", self.dpi)].iter().find(|(_, size)| size.is_some()) {
-            Some((flag, _)) => Err(no_picture(flag)),
-            None => Ok(()),
-        }
-    }
-}
-
-/// A flag of pictures without a picture.
-fn no_picture(flag: &str) -> Error {
-    Error::usage(116, format!("`{flag}` has no meaning without a .png, .svg or .pdf output"))
-}
-
-impl PictureWords {
-    /// The title that was typed, or another.
-    pub(super) fn title_or(&self, other: impl FnOnce() -> String) -> String {
-        self.title.clone().unwrap_or_else(other)
-    }
-
-    /// Whom to credit: as typed, or as the scene asks for.
-    pub(super) fn credit(&self, of_scene: Option<&String>) -> Option<String> {
-        self.attribution.as_ref().or(of_scene).cloned()
-    }
-
-    /// A title, an attribution or a size is that of a picture; where none is made, it would be lost in silence.
-    pub(super) fn refuse_without_picture(&self, outputs: &[(PathBuf, Format)]) -> Result<(), Error> {
-        let has_picture = outputs.iter().any(|(_, format)| format.is_picture() || *format == Format::Html);
-        let typed = [("--title", &self.title), ("--attribution", &self.attribution)];
-        match typed.iter().find(|(_, words)| words.is_some()) {
-            Some((flag, _)) if !has_picture => Err(no_picture(flag)),
-            _ => self.size.refuse_without_picture(outputs),
-        }
-    }
-}
-
 /// Where results go and how much is said.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
@@ -413,86 +341,6 @@ impl OutputArgs {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ReceiversArg {
-    /// All cells of open ground
-    Ground,
-    /// Open ground that is neither crossroad nor courtyard
-    Street,
-    /// Where three or more streets meet
-    Crossroad,
-    /// Open ground that buildings enclose
-    Courtyard,
-    /// Building cells, standing on the roof
-    Roof,
-    /// Both
-    All,
-}
-
-impl ReceiversArg {
-    /// As it is typed.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            ReceiversArg::Ground => "ground",
-            ReceiversArg::Street => "street",
-            ReceiversArg::Crossroad => "crossroad",
-            ReceiversArg::Courtyard => "courtyard",
-            ReceiversArg::Roof => "roof",
-            ReceiversArg::All => "all",
-        }
-    }
-
-    /// The zone that it restricts open ground to, if it does.
-    pub(super) fn zone(self) -> Option<Zone> {
-        match self {
-            ReceiversArg::Street => Some(Zone::Street),
-            ReceiversArg::Crossroad => Some(Zone::Crossroad),
-            ReceiversArg::Courtyard => Some(Zone::Courtyard),
-            ReceiversArg::Ground | ReceiversArg::Roof | ReceiversArg::All => None,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum LayerArg {
-    /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata
-    Los,
-    /// Receiver height less the least visible height [m]
-    Margin,
-    /// Least receiver height in line of sight [m above the datum]; once called ceiling
-    #[value(alias = "ceiling")]
-    LeastReceiverHeight,
-    /// Least UAV height over its place that sees the receiver, never below the surface under the UAV [m above the datum];
-    /// infinite where no height is enough, minus infinite where nothing limits it, no surface under the UAV either (in .tif,
-    /// .asc and .bil 32768 and -32768)
-    LeastHeight,
-    /// How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, down, all
-    /// roofs up, down (1/1024 m; of a raster horizontally 1/1024 cell). Costs eight more maps
-    Stability,
-    /// Number of UAVs that see the cell; nodata where nobody receives (NaN in .exr, 4294967295 in .npz)
-    Count,
-    /// Which UAVs see the cell, one bit each
-    Which,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum TifLayoutArg {
-    /// Tiles, deflated, with overviews
-    Cog,
-    /// Strips of rows, uncompressed, without overviews: for simple readers, and for timing
-    Plain,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum PolygonsArg {
-    /// Cells in line of sight
-    Los,
-    /// Receivers that are not
-    Nlos,
-    /// Both
-    All,
-}
-
 #[derive(Debug, Clone, Args)]
 pub(super) struct MapArgs {
     /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more
@@ -509,15 +357,15 @@ pub(super) struct MapArgs {
     pub(super) rx_height: f64,
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]
-    pub(super) receivers: ReceiversArg,
+    pub(super) receivers: Receivers,
     /// How far P_LoS of any UAV may be off, such as 0.005: the map is made on the coarsest cells for which that is so with
     /// 99 % confidence, measured on a sample of receivers that are decided exactly; says what was taken and measured
     #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true)]
     pub(super) tolerance: Option<f64>,
     /// Layers to make, separated by commas; pictures show the first, of several UAVs the number that see a cell for `los`,
     /// colors or a map each for the others
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "los")]
-    pub(super) layers: Vec<LayerArg>,
+    #[arg(long, value_parser = layer(), value_delimiter = ',', default_value = "los")]
+    pub(super) layers: Vec<Layer>,
     /// File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on
     /// standard output; repeat for more. Without any the table goes to standard output. With `{site}` in every name each UAV gets files of its own, which appear as soon as
     /// they are complete; with `--radius`, only the part of a raster that is in range is read
@@ -535,9 +383,9 @@ pub(super) struct MapArgs {
     /// PNG with one pixel per cell, a world file and a .prj, instead of a picture
     #[arg(long)]
     pub(super) bare: bool,
-    /// Arrangement of the cells in .tif files
-    #[arg(long, value_enum, default_value = "cog")]
-    pub(super) tif_layout: TifLayoutArg,
+    /// Arrangement of the cells in .tif files; default cog
+    #[arg(long, value_parser = tif_layout())]
+    pub(super) tif_layout: Option<TiffLayout>,
     /// Mask of one UAV in .tif and .bil files as `gdal_viewshed` writes it: 255 in line of sight, 0 everywhere else, also out
     /// of range, and no nodata
     #[arg(long)]
@@ -554,7 +402,7 @@ pub(super) struct MapArgs {
     pub(super) resume: bool,
     /// Coverage as polygons in .geojson and .fgb files, one per connected part of a class and site, holes kept
     #[arg(long, value_enum, value_name = "CLASS")]
-    pub(super) polygons: Option<PolygonsArg>,
+    pub(super) polygons: Option<PolygonClasses>,
     /// How far an outline of the polygons may be from the cell edges [m]; each stays valid, neighbors may overlap by as much
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons")]
     pub(super) simplify: Option<f64>,
@@ -631,7 +479,7 @@ pub(super) struct InfoArgs {
     pub(super) rx_height: f64,
     /// Which cells hold receivers of that map
     #[arg(long, value_enum, default_value = "ground")]
-    pub(super) receivers: ReceiversArg,
+    pub(super) receivers: Receivers,
     /// How far the UAV may be from where it should be, sideways and in height [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "1", allow_hyphen_values = true)]
     pub(super) uav_error: f64,
@@ -701,4 +549,47 @@ pub(super) fn memory_size(text: &str) -> Result<u64, String> {
 fn extent(text: &str) -> Result<[f64; 4], String> {
     let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
     <[f64; 4]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted W,S,E,N", n.len()))
+}
+
+/// The layers of a map, with what each holds.
+fn layer() -> impl TypedValueParser<Value = Layer> {
+    let layers = [
+        (Layer::Los, "Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata"),
+        (Layer::Margin, "Receiver height less the least visible height [m]"),
+        (Layer::LeastReceiverHeight, "Least receiver height in line of sight [m above the datum]; once called ceiling"),
+        (
+            Layer::LeastHeight,
+            "Least UAV height over its place that sees the receiver, never below the surface under the UAV [m above the \
+             datum]; infinite where no height is enough, minus infinite where nothing limits it, no surface under the UAV \
+             either (in .tif, .asc and .bil 32768 and -32768)",
+        ),
+        (
+            Layer::Stability,
+            "How many of eight moves by one lattice step turn the answer, 0 to 8: the UAV east, west, north, south, up, \
+             down, all roofs up, down (1/1024 m; of a raster horizontally 1/1024 cell). Costs eight more maps",
+        ),
+        (
+            Layer::Count,
+            "Number of UAVs that see the cell; nodata where nobody receives (NaN in .exr, 4294967295 in .npz)",
+        ),
+        (Layer::Which, "Which UAVs see the cell, one bit each"),
+    ];
+    let words = layers.map(|(layer, help)| match layer {
+        Layer::LeastReceiverHeight => PossibleValue::new(layer.name()).alias("ceiling").help(help),
+        _ => PossibleValue::new(layer.name()).help(help),
+    });
+    PossibleValuesParser::new(words).map(move |word| match word.as_str() {
+        "ceiling" => Layer::LeastReceiverHeight,
+        word => layers.map(|(layer, _)| layer).into_iter().find(|layer| layer.name() == word).unwrap_or(Layer::Los),
+    })
+}
+
+/// The arrangements of the cells of a GeoTIFF.
+fn tif_layout() -> impl TypedValueParser<Value = TiffLayout> {
+    let words = [
+        PossibleValue::new("cog").help("Tiles, deflated, with overviews"),
+        PossibleValue::new("plain")
+            .help("Strips of rows, uncompressed, without overviews: for simple readers, and for timing"),
+    ];
+    PossibleValuesParser::new(words).map(|word| if word == "plain" { TiffLayout::Plain } else { TiffLayout::Cog })
 }

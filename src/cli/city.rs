@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use super::args::CityArgs;
-use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use super::plan::{input_paths, limits_in_words, read_scene};
-use super::words::{pretty, title_of};
+use super::plan::{input_paths, read_scene};
 use super::{interrupt, messages};
+use crate::city::{Footprint, Solids};
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
@@ -15,11 +14,13 @@ use crate::export::{
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::Crs;
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, PictureForm, grouped};
 use crate::report::{RunFacts, city_geojson};
-use crate::scene::{Footprint, Scene, Solids};
+use crate::scene::limits::limits_in_words;
+use crate::words::{pretty, title_of};
 
 const FORMATS: [Format; 10] = [
     Format::Png,
@@ -54,7 +55,7 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
         Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
         Solids::Raster { .. } => None,
     };
-    let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
+    let crate::city::City { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
     check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
     let field = HeightField::build(&grid, solids, &mut warnings);
     let facts = RunFacts {

@@ -9,6 +9,7 @@ use std::time::Duration;
 use super::messages;
 use crate::error::{Error, ErrorClass, Result};
 use crate::export::abandon_files;
+use crate::progress::Progress;
 use crate::quantity::counted;
 
 /// What an interrupt does.
@@ -140,4 +141,10 @@ pub(super) fn begin_writing() {
 /// If the user interrupted it.
 pub(super) fn check() -> Result<()> {
     if wants_to_stop() { Err(interrupted()) } else { Ok(()) }
+}
+
+/// A run that tells what it does, and is asked whether to go on.
+pub(super) fn progress(quiet: bool) -> Progress {
+    let note: fn(&str) = if quiet { |_| {} } else { messages::note };
+    Progress { note, begin_writing, check, ..Progress::default() }
 }

@@ -1,22 +1,23 @@
 //! `skyshed link`: one link, decided and explained.
 
 use super::args::LinkArgs;
-use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{
-    Ready, checked_radius, input_paths, parse_receiver, parse_uav, ready, receiver_height, warn_of_drop,
-};
-use super::words::{pretty, title_of};
+use super::plan::{input_paths, parse_receiver, parse_uav, ready};
 use super::{interrupt, messages};
+use crate::city::Site;
 use crate::coverage::Uav;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::Method;
 use crate::los::{LeastHeight, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed};
+use crate::map::{checked_radius, receiver_height};
 use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::render::{self, LinkProfile, PictureForm, ProfileStep, StepKind};
 use crate::report::{LinkReport, ObstructionReport};
-use crate::scene::Site;
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_drop;
+use crate::scene::outside::{place_uav, warn_of_uavs_outside};
+use crate::words::{pretty, title_of};
 
 const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
 
@@ -82,7 +83,7 @@ pub(super) fn run(args: &LinkArgs, command: Vec<String>) -> Result<()> {
 }
 
 /// The lattice must hold the link.
-pub(super) fn check_extent(scene: &Ready, site: &Site, (x, y): (f64, f64)) -> Result<()> {
+pub(super) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Result<()> {
     let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
     for frame in frames.into_iter().flatten() {
         let extent = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
@@ -102,7 +103,7 @@ pub(super) fn check_extent(scene: &Ready, site: &Site, (x, y): (f64, f64)) -> Re
 }
 
 /// The receiver's end: on ground or roof that is there, not inside a building.
-fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
+fn receiver(scene: &Scene, x: f64, y: f64, height: Height) -> Result<Station> {
     let field = &scene.field;
     let place = field.place(x, y);
     let what = format!("cannot place the receiver at ({x}, {y}) with height {height}");
@@ -144,7 +145,7 @@ fn receiver(scene: &Ready, x: f64, y: f64, height: Height) -> Result<Station> {
     Ok(Station { place, z: i64::from(z) })
 }
 
-fn explain(scene: &Ready, uav: &Uav, receiver: &Station, command: Vec<String>) -> LinkReport {
+fn explain(scene: &Scene, uav: &Uav, receiver: &Station, command: Vec<String>) -> LinkReport {
     let field = &scene.field;
     let (prisms, columns) = link_least_receiver_heights(field, &uav.station, receiver);
     let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
@@ -244,7 +245,7 @@ fn in_words(report: &LinkReport) -> String {
     text
 }
 
-fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, form: &PictureForm) -> Result<Vec<u8>> {
+fn picture(scene: &Scene, uav: &Uav, receiver: &Station, report: &LinkReport, form: &PictureForm) -> Result<Vec<u8>> {
     let field = &scene.field;
     if report.distance_m <= 0.0 {
         return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
@@ -276,7 +277,7 @@ fn picture(scene: &Ready, uav: &Uav, receiver: &Station, report: &LinkReport, fo
 }
 
 /// Ground and roofs below a link, for its side view.
-fn profile(scene: &Ready, uav: &Uav, receiver: &Station, distance_m: f64) -> Vec<ProfileStep> {
+fn profile(scene: &Scene, uav: &Uav, receiver: &Station, distance_m: f64) -> Vec<ProfileStep> {
     let field = &scene.field;
     // Fractions count from the receiver, the picture's distances from the UAV.
     let step = |(near, far): (f64, f64), top: i32, kind: StepKind| ProfileStep {

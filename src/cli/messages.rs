@@ -8,17 +8,45 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::coverage::Control;
 use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
+use crate::progress::Progress;
 
 /// A line on standard error; a closed pipe there is nobody's concern.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", escaped(text));
 }
 
+/// The options of a scene that the library names, as they are typed.
+const FLAGS: [(&str, &str); 18] = [
+    ("terrain", "--terrain"),
+    ("ground_m", "--ground"),
+    ("building_threshold_m", "--building-threshold"),
+    ("height_field", "--height-field"),
+    ("top_field", "--top-field"),
+    ("height_unit", "--height-unit"),
+    ("levels_field", "--levels-field"),
+    ("layer", "--layer"),
+    ("missing", "--missing"),
+    ("missing levels", "--missing levels"),
+    ("base", "--base"),
+    ("data_area", "--data-area"),
+    ("extent", "--extent"),
+    ("cell_m", "--cell"),
+    ("crs", "--crs"),
+    ("project", "--project"),
+    ("size_m", "--size"),
+    ("nodata_as", "--nodata-as"),
+];
+
 /// Prints an error and its hint.
 pub(super) fn error(error: &Error) {
-    say(&format!("error[{}]: {error}", error.code()));
+    let mut text = error.to_string();
+    if error.code() == "E116" {
+        for (option, flag) in FLAGS {
+            text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
+        }
+    }
+    say(&format!("error[{}]: {text}", error.code()));
     if let Some(hint) = error.hint() {
         say(&format!("hint: {hint}"));
     }
@@ -77,14 +105,6 @@ impl WarningsOfRuns {
     }
 }
 
-/// Prints the warnings of a run, or adds them to those of a batch.
-pub(super) fn warnings_of_run(batch: Option<&mut WarningsOfRuns>, uav: &str, found: &[Warning]) {
-    match batch {
-        Some(batch) => batch.add(uav, found),
-        None => warnings(found),
-    }
-}
-
 /// Names the files that were written.
 pub(super) fn wrote(files: &[PathBuf], quiet: bool) {
     if !(quiet || files.is_empty()) {
@@ -121,13 +141,8 @@ pub(super) fn answer(text: &str) -> Result<()> {
 /// How long work may take before a bar is worth showing.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
 
-/// Runs `work`, which counts up to `total` of something, under a progress bar on standard error: shown when it takes longer than a second, on a terminal only.
-pub(super) fn with_progress<T>(
-    control: &Control,
-    (total, what): (u64, &str),
-    quiet: bool,
-    work: impl FnOnce() -> T,
-) -> T {
+/// Runs `work`, which tells how far it is, under a progress bar on standard error: shown when it takes longer than a second, on a terminal only.
+pub(super) fn with_progress<T>(progress: &Progress, what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
     if quiet || !std::io::stderr().is_terminal() {
         return work();
     }
@@ -140,14 +155,15 @@ pub(super) fn with_progress<T>(
             let mut bar: Option<ProgressBar> = None;
             while !finished.load(Ordering::Acquire) {
                 std::thread::park_timeout(Duration::from_millis(100));
-                if start.elapsed() >= SHOW_AFTER {
-                    let bar = bar.get_or_insert_with(|| ProgressBar::new(total).with_style(style.clone()));
-                    bar.set_position(control.done.load(Ordering::Relaxed));
+                if progress.total() == 0 {
+                    bar.take().iter().for_each(ProgressBar::finish_and_clear);
+                } else if start.elapsed() >= SHOW_AFTER {
+                    let bar = bar.get_or_insert_with(|| ProgressBar::new(0).with_style(style.clone()));
+                    bar.set_length(progress.total());
+                    bar.set_position(progress.done());
                 }
             }
-            if let Some(bar) = bar {
-                bar.finish_and_clear();
-            }
+            bar.iter().for_each(ProgressBar::finish_and_clear);
         });
         let result = work();
         finished.store(true, Ordering::Release);

@@ -7,41 +7,28 @@ mod args;
 mod chart;
 mod city;
 mod compare;
-mod expected;
-mod height_curve;
 mod info;
 mod interrupt;
 mod link;
 mod map;
-mod map_classes;
-mod map_drawing;
-mod map_files;
-mod map_sites;
-mod map_streamed;
-mod memory;
 mod messages;
 mod method_looks;
-mod os_words;
-mod outside;
 mod place;
 mod plan;
 mod plos;
-mod receivers;
 mod repairs;
 mod sample;
 mod sample_plot;
 mod stress;
-mod tables;
-mod tolerance;
 mod track;
 mod typed;
-mod words;
 mod zones;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::memory;
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -64,7 +51,7 @@ fn fail(error: &Error) -> ExitCode {
 }
 
 fn dispatch(cli: args::Cli, command: Vec<String>) -> Result<()> {
-    memory::limit(cli.command.max_memory())?;
+    memory::limit(cli.command.max_memory(), interrupt::give_up)?;
     plan::check_scene(&cli.command)?;
     repairs::check(cli.command.scene())?;
     let words = command.clone();

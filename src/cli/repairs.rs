@@ -10,37 +10,13 @@ use serde_json::Value;
 use super::args::SceneArgs;
 use super::messages;
 use super::plan::input_paths;
-use super::words::pretty;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, as_text, check_outputs, encode_table, with_suffix};
 use crate::quantity::counted;
 use crate::read::{Repair, VectorFormat};
 use crate::report::{RunFacts, repairs_geojson, repairs_table};
-use crate::scene::Scene;
-
-/// What a scene of footprints was read as, for the list and its provenance.
-#[derive(Debug, Clone)]
-pub(super) struct FoundRepairs {
-    repairs: Vec<Repair>,
-    facts: RunFacts,
-}
-
-/// Keeps what was mended or left out until the command is done.
-pub(super) fn keep(args: &SceneArgs, scene: &Scene, repairs: Vec<Repair>, warnings: &[Warning]) {
-    let facts = RunFacts {
-        command: Vec::new(),
-        method: None,
-        scene_name: scene.name.clone(),
-        grid: scene.grid.clone(),
-        meters_per_unit: scene.grid.meters_per_unit(),
-        sources: scene.sources.clone(),
-        seed: None,
-        warnings: warnings.to_vec(),
-        unit: None,
-    };
-    // A scene that is read twice is the same.
-    let _ = args.found_repairs.set(FoundRepairs { repairs, facts });
-}
+use crate::scene::FoundRepairs;
+use crate::words::pretty;
 
 /// Refuses a list of a scene that is no file of footprints, and a file that cannot be written, before any work.
 ///

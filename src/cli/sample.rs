@@ -5,23 +5,27 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
-use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use super::plan::{Ready, checked_radius, ready, receiver_height, warn_of_drop_across};
-use super::receivers::{Asked, check_receivers};
+use super::args::{EngineArgs, OutputArgs, SceneArgs, number};
+use super::plan::ready;
 use super::sample_plot::plot;
-use super::words::pretty;
 use super::{interrupt, messages};
+use crate::city::Site;
 use crate::coverage::{Mapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, with_suffix};
 use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
+use crate::map::Receivers;
+use crate::map::{Asked, check_receivers, checked_radius, receiver_height};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::picture::PictureWords;
 use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles_of, over_cities};
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
 use crate::report::{SampledReport, SampledRow};
-use crate::scene::Site;
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_drop_across;
+use crate::words::pretty;
 use crate::zones::Zone;
 
 /// What is asked of sampled placements.
@@ -70,7 +74,7 @@ pub(super) struct SampleJob<'a> {
     /// Heights of the UAVs above ground \[m\].
     pub(super) heights_m: &'a [f64],
     pub(super) rx_height_m: f64,
-    pub(super) receivers: ReceiversArg,
+    pub(super) receivers: Receivers,
     pub(super) words: &'a PictureWords,
 }
 
@@ -117,7 +121,7 @@ impl SampleJob<'_> {
         let block_m = self.sample.block.unwrap_or((size_m / 8.0).max(100.0));
         check_memory(&self.scene.scene, grid, FIELD_BYTES_PER_CELL)?;
         let radius = radius_m.map(|r| first.crs_units(r));
-        let asked = Asked { receivers: self.receivers, rx_height, radius, engine: self.engine };
+        let asked = Asked { receivers: self.receivers, rx_height, radius, method: self.engine.method };
 
         let mut cities = vec![self.count(&first, asked, block_m)?];
         for k in 1..self.sample.cities {
@@ -127,7 +131,8 @@ impl SampleJob<'_> {
         }
         self.refuse_if_all_are_cut(&cities, radius_m)?;
         let mut facts = first.facts(command, Some(cities[0].method));
-        if let Some((seed, last)) = first.seed.zip(first.seed.map(|seed| seed.wrapping_add(self.sample.cities - 1)))
+        if let Some((seed, last)) =
+            first.built_up.map(|_| (first.seed, first.seed.wrapping_add(self.sample.cities - 1)))
             && last != seed
         {
             facts.scene_name = facts.scene_name.replace(&format!("seed {seed}"), &format!("seeds {seed} to {last}"));
@@ -174,8 +179,9 @@ impl SampleJob<'_> {
     }
 
     /// Maps the placements of one city.
-    fn count(&self, scene: &Ready, asked: Asked<'_>, block_m: f64) -> Result<CityCounts> {
+    fn count(&self, scene: &Scene, asked: Asked, block_m: f64) -> Result<CityCounts> {
         let field = &scene.field;
+        let size = self.scene.size.unwrap_or(1000.0);
         let Some(zones) = scene.zones() else {
             return Err(Error::usage(117, "`--sample` with a surface model alone: no zone is known")
                 .with_hint("give `--terrain FILE` or `--ground Z`"));
@@ -187,17 +193,17 @@ impl SampleJob<'_> {
         let (mut of, mut n_inside, mut n_cut) = (Vec::new(), Vec::new(), Vec::new());
         let grid = field.grid();
         let within = match scene.built_up {
-            Some(_) => [0.0, 0.0, self.scene.size, self.scene.size],
+            Some(_) => [0.0, 0.0, size, size],
             None => [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
         };
         for (zone, n) in &self.sample.sample {
             let DrawnPlaces { places, n_cut: cut } = match scene.built_up.filter(|_| self.sample.centers) {
                 Some(built_up) => {
-                    let places = some_of(middles_of(&built_up, self.scene.size, *zone), *n);
+                    let places = some_of(middles_of(&built_up, size, *zone), *n);
                     DrawnPlaces { places, n_cut: 0 }
                 }
                 None => {
-                    let seed = scene.seed.unwrap_or(self.scene.seed);
+                    let seed = scene.seed;
                     Drawn { zone: *zone, n: *n, within, radius: asked.radius, seed }.places(field, &zones)
                 }
             };
@@ -272,7 +278,7 @@ impl SampleJob<'_> {
             .collect()
     }
 
-    fn write(&self, scene: &Ready, report: &SampledReport) -> Result<()> {
+    fn write(&self, scene: &Scene, report: &SampledReport) -> Result<()> {
         interrupt::begin_writing();
         let mut batch = Batch::new(self.out.overwrite);
         for (path, format) in self.outputs {

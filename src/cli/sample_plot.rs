@@ -1,11 +1,11 @@
 //! The plot of a sample: P_LoS against height, a panel for each kind of receivers, a line for each placement zone.
 
-use super::words::{picture_provenance, title_of, unbreakable};
 use crate::error::{Error, Result};
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
 use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{SampledReport, SampledRow};
+use crate::words::{picture_provenance, title_of, unbreakable};
 use crate::zones::Zone;
 
 /// Draws P_LoS by zone, with a typed title and the last lines of the caption.

@@ -4,20 +4,22 @@ use std::path::Path;
 
 use super::args::LinkArgs;
 use super::link::check_extent;
-use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{input_paths, parse_uav, ready, receiver_height, warn_of_drop};
-use super::tables::bad_rows;
-use super::words::{pretty, title_of};
+use super::plan::{input_paths, parse_uav, ready};
 use super::{interrupt, messages};
 use crate::coverage::{TrackState, along_track};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los::Method;
+use crate::map::receiver_height;
 use crate::quantity::{counted, tidy};
 use crate::read::read_track;
 use crate::read::source_of;
 use crate::render::{self, PictureForm, TrackProfile, TrackStretch};
 use crate::report::TrackReport;
+use crate::scene::limits::warn_of_drop;
+use crate::scene::outside::{place_uav, warn_of_uavs_outside};
+use crate::uav::bad_rows;
+use crate::words::{pretty, title_of};
 
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 

@@ -5,8 +5,8 @@ use std::fmt;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
+use crate::city::{BuiltUp, BuiltUpCity};
 use crate::error::Result;
-use crate::scene::{BuiltUp, BuiltUpCity};
 
 /// A scene as typed: the path of a file, which need not be Unicode, or the word for a generated city.
 #[derive(Debug, Clone)]

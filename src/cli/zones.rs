@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use super::args::PictureSize;
 use super::interrupt;
-use super::words::title_of;
 use crate::coverage::class;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, add_zones};
 use crate::height_field::HeightField;
+use crate::picture::PictureSize;
 use crate::quantity::{counted, tidy};
 use crate::raster::Crs;
 use crate::render::{self, MapClass, MapPicture, PictureForm, grouped};
 use crate::report::{RunFacts, zones_geojson};
+use crate::words::title_of;
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
 /// What the files are made from.

@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 
 use super::features::feature_collection;
+use crate::city::Footprint;
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
-use crate::scene::Footprint;
 
 /// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` \[m\]; shells counterclockwise, holes
 /// clockwise (RFC 7946), coordinates in the grid's CRS and named so if that has an EPSG code.

@@ -8,12 +8,12 @@ use super::ToleranceFacts;
 use super::features::feature_collection;
 use super::position::{Position, PositionCells};
 use super::stability::StabilityFacts;
+use crate::city::Source;
 use crate::coverage::{IdleFootprints, Placement, SiteCoverage, Tally};
 use crate::digest::Sha256;
 use crate::error::Warning;
 use crate::los::Method;
 use crate::raster::GeoRef;
-use crate::scene::Source;
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// What every document says of a run.

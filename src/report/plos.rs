@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::documents::digest_words;
 use super::tolerance::form_json;
 use crate::accuracy::{CONFIDENCE, Simpler};
+use crate::city::{BuiltUp, Source};
 use crate::digest::Sha256;
 use crate::error::Warning;
 use crate::los::Method;
@@ -12,7 +13,6 @@ use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS, student_quanti
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::product::SHIFTS;
 use crate::quantity::tidy;
-use crate::scene::{BuiltUp, Source};
 
 /// What a method says of P_LoS.
 #[derive(Debug, Clone, PartialEq)]

@@ -181,7 +181,8 @@ fn long_links_at_extreme_heights_over_a_raster_are_exact() {
         let x = random.choose(&[0, 1, far - 1, far, 4099 * M, 8198 * M + 1]);
         let uav = [x, random.within(0, M), height(&mut random) + random.within(-2, 2)];
         let los = footprints.check(uav, receiver, &mut count);
-        let found = skyshed::los::columns_los(&engine, crate::support::point(uav), crate::support::point(receiver));
+        let found =
+            skyshed_core::los::columns_los(&engine, crate::support::point(uav), crate::support::point(receiver));
         assert_eq!(found, los, "link {k}: {uav:?} {receiver:?}");
     }
     assert!(count.links >= 1_500 && count.los > 100 && count.links - count.los > 100, "{count:?}");

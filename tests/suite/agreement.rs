@@ -5,8 +5,8 @@
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
-use skyshed::height_field::{Columns, Prisms};
-use skyshed::los::{
+use skyshed_core::height_field::{Columns, Prisms};
+use skyshed_core::los::{
     LeastHeight, columns_least_height, columns_least_receiver_height, columns_los, prisms_least_height,
     prisms_least_receiver_height, prisms_los,
 };

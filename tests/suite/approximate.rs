@@ -3,12 +3,12 @@
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
-use skyshed::coverage::{MapOptions, Mapper, Seen, Uav};
-use skyshed::height_field::{Columns, HeightField};
-use skyshed::los::{MethodChoice, StepLength, columns_los, r2_los, step_los, xdraw_los};
-use skyshed::quantity::{Height, LatticePoint, VOID};
-use skyshed::raster::{BitGrid, CellWindow};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site};
+use skyshed_core::coverage::{MapOptions, Mapper, Seen, Uav};
+use skyshed_core::height_field::{Columns, HeightField};
+use skyshed_core::los::{MethodChoice, StepLength, columns_los, r2_los, step_los, xdraw_los};
+use skyshed_core::quantity::{Height, LatticePoint, VOID};
+use skyshed_core::raster::{BitGrid, CellWindow};
 
 use crate::engines::as_raster;
 use crate::support::{Random, slow};
@@ -211,7 +211,7 @@ fn raster_city(name: &str, seed: u64) -> HeightField {
         seed,
         ground_m: 0.0,
     };
-    let scene = city.scene().unwrap();
+    let scene = city.city().unwrap();
     let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     as_raster(&field, Ground::Flat(0), 0, &mut Random(1))
 }

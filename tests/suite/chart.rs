@@ -1,14 +1,14 @@
 //! Speed against accuracy: counts by hand and from saved maps, sums, the exact answer, coarser cells, threads.
 
 use serde_json::Value;
-use skyshed::accuracy::chart::{Contestant, Truth};
-use skyshed::coverage::{MapOptions, Uav};
-use skyshed::formats::RasterFile;
-use skyshed::height_field::{HeightField, Pooling, Station};
-use skyshed::los::{MethodChoice, link_los};
-use skyshed::quantity::Height;
-use skyshed::raster::{GeoRef, Raster};
-use skyshed::scene::{Ground, Site, Solids};
+use skyshed_core::city::{Ground, Site, Solids};
+use skyshed_core::coverage::{MapOptions, Uav};
+use skyshed_core::height_field::{HeightField, Pooling, Station};
+use skyshed_core::los::{MethodChoice, link_los};
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::{GeoRef, Raster};
+use skyshed_io::formats::RasterFile;
+use skyshed_study::accuracy::chart::{Contestant, Truth};
 
 use crate::program::Folder;
 use crate::support::Random;

@@ -5,16 +5,14 @@
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Footprint, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Footprint, Solids};
 
 fn city(name: &str, seed: u64, size_m: f64) -> BuiltUpCity {
     BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }
 }
 
 fn footprints(city: &BuiltUpCity) -> Vec<Footprint> {
-    let Solids::Vector { footprints, .. } = city.scene().unwrap().solids else {
-        panic!("a city is made of footprints")
-    };
+    let Solids::Vector { footprints, .. } = city.city().unwrap().solids else { panic!("a city is made of footprints") };
     footprints
 }
 

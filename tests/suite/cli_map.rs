@@ -8,7 +8,7 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed::formats::RasterFile;
+use skyshed_io::formats::RasterFile;
 
 use crate::program::Folder;
 use crate::support::read_png;
@@ -172,7 +172,7 @@ fn every_format_holds_the_same_numbers() {
     let wide: Vec<u32> = mask.iter().map(|class| u32::from(*class)).collect();
     assert_eq!(channels(&folder, "m.exr"), [("1.los".to_string(), FlatSamples::U32(wide))]);
     let asc = RasterFile::open(&folder.join("m.asc"), &mut Vec::new()).unwrap();
-    assert_eq!(asc.georef().crs().and_then(skyshed::raster::Crs::epsg), Some(25832), "from m.prj");
+    assert_eq!(asc.georef().crs().and_then(skyshed_core::raster::Crs::epsg), Some(25832), "from m.prj");
     let cells = asc.read(asc.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
     assert!(cells.iter().zip(&mask).all(|(a, b)| (a - f64::from(*b)).abs() < 1e-9));
     let (header, bytes) = npy(&folder, "m.npz", "los");

@@ -4,9 +4,9 @@
 
 use std::process::Command;
 
-use skyshed::crs;
-use skyshed::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
-use skyshed::raster::GeoRef;
+use skyshed_core::raster::GeoRef;
+use skyshed_io::crs;
+use skyshed_io::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 
 use crate::program::Folder;
 use crate::support::python_with;

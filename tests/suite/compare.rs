@@ -1,8 +1,8 @@
 //! `skyshed compare` from outside: counts by hand, saved masks, intervals, sheets, files, flags, and what it refuses.
 
 use serde_json::Value;
-use skyshed::formats::RasterFile;
-use skyshed::los_probability::bootstrap::{Share, resampled_ratios};
+use skyshed_io::formats::RasterFile;
+use skyshed_study::los_probability::bootstrap::{Share, resampled_ratios};
 
 use crate::program::{Folder, program, wait};
 use crate::support::read_png;

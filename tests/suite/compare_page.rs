@@ -130,8 +130,8 @@ fn a_large_grid_is_thinned_to_the_middles_of_squares() {
     let pictures = pictures(&page);
     assert!(pictures.iter().all(|p| p.dimensions() == (1050, 1050)));
     let mut warnings = Vec::new();
-    let skyshed::formats::RasterFile::GeoTiff(tiff) =
-        skyshed::formats::RasterFile::open(&folder.join("c.tif"), &mut warnings).unwrap()
+    let skyshed_io::formats::RasterFile::GeoTiff(tiff) =
+        skyshed_io::formats::RasterFile::open(&folder.join("c.tif"), &mut warnings).unwrap()
     else {
         panic!("a GeoTIFF")
     };

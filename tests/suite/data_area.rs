@@ -4,9 +4,9 @@
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use serde_json::{Value, json};
-use skyshed::los_probability::product::Product;
-use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::scene::BuiltUp;
+use skyshed_core::city::BuiltUp;
+use skyshed_study::los_probability::product::Product;
+use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 
 use crate::cli_map::{mask_of, tif};
 use crate::figures::{drawn, words};

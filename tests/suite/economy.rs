@@ -2,11 +2,11 @@
 //! limits it; each number against maps made on their own.
 
 use serde_json::Value;
-use skyshed::coverage::{Control, IdleFootprints, MapOptions, Mapper, Uav};
-use skyshed::height_field::HeightField;
-use skyshed::quantity::{Frame, Height};
-use skyshed::raster::GeoRef;
-use skyshed::scene::{BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
+use skyshed_core::coverage::{Control, IdleFootprints, MapOptions, Mapper, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::{Frame, Height};
+use skyshed_core::raster::GeoRef;
 
 use crate::program::Folder;
 use crate::support::{Random, slow};
@@ -58,7 +58,7 @@ fn footprints_that_can_hide_nobody_are_dropped_and_counted() {
     assert_eq!(found, IdleFootprints { footprints: 6, too_low: 2, out_of_reach: 2 });
     assert_eq!(mapper.seen(&uav), all);
     // Receivers on roofs are higher: nothing is too low for the UAV's height alone.
-    let options = MapOptions { receivers: skyshed::coverage::Receivers::Roof, ..MapOptions::default() };
+    let options = MapOptions { receivers: skyshed_core::coverage::Receivers::Roof, ..MapOptions::default() };
     let mut mapper = Mapper::new(&field, &options).unwrap();
     let found = mapper.drop_idle(std::slice::from_ref(&uav));
     // The lowest receiver stands on a roof of 1 m, 1.5 m above it.
@@ -73,7 +73,7 @@ fn maps_are_the_same_without_what_was_dropped() {
         let name = random.choose(&["suburban", "urban", "dense-urban", "high-rise"]);
         let built_up = BuiltUp::named(name).unwrap();
         let city = BuiltUpCity { built_up, size_m: 400.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
-        let scene = city.scene().unwrap();
+        let scene = city.city().unwrap();
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         #[expect(clippy::cast_precision_loss, reason = "a few hundred meters")]
         let (x, y, z) = (random.within(0, 399) as f64, random.within(0, 399) as f64, random.within(100, 300) as f64);

@@ -4,13 +4,13 @@
 use std::path::PathBuf;
 
 use rayon::prelude::*;
-use skyshed::coverage::{Control, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class, map_site};
-use skyshed::height_field::HeightField;
-use skyshed::los::{GridLos, GridReceivers, Method, MethodChoice, simd_levels};
-use skyshed::quantity::{Height, VOID, height_steps};
-use skyshed::raster::{CellWindow, GeoRef, Raster};
-use skyshed::read::{SurfaceOptions, read_surface};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
+use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class, map_site};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice, simd_levels};
+use skyshed_core::quantity::{Height, VOID, height_steps};
+use skyshed_core::raster::{CellWindow, GeoRef, Raster};
+use skyshed_io::read::{SurfaceOptions, read_surface};
 
 use crate::invariants::uav_at;
 use crate::oracle;
@@ -27,7 +27,7 @@ fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
         seed,
         ground_m: 0.0,
     };
-    let scene = city.scene().unwrap();
+    let scene = city.city().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 

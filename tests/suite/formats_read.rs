@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use skyshed::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
-use skyshed::raster::CellWindow;
 use skyshed::{Error, ErrorClass, Warning};
+use skyshed_core::raster::CellWindow;
+use skyshed_io::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
 
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;

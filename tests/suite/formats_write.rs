@@ -9,12 +9,12 @@ use std::io::{Cursor, Read};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use geotiff_reader::GeoTiffFile;
-use skyshed::crs;
-use skyshed::formats::{
+use skyshed_core::raster::{Crs, GeoRef};
+use skyshed_io::crs;
+use skyshed_io::formats::{
     Bands, ClassColor, ExrChannel, GeoTiff, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
     world_file, write_exr, write_geotiff, write_npz,
 };
-use skyshed::raster::{Crs, GeoRef};
 
 const SHAPE: (usize, usize) = (300, 700);
 
@@ -353,9 +353,9 @@ fn reference_systems_are_read_named_and_joined() {
     assert_eq!(crs::parse(&crs::wkt_of(&utm).unwrap()).unwrap(), utm);
     // PROJ 9.5.1: 513223.5394 5403015.5180.
     let wgs84 = crs::from_epsg(4326).unwrap();
-    let (x, y) = skyshed::crs::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
+    let (x, y) = skyshed_io::crs::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
     assert!((x - 513_223.539_4).abs() < 1e-3 && (y - 5_403_015.518).abs() < 1e-3, "{x} {y}");
-    assert_eq!(skyshed::crs::utm_for(9.18, 48.78), 32632);
+    assert_eq!(skyshed_io::crs::utm_for(9.18, 48.78), 32632);
 }
 
 #[test]

@@ -7,8 +7,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use skyshed::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
-use skyshed::raster::GeoRef;
+use skyshed_core::raster::GeoRef;
+use skyshed_io::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 
 use crate::program::{Folder, run_in};
 use crate::support::{Random, slow};

@@ -6,9 +6,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use skyshed::quantity::meters;
-use skyshed::read::{DataAreaChoice, FootprintOptions, read_footprints};
-use skyshed::scene::Solids;
+use skyshed_core::city::Solids;
+use skyshed_core::quantity::meters;
+use skyshed_io::read::{DataAreaChoice, FootprintOptions, read_footprints};
 
 use crate::program::Folder;
 use crate::support::{Random, slow};

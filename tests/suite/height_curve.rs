@@ -3,12 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use serde_json::{Value, json};
-use skyshed::coverage::{Control, HeightCurve, HeightLayers, MapOptions, Receivers, SiteCoverage, Uav, map_site};
-use skyshed::height_field::{HeightField, Station};
-use skyshed::los::{columns_least_height, columns_least_step, prisms_least_height, prisms_least_step};
-use skyshed::quantity::VOID;
-use skyshed::raster::{GeoRef, Raster};
-use skyshed::scene::{Ground, Solids};
+use skyshed_core::city::{Ground, Solids};
+use skyshed_core::coverage::{Control, HeightCurve, HeightLayers, MapOptions, Receivers, SiteCoverage, Uav, map_site};
+use skyshed_core::height_field::{HeightField, Station};
+use skyshed_core::los::{columns_least_height, columns_least_step, prisms_least_height, prisms_least_step};
+use skyshed_core::quantity::VOID;
+use skyshed_core::raster::{GeoRef, Raster};
 
 use crate::invariants::{raster_town, uav_at, uavs, vector_town};
 use crate::oracle::Columns;
@@ -169,7 +169,7 @@ fn quantiles_are_the_least_heights_that_reach_their_share() {
 fn a_wall_that_blocks_everything_is_never_overcome() {
     // Three cells: the receiver in the west is behind nodata that blocks everything.
     let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 3), None).unwrap();
-    let cells = vec![0, skyshed::quantity::BLOCKS_ALL, 0];
+    let cells = vec![0, skyshed_core::quantity::BLOCKS_ALL, 0];
     let solids = Solids::Raster {
         surface: Raster::new(grid.clone(), cells),
         ground: Ground::Flat(0),

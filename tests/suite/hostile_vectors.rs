@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use skyshed::ErrorClass;
-use skyshed::height_field::HeightField;
-use skyshed::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
-use skyshed::scene::Scene;
+use skyshed_core::city::City;
+use skyshed_core::height_field::HeightField;
+use skyshed_io::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
 
 use crate::program::Folder;
 use crate::support::{Random, slow};
@@ -37,7 +37,7 @@ fn opened(damaged: &Path) -> PathBuf {
     if is_beside { damaged.with_extension("shp") } else { damaged.to_path_buf() }
 }
 
-fn read(path: &Path) -> skyshed::Result<Scene> {
+fn read(path: &Path) -> skyshed::Result<City> {
     let is_mesh = path.extension().is_some_and(|e| e == "obj" || e == "ply");
     let warnings = &mut Vec::new();
     if is_mesh {

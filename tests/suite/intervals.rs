@@ -1,11 +1,11 @@
 //! Intervals tell the truth: over many repetitions a 95 % interval covers the value 95 % of the time.
 
-use skyshed::los_probability::city::CitySimulator;
-use skyshed::los_probability::estimate::{Count, clopper_pearson, clustered, wilson};
-use skyshed::los_probability::geometry::GeometrySimulator;
-use skyshed::los_probability::product::Product;
-use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::scene::BuiltUp;
+use skyshed_core::city::BuiltUp;
+use skyshed_study::los_probability::city::CitySimulator;
+use skyshed_study::los_probability::estimate::{Count, clopper_pearson, clustered, wilson};
+use skyshed_study::los_probability::geometry::GeometrySimulator;
+use skyshed_study::los_probability::product::Product;
+use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 
 use crate::support::slow;
 

@@ -8,17 +8,17 @@
 )]
 
 use rayon::ThreadPoolBuilder;
-use skyshed::coverage::{
+use skyshed_core::city::{DataArea, Footprint, FootprintFaults, Ground, Solids};
+use skyshed_core::coverage::{
     Control, HeightLayers, MapOptions, Overlay, Placement, Receivers, SiteCoverage, Uav, class, map_site, which_layer,
 };
-use skyshed::height_field::{CellKind, HeightField, Station};
-use skyshed::los::{
+use skyshed_core::height_field::{CellKind, HeightField, Station};
+use skyshed_core::los::{
     columns_least_height, columns_least_receiver_height, columns_los, link_los, prisms_least_receiver_height,
     prisms_los,
 };
-use skyshed::quantity::{Frame, VOID};
-use skyshed::raster::{GeoRef, LargeVec, Raster};
-use skyshed::scene::{DataArea, Footprint, FootprintFaults, Ground, Solids};
+use skyshed_core::quantity::{Frame, VOID};
+use skyshed_core::raster::{GeoRef, LargeVec, Raster};
 
 use crate::oracle::{Columns, P3, Prism};
 use crate::shapes::{M, moved, plan, prism, random_columns, random_end, random_prism_end, random_prisms, star};
@@ -243,7 +243,7 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
         let (uav, receiver) = (random_end(random, &shape), random_end(random, &shape));
         let (uav, receiver) = (point(uav), point(receiver));
         let los = columns_los(&columns, uav, receiver);
-        let with_z = |mut p: skyshed::quantity::LatticePoint, z: i64| {
+        let with_z = |mut p: skyshed_core::quantity::LatticePoint, z: i64| {
             p.z = z;
             p
         };

@@ -4,12 +4,12 @@
 use std::collections::HashMap;
 
 use serde_json::Value;
-use skyshed::los_probability::estimate::Estimate;
-use skyshed::los_probability::points::Points;
-use skyshed::los_probability::product::{Product, across_street, factors, link_p_los, rayleigh_cdf};
-use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::los_probability::street_grid::{GridLink, GridZone, StreetGrid};
-use skyshed::scene::BuiltUp;
+use skyshed_core::city::BuiltUp;
+use skyshed_study::los_probability::estimate::Estimate;
+use skyshed_study::los_probability::points::Points;
+use skyshed_study::los_probability::product::{Product, across_street, factors, link_p_los, rayleigh_cdf};
+use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::street_grid::{GridLink, GridZone, StreetGrid};
 
 use crate::support::{Random, slow, truth};
 

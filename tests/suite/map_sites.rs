@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use serde_json::Value;
-use skyshed::formats::GeoTiff;
+use skyshed_io::formats::GeoTiff;
 
 use crate::program::{Folder, program, wait};
 use crate::support::{Random, class_of, has_program, slow};

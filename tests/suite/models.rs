@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use skyshed::los_probability::models::{Model, ModelLink, itu};
-use skyshed::scene::BuiltUp;
+use skyshed_core::city::BuiltUp;
+use skyshed_study::los_probability::models::{Model, ModelLink, itu};
 
 use crate::support::truth;
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use skyshed::formats::RasterFile;
-use skyshed::raster::CellWindow;
 use skyshed::{Error, Warning};
+use skyshed_core::raster::CellWindow;
+use skyshed_io::formats::RasterFile;
 
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;

@@ -1,6 +1,6 @@
 //! Virtual rasters and folders that cannot be read, or only oddly: what is said of them; and hostile ones.
 
-use skyshed::formats::RasterFile;
+use skyshed_io::formats::RasterFile;
 
 use crate::mosaic::{CORNER, codes, nine_tiles, read};
 use crate::plain_tiff::{Cells, PlainTiff};

@@ -4,16 +4,16 @@
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use serde_json::Value;
-use skyshed::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, class};
-use skyshed::height_field::HeightField;
-use skyshed::los::MethodChoice;
-use skyshed::placement::{
+use skyshed_core::city::{BuiltUp, BuiltUpCity};
+use skyshed_core::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, class};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::BitGrid;
+use skyshed_study::placement::{
     Candidate, CandidateRules, Candidates, PlaceGrid, Scorer, SeenSets, Weights, cover, least_heights, ranked,
     ranked_margins, scores, worst_margins,
 };
-use skyshed::quantity::Height;
-use skyshed::raster::BitGrid;
-use skyshed::scene::{BuiltUp, BuiltUpCity};
 
 use crate::invariants::{raster_town, vector_town};
 use crate::program::Folder;
@@ -48,7 +48,7 @@ fn the_best_candidate_is_that_of_a_brute_force_by_rays() {
         seed: 3,
         ground_m: 0.0,
     };
-    let city = city.scene().unwrap();
+    let city = city.city().unwrap();
     let city = HeightField::build(&city.grid, city.solids, &mut Vec::new());
     for field in [raster_town(&mut random, 24), vector_town(&mut random, 28), city] {
         let candidates = candidates(&field, (field.grid().x_max() - field.grid().x_min()) / 5.0);

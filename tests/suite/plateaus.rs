@@ -1,14 +1,14 @@
 //! Shadows of the plateaus of a raster equal `ray` on its columns, cell for cell; and `auto` takes them where they serve.
 
 use rayon::prelude::*;
-use skyshed::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
-use skyshed::height_field::{Columns, HeightField, Plateaus};
-use skyshed::los::{
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground};
+use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
+use skyshed_core::height_field::{Columns, HeightField, Plateaus};
+use skyshed_core::los::{
     Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los, simd_levels,
 };
-use skyshed::quantity::{LatticePoint, VOID};
-use skyshed::raster::{BitGrid, CellWindow};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground};
+use skyshed_core::quantity::{LatticePoint, VOID};
+use skyshed_core::raster::{BitGrid, CellWindow};
 
 use crate::engines::as_raster;
 use crate::invariants::uav_at;
@@ -147,7 +147,7 @@ fn towns_of_blocks_agree_with_ray() {
 fn city(name: &str, seed: u64) -> HeightField {
     let built_up = BuiltUp::named(name).unwrap();
     let scene =
-        BuiltUpCity { built_up, size_m: 520.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }.scene().unwrap();
+        BuiltUpCity { built_up, size_m: 520.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }.city().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 

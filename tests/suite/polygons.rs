@@ -9,10 +9,10 @@
 use std::fmt::Write as _;
 
 use rayon::prelude::*;
-use skyshed::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
-use skyshed::overlay::even_odd;
-use skyshed::read::{FootprintOptions, MissingHeight, read_footprints};
-use skyshed::scene::{Scene, Solids};
+use skyshed_core::city::{City, Solids};
+use skyshed_core::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
+use skyshed_core::overlay::even_odd;
+use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
 use crate::shapes::{doubled_area, rectangle, star};
 use crate::support::{Random, slow};
@@ -247,7 +247,7 @@ fn feature(rings: &[Vec<[f64; 2]>], is_closed: bool) -> String {
     text + "]}}"
 }
 
-fn read(features: &[String], name: &str) -> Scene {
+fn read(features: &[String], name: &str) -> City {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("polygons");
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);

@@ -4,8 +4,8 @@
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
-use skyshed::height_field::{Columns, Prisms};
-use skyshed::los;
+use skyshed_core::height_field::{Columns, Prisms};
+use skyshed_core::los;
 
 use crate::oracle::{self, P3};
 use crate::shapes::plan;

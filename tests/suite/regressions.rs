@@ -1,7 +1,7 @@
 //! One test per bug, named after it, with the reduced input and a sentence of cause.
 
 use serde_json::Value;
-use skyshed::formats::GeoTiff;
+use skyshed_io::formats::GeoTiff;
 
 use crate::program::Folder;
 

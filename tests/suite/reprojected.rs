@@ -3,14 +3,14 @@
 
 use std::process::Command;
 
-use skyshed::crs;
-use skyshed::crs::Transformation;
-use skyshed::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
-use skyshed::quantity::{VOID, meters};
-use skyshed::raster::{Crs, GeoRef, Raster};
-use skyshed::read::{Projection, SurfaceOptions, read_surface};
-use skyshed::scene::{Ground, Scene, Solids};
 use skyshed::{Result, Warning};
+use skyshed_core::city::{City, Ground, Solids};
+use skyshed_core::quantity::{VOID, meters};
+use skyshed_core::raster::{Crs, GeoRef, Raster};
+use skyshed_io::crs;
+use skyshed_io::crs::Transformation;
+use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
+use skyshed_io::read::{Projection, SurfaceOptions, read_surface};
 
 use crate::program::Folder;
 use crate::support::has_program;
@@ -35,13 +35,13 @@ fn write(folder: &Folder, name: &str, georef: &GeoRef, heights: &[f32]) {
     std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
 }
 
-fn projected(folder: &Folder, name: &str, options: SurfaceOptions) -> Result<(Scene, Vec<Warning>)> {
+fn projected(folder: &Folder, name: &str, options: SurfaceOptions) -> Result<(City, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let options = SurfaceOptions { project: Some(Projection::Auto), ..options };
     read_surface(&folder.join(name), &options, &mut warnings).map(|scene| (scene, warnings))
 }
 
-fn surface(scene: &Scene) -> (&Raster<i32>, &Ground) {
+fn surface(scene: &City) -> (&Raster<i32>, &Ground) {
     let Solids::Raster { surface, ground, .. } = &scene.solids else { panic!("footprints") };
     (surface, ground)
 }
@@ -176,7 +176,7 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
         let wanted = heights[south as usize * 80 + east as usize];
         assert_eq!(
             *found,
-            if wanted < 0.0 { VOID } else { skyshed::quantity::height_steps(f64::from(wanted)).unwrap() }
+            if wanted < 0.0 { VOID } else { skyshed_core::quantity::height_steps(f64::from(wanted)).unwrap() }
         );
     }
     let text = warnings.iter().find(|w| w.code() == "W346").map(Warning::text).unwrap_or_default();
@@ -217,7 +217,7 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     let site = &document["sites"][0];
     let (x, y) = (site["x"].as_f64().unwrap(), site["y"].as_f64().unwrap());
     let (wanted_x, wanted_y) =
-        skyshed::crs::transform(&crs::from_epsg(4326).unwrap(), &crs::from_epsg(32632).unwrap(), (11.5712, 48.1391))
+        skyshed_io::crs::transform(&crs::from_epsg(4326).unwrap(), &crs::from_epsg(32632).unwrap(), (11.5712, 48.1391))
             .unwrap();
     assert!((x - wanted_x).abs() < 1e-6 && (y - wanted_y).abs() < 1e-6, "{site}");
     for (line, exit, error) in [

@@ -3,16 +3,16 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use skyshed::coverage::{MapOptions, Mapper, Uav};
-use skyshed::height_field::HeightField;
-use skyshed::los_probability::estimate::Estimate;
-use skyshed::los_probability::product::Product;
-use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::placement::{ReceiverParts, SampledCounts, middles_of, over_cities};
-use skyshed::quantity::Height;
-use skyshed::raster::CellBlocks;
-use skyshed::scene::{BuiltUp, BuiltUpCity, Site};
-use skyshed::zones::{Zone, ZoneMap};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::coverage::{MapOptions, Mapper, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::CellBlocks;
+use skyshed_core::zones::{Zone, ZoneMap};
+use skyshed_study::los_probability::estimate::Estimate;
+use skyshed_study::los_probability::product::Product;
+use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::placement::{ReceiverParts, SampledCounts, middles_of, over_cities};
 
 use crate::program::Folder;
 use crate::support::slow;
@@ -42,7 +42,7 @@ fn from_maps(built_up: BuiltUp, n_cities: u64) -> Vec<Vec<Estimate>> {
     let mut totals = vec![vec![Vec::new(); RADII_M.len()]; PLACEMENTS.len()];
     for seed in 1..=n_cities {
         let city = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
-        let scene = city.scene().unwrap();
+        let scene = city.city().unwrap();
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
         let parts = ReceiverParts::new(&field.cells().open, &zones);

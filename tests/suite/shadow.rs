@@ -14,12 +14,12 @@ use std::path::Path;
 use fearless_simd::Level;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use skyshed::height_field::{CellKind, HeightField, Prisms};
-use skyshed::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
-use skyshed::quantity::{LatticePoint, VOID};
-use skyshed::raster::BitGrid;
-use skyshed::read::{FootprintOptions, MissingHeight, read_footprints};
-use skyshed::scene::{BuiltUp, BuiltUpCity};
+use skyshed_core::city::{BuiltUp, BuiltUpCity};
+use skyshed_core::height_field::{CellKind, HeightField, Prisms};
+use skyshed_core::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
+use skyshed_core::quantity::{LatticePoint, VOID};
+use skyshed_core::raster::BitGrid;
+use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
 use crate::oracle::Prism;
 use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};
@@ -309,7 +309,7 @@ fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: 
 pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
     let city =
         BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m, seed, ground_m: 0.0 };
-    let scene = city.scene().unwrap();
+    let scene = city.city().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 
@@ -327,7 +327,7 @@ fn uavs_over(field: &HeightField, city: &BuiltUp) -> Vec<LatticePoint> {
     for (x, y) in places {
         let place = field.place(x, y);
         let roof = field.roof_at(&place);
-        let on_prisms = skyshed::height_field::Station { place, z: 0 }.on_prisms();
+        let on_prisms = skyshed_core::height_field::Station { place, z: 0 }.on_prisms();
         for height in [2, 10, 30, 100, 500] {
             uavs.push(LatticePoint { z: i64::from(roof.unwrap_or(0).max(height * 1024)), ..on_prisms });
         }
@@ -406,7 +406,7 @@ fn shadow_equals_ray_on_munich() {
             let place = field.place(x, y);
             let roof = field.roof_at(&place).unwrap_or(VOID);
             let z = i64::from(roof.max(height * 1024));
-            let uav = skyshed::height_field::Station { place, z }.on_prisms();
+            let uav = skyshed_core::height_field::Station { place, z }.on_prisms();
             for receivers in &fields {
                 all = all.plus(receivers.compare(prisms, uav, &|| format!("Munich, {height} m")));
             }

@@ -6,12 +6,12 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use skyshed::coverage::{Control, MapOptions, Mapper, Receivers, Uav};
-use skyshed::height_field::HeightField;
-use skyshed::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
-use skyshed::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
-use skyshed::quantity::{Height, LatticePoint};
-use skyshed::raster::BitGrid;
+use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
+use skyshed_core::quantity::{Height, LatticePoint};
+use skyshed_core::raster::BitGrid;
+use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
 
 use crate::invariants::{raster_town, vector_town};
 use crate::shadow::{city, levels, tiny_field, tiny_scene, tiny_uav};
@@ -294,7 +294,7 @@ fn whoever_wants_to_stop_is_heard() {
         1
     };
     let error = mapper.count_grid(&grid, &weight, &control).unwrap_err();
-    assert_eq!(error.class(), skyshed::error::ErrorClass::Interrupted);
+    assert_eq!(error.class(), skyshed_core::error::ErrorClass::Interrupted);
     let n_threads = rayon::current_num_threads() as u64;
     let n_asked = n_asked.into_inner();
     assert!(n_asked <= n_threads * 64 * 64, "{n_asked} receivers of {}", mapper.receiver_cells().count());

@@ -2,13 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use skyshed::height_field::HeightField;
-use skyshed::los::prisms_los;
-use skyshed::los_probability::city::{CityDraw, CityLink, CitySimulator};
-use skyshed::los_probability::estimate::{clustered, wilson};
-use skyshed::los_probability::geometry::GeometrySimulator;
-use skyshed::los_probability::setting::{Placement, Setting, Users};
-use skyshed::scene::BuiltUpCity;
+use skyshed_core::city::BuiltUpCity;
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::prisms_los;
+use skyshed_study::los_probability::city::{CityDraw, CityLink, CitySimulator};
+use skyshed_study::los_probability::estimate::{clustered, wilson};
+use skyshed_study::los_probability::geometry::GeometrySimulator;
+use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 
 use crate::los_probability::{CITIES, at_height, built_up, product, setting};
 use crate::support::slow;
@@ -176,7 +176,7 @@ fn the_simulators_agree_with_rays_through_the_city_as_built() {
                 seed: draw.seed,
                 ground_m: 0.0,
             };
-            let scene = city.scene().unwrap();
+            let scene = city.city().unwrap();
             built = Some((key, HeightField::build(&scene.grid, scene.solids, &mut Vec::new())));
         }
         let prisms = built.as_ref().and_then(|(_, field)| field.prisms()).unwrap();

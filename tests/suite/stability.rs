@@ -4,14 +4,14 @@
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use serde_json::Value;
-use skyshed::coverage::{
+use skyshed_core::city::{Ground, Site, Solids};
+use skyshed_core::coverage::{
     Control, HeightLayers, MapOptions, Mapper, Move, Receivers, SiteCoverage, Stability, Turned, Uav, class,
 };
-use skyshed::height_field::HeightField;
-use skyshed::los::MethodChoice;
-use skyshed::quantity::{Height, meters};
-use skyshed::raster::{GeoRef, Raster};
-use skyshed::scene::{Ground, Site, Solids};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::{Height, meters};
+use skyshed_core::raster::{GeoRef, Raster};
 
 use crate::invariants::{raster_town, vector_town};
 use crate::program::Folder;
@@ -109,7 +109,7 @@ fn the_layer_counts_the_maps_that_differ() {
             let (x, y) = (field.grid().x_min() + width * (0.2 + 0.3 * k as f64), field.grid().y_min() + height * 0.45);
             let radius: Option<f64> = radius.map(|share: f64| share * width);
             let place = field.place(x, y);
-            let z = skyshed::coverage::surface_under(&field, &place).max(0) + 3 * 1024;
+            let z = skyshed_core::coverage::surface_under(&field, &place).max(0) + 3 * 1024;
             let uav = uav_at(&field, x, y, z);
             let options = MapOptions { radius, receivers: Receivers::All, ..MapOptions::default() };
             let before = map(&field, &uav, &options);
@@ -145,12 +145,15 @@ fn the_layer_counts_the_maps_that_differ() {
                     let n_cols = field.grid().n_cols();
                     let place = positions.center(cell / n_cols, cell % n_cols);
                     let base = match field.cell_kind(cell, &place) {
-                        skyshed::height_field::CellKind::Open(z) | skyshed::height_field::CellKind::Building(z) => z,
-                        skyshed::height_field::CellKind::Void => panic!("no receiver is there"),
+                        skyshed_core::height_field::CellKind::Open(z)
+                        | skyshed_core::height_field::CellKind::Building(z) => z,
+                        skyshed_core::height_field::CellKind::Void => panic!("no receiver is there"),
                     };
-                    let receiver =
-                        skyshed::height_field::Station { place, z: i64::from(base) + i64::from(options.rx_height) };
-                    let is_los = skyshed::los::link_los(&shifted, &uav.station, &receiver);
+                    let receiver = skyshed_core::height_field::Station {
+                        place,
+                        z: i64::from(base) + i64::from(options.rx_height),
+                    };
+                    let is_los = skyshed_core::los::link_los(&shifted, &uav.station, &receiver);
                     if is_los != (*class == class::LOS) {
                         counts[cell] += 1;
                         sum.gained += u64::from(is_los);

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use serde_json::Value;
-use skyshed::formats::{GeoTiff, encode_geotiff};
+use skyshed_io::formats::{GeoTiff, encode_geotiff};
 
 use crate::program::Folder;
 use crate::support::{Random, class_of, has_program};
@@ -27,15 +27,15 @@ fn write_city(folder: &Folder, (n_rows, n_cols): (usize, usize)) {
         }
     };
     let write = |name: &str, (n_rows, n_cols): (usize, usize), cell: f64, value: &dyn Fn(usize, usize) -> f32| {
-        let georef = skyshed::raster::GeoRef::new((500.0, 9000.0), (cell, cell), (n_rows, n_cols), None).unwrap();
+        let georef = skyshed_core::raster::GeoRef::new((500.0, 9000.0), (cell, cell), (n_rows, n_cols), None).unwrap();
         let cells: Vec<f32> = (0..n_rows).flat_map(|r| (0..n_cols).map(move |c| value(r, c))).collect();
-        let image = skyshed::formats::GeoTiffImage {
+        let image = skyshed_io::formats::GeoTiffImage {
             georef: &georef,
-            bands: skyshed::formats::Bands::Float(vec![("height".into(), &cells)]),
+            bands: skyshed_io::formats::Bands::Float(vec![("height".into(), &cells)]),
             nodata: Some(-9999.0),
             palette: None,
             metadata: &[],
-            layout: skyshed::formats::TiffLayout::Cog,
+            layout: skyshed_io::formats::TiffLayout::Cog,
         };
         std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
     };
@@ -190,7 +190,7 @@ fn fifty_thousand_cells_a_side_take_two_gigabytes() {
     measured(&format!("map all.tif {near} -o b.tif --max-memory 2G"));
     let part = cells(&folder.join("a.tif"));
     let all = GeoTiff::open(&folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
-    let window = skyshed::raster::CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };
+    let window = skyshed_core::raster::CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };
     let all = all.read(window, &mut Vec::new(), class_of).expect("its cells");
     assert!(part == all.cells());
     assert!(part.iter().filter(|class| **class == 1).count() > 1_000_000);

@@ -5,11 +5,11 @@
 
 use rayon::prelude::*;
 use serde_json::Value;
-use skyshed::accuracy::stress::{
+use skyshed_core::quantity::{LatticePoint, VOID};
+use skyshed_study::accuracy::stress::{
     AtRisk, Contender, Effort, FAMILIES, Family, FamilyScore, Outcome, Ready, StressScene, StressSolid, Symmetry,
     check_exact, stress, truth,
 };
-use skyshed::quantity::{LatticePoint, VOID};
 
 use crate::oracle;
 use crate::program::Folder;
@@ -30,7 +30,7 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
         }
         StressSolid::Prisms(prisms) => {
             let ring = |r: &Vec<[i32; 2]>| r.iter().map(|v| v.map(i64::from)).collect();
-            let prism = |p: &skyshed::accuracy::stress::StressPrism| oracle::Prism {
+            let prism = |p: &skyshed_study::accuracy::stress::StressPrism| oracle::Prism {
                 rings: p.rings.iter().map(ring).collect(),
                 top: i64::from(p.top),
             };
@@ -135,7 +135,7 @@ fn a_scene_is_a_function_of_its_seed_and_number() {
 /// The answers of a scene by the engine that its kind calls for, cell by cell, with the heights of the receivers.
 fn seen(scene: &StressScene, ready: &Ready) -> Vec<Option<(i64, bool)>> {
     let options = scene.options();
-    let seen = skyshed::coverage::Mapper::new(&ready.field, &options).unwrap().seen(&ready.uav);
+    let seen = skyshed_core::coverage::Mapper::new(&ready.field, &options).unwrap().seen(&ready.uav);
     let mut answers = vec![None; scene.n_rows * scene.n_cols];
     for (cell, receiver) in &ready.receivers {
         answers[*cell] = Some((receiver.z, seen.los.contains(cell / scene.n_cols, cell % scene.n_cols)));

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use skyshed::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
-use skyshed::overlay::even_odd;
-use skyshed::quantity::{LatticePoint, VOID};
+use skyshed_core::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
+use skyshed_core::overlay::even_odd;
+use skyshed_core::quantity::{LatticePoint, VOID};
 
 use crate::oracle;
 

@@ -2,14 +2,14 @@
 //! so it does strip by strip, whatever the strips.
 
 use rayon::prelude::*;
-use skyshed::error::Result;
-use skyshed::height_field::{Columns, TileMaxima};
-use skyshed::los::{
+use skyshed_core::error::Result;
+use skyshed_core::height_field::{Columns, TileMaxima};
+use skyshed_core::los::{
     ColumnsReader, ReceiverHeights, SimdLevel, StreamLimits, StreamedHeights, StreamedScene, columns_los, simd_levels,
     streamed_sweep_los, sweep_los,
 };
-use skyshed::quantity::{BLOCKS_ALL, LatticePoint, VOID};
-use skyshed::raster::{BitGrid, CellWindow};
+use skyshed_core::quantity::{BLOCKS_ALL, LatticePoint, VOID};
+use skyshed_core::raster::{BitGrid, CellWindow};
 
 use crate::support::{Random, slow};
 

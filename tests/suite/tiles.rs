@@ -1,7 +1,7 @@
 //! α, β and γ by tile: counted by hand, over generated cities whose parameters are known, and as GDAL reads them.
 
 use serde_json::Value;
-use skyshed::formats::GeoTiff;
+use skyshed_io::formats::GeoTiff;
 
 use crate::program::Folder;
 use crate::support::has_program;

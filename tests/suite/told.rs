@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use num_bigint::BigInt;
 use serde_json::Value;
-use skyshed::formats::RasterFile;
+use skyshed_io::formats::RasterFile;
 
 use crate::cli_map::{MAP, channels, mask_of, npy, tif, town};
 use crate::program::Folder;

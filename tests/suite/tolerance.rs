@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use skyshed::accuracy::{Choice, Question, Simpler, coarse_answer, coarsest_within};
-use skyshed::coverage::{MapOptions, Mapper, Uav};
-use skyshed::height_field::{HeightField, Pooling};
-use skyshed::quantity::Height;
-use skyshed::raster::{BitGrid, GeoRef, Raster};
-use skyshed::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
-use skyshed::scene::{BuiltUp, BuiltUpCity, Ground, NodataAs, Scene, Site, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, City, Ground, NodataAs, Site, Solids};
+use skyshed_core::coverage::{MapOptions, Mapper, Uav};
+use skyshed_core::height_field::{HeightField, Pooling};
+use skyshed_core::quantity::Height;
+use skyshed_core::raster::{BitGrid, GeoRef, Raster};
+use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
+use skyshed_study::accuracy::{Choice, Question, Simpler, coarse_answer, coarsest_within};
 
 use crate::program::Folder;
 use crate::support::{Random, slow, truth};
 
-fn built(scene: Scene) -> HeightField {
+fn built(scene: City) -> HeightField {
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 
@@ -27,7 +27,7 @@ fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
         seed,
         ground_m: 0.0,
     };
-    built(city.scene().unwrap())
+    built(city.city().unwrap())
 }
 
 fn raster(dsm: &Path, terrain: &Path) -> HeightField {
@@ -173,7 +173,7 @@ fn a_difference_is_counted_by_hand() {
 
 #[test]
 fn a_receiver_takes_the_answer_of_the_cell_that_it_is_in() {
-    use skyshed::accuracy::CoarseAnswer;
+    use skyshed_study::accuracy::CoarseAnswer;
     let (mut receivers, mut los) = (BitGrid::new(2, 2), BitGrid::new(2, 2));
     receivers.insert(0, 1);
     receivers.insert(1, 0);

@@ -9,21 +9,23 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use skyshed::coverage::{Control, MapOptions, SiteCoverage, Uav, class, map_site};
-use skyshed::formats::GeoTiff;
-use skyshed::height_field::{HeightField, Station};
-use skyshed::los::MethodChoice;
-use skyshed::los::link_los;
-use skyshed::quantity::{Height, LatticePoint, VOID, height_steps};
-use skyshed::read::{DataAreaChoice, FootprintOptions, MissingHeight, SurfaceOptions, read_footprints, read_surface};
-use skyshed::scene::{Footprint, NodataAs, Scene, Site, Solids};
+use skyshed_core::city::{City, Footprint, NodataAs, Site, Solids};
+use skyshed_core::coverage::{Control, MapOptions, SiteCoverage, Uav, class, map_site};
+use skyshed_core::height_field::{HeightField, Station};
+use skyshed_core::los::MethodChoice;
+use skyshed_core::los::link_los;
+use skyshed_core::quantity::{Height, LatticePoint, VOID, height_steps};
+use skyshed_io::formats::GeoTiff;
+use skyshed_io::read::{
+    DataAreaChoice, FootprintOptions, MissingHeight, SurfaceOptions, read_footprints, read_surface,
+};
 
 use crate::oracle;
 use crate::support::Random;
 
 /// A city with the masks of an independent engine.
 struct Comparison {
-    scene: Scene,
+    scene: City,
     truth: PathBuf,
     mask: &'static str,
     /// Least share of agreeing cells for UAVs placed on a street, and for all others.
@@ -35,7 +37,7 @@ fn maps() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")
 }
 
-fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> Scene {
+fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> City {
     let options = SurfaceOptions {
         terrain: Some(terrain.to_path_buf()),
         ground_m: None,
@@ -48,7 +50,7 @@ fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> Scene
     read_surface(dsm, &options, &mut Vec::new()).unwrap()
 }
 
-fn footprint_scene(buildings: &Path, terrain: &Path) -> Scene {
+fn footprint_scene(buildings: &Path, terrain: &Path) -> City {
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
@@ -211,23 +213,23 @@ fn compare(comparison: Comparison) -> usize {
 }
 
 /// Files of a city: footprints, surface, terrain.
-struct City {
+struct CityFiles {
     buildings: PathBuf,
     dsm: PathBuf,
     terrain: PathBuf,
 }
 
-impl City {
-    fn munich() -> City {
+impl CityFiles {
+    fn munich() -> CityFiles {
         let maps = maps();
-        City {
+        CityFiles {
             buildings: maps.join("munich.geojson"),
             dsm: maps.join("munich_dsm.tif"),
             terrain: maps.join("munich_terrain.tif"),
         }
     }
 
-    fn scene(&self, footprints: bool) -> Scene {
+    fn scene(&self, footprints: bool) -> City {
         if footprints {
             footprint_scene(&self.buildings, &self.terrain)
         } else {
@@ -243,14 +245,14 @@ impl City {
 
 #[test]
 fn the_raster_of_munich_agrees_with_an_independent_engine() {
-    let asked = City::munich().comparison(maps().join("munich_truth"), false);
+    let asked = CityFiles::munich().comparison(maps().join("munich_truth"), false);
     // The README's figure.
     assert_eq!(compare(Comparison { street: 0.99997, others: 0.99997, ..asked }), 6 * 1_232_980);
 }
 
 #[test]
 fn the_footprints_of_munich_agree_with_an_independent_engine() {
-    let asked = City::munich().comparison(maps().join("munich_truth"), true);
+    let asked = CityFiles::munich().comparison(maps().join("munich_truth"), true);
     assert_eq!(compare(Comparison { street: 0.99997, others: 0.99997, ..asked }), 6 * 1_232_974);
 }
 
@@ -259,7 +261,7 @@ fn rasters_and_footprints_of_the_other_cities_agree_with_an_independent_engine()
     let Some(shared) = crate::support::truth() else { return };
     for city in ["etoile", "simple_street_canyon"] {
         let folder = shared.join("cities").join(city);
-        let files = City {
+        let files = CityFiles {
             buildings: folder.join("buildings.geojson"),
             dsm: folder.join("dsm_1m.tif"),
             terrain: folder.join("terrain_1m.tif"),
@@ -294,7 +296,7 @@ fn lidar_rasters_agree_with_an_independent_engine() {
 #[test]
 fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
     for footprints in [false, true] {
-        let scene = City::munich().scene(footprints);
+        let scene = CityFiles::munich().scene(footprints);
         let prisms = match &scene.solids {
             Solids::Vector { footprints, .. } => footprints.clone(),
             Solids::Raster { .. } => Vec::new(),

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use rusqlite::Connection;
 use serde_json::{Value, json};
-use skyshed::read::{MeshOptions, read_mesh};
-use skyshed::scene::Solids;
+use skyshed_core::city::Solids;
+use skyshed_io::read::{MeshOptions, read_mesh};
 
 use crate::program::Folder;
 use crate::vector_files::{

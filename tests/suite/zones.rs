@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use skyshed::height_field::HeightField;
-use skyshed::overlay::even_odd;
-use skyshed::quantity::Frame;
-use skyshed::raster::{GeoRef, Raster};
-use skyshed::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
-use skyshed::scene::{BuiltUp, BuiltUpCity, DataArea, Footprint, FootprintFaults, Ground, NodataAs, Scene, Solids};
-use skyshed::zones::{NONE, Zone, ZoneBasis, ZoneMap};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, City, DataArea, Footprint, FootprintFaults, Ground, NodataAs, Solids};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::overlay::even_odd;
+use skyshed_core::quantity::Frame;
+use skyshed_core::raster::{GeoRef, Raster};
+use skyshed_core::zones::{NONE, Zone, ZoneBasis, ZoneMap};
+use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
 use crate::support::{Random, truth};
 
@@ -224,7 +224,7 @@ fn a_kiosk_in_a_street_does_not_divide_it() {
 }
 
 fn city(built_up: BuiltUp, size_m: f64) -> HeightField {
-    let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+    let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city().unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 
@@ -385,13 +385,13 @@ fn check_cells(field: &HeightField, map: &ZoneMap) {
     assert_eq!(map.codes().iter().filter(|code| **code == NONE).count() as u64, n_void);
 }
 
-fn munich() -> Scene {
+fn munich() -> City {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let options = FootprintOptions { cell_m: Some(2.0), ..FootprintOptions::default() };
     read_footprints(&path, &options, &mut Vec::new()).unwrap()
 }
 
-fn build(scene: &Scene) -> HeightField {
+fn build(scene: &City) -> HeightField {
     HeightField::build(&scene.grid, scene.solids.clone(), &mut Vec::new())
 }
 
@@ -411,7 +411,7 @@ fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
 }
 
 /// The share of cells with the same zone after a scene's footprints and its map went through `point` and `cell`.
-fn symmetry(scene: &Scene, point: impl Fn([i64; 2]) -> [i64; 2], cell: impl Fn(usize, usize) -> (usize, usize)) -> f64 {
+fn symmetry(scene: &City, point: impl Fn([i64; 2]) -> [i64; 2], cell: impl Fn(usize, usize) -> (usize, usize)) -> f64 {
     let map = ZoneMap::of(&build(scene), None);
     let mut other = scene.clone();
     if let Solids::Vector { footprints, .. } = &mut other.solids {
@@ -445,7 +445,7 @@ fn a_mirrored_or_turned_city_has_mirrored_or_turned_zones() {
     assert!(half_turn > 0.995, "{half_turn}");
     let built_up = BuiltUp::named("urban").unwrap();
     let mut city =
-        BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene().unwrap();
+        BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city().unwrap();
     city.built_up = None;
     let quarter_turn = symmetry(&city, |[x, y]| [300 * i64::from(STEPS) - y, x], |row, col| (299 - col, row));
     assert!(quarter_turn > 0.995, "{quarter_turn}");
@@ -483,7 +483,7 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
         let percent = random.choose(&[0, 20, 50, 80, 100]);
         let heights: Vec<i32> = (0..n_rows * n_cols)
             .map(|_| match random.chance(5) {
-                true => skyshed::quantity::VOID,
+                true => skyshed_core::quantity::VOID,
                 false => i32::from(random.chance(percent)) * 10 * STEPS,
             })
             .collect();

@@ -95,6 +95,21 @@ pub enum Height {
 }
 
 impl Height {
+    /// Above the ground under the point \[m\].
+    pub fn agl(meters: f64) -> Height {
+        Height::AboveGround(meters)
+    }
+
+    /// Above the roof under the point \[m\].
+    pub fn roof(meters: f64) -> Height {
+        Height::AboveRoof(meters)
+    }
+
+    /// Above the datum of the scene \[m\].
+    pub fn amsl(meters: f64) -> Height {
+        Height::AboveDatum(meters)
+    }
+
     /// The number without its reference \[m\].
     pub fn value(self) -> f64 {
         match self {

@@ -6,4 +6,4 @@ pub mod export;
 pub mod formats;
 pub mod read;
 
-use skyshed_core::{coverage, error, height_field, outlines, overlay, quantity, raster, scene, zones};
+use skyshed_core::{city, coverage, error, height_field, outlines, overlay, quantity, raster, zones};

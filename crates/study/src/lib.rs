@@ -4,4 +4,4 @@ pub mod accuracy;
 pub mod los_probability;
 pub mod placement;
 
-use skyshed_core::{coverage, error, height_field, los, outlines, overlay, quantity, raster, scene, zones};
+use skyshed_core::{city, coverage, error, height_field, los, outlines, overlay, quantity, raster, zones};

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use crate::cli::args::{EngineArgs, OutputArgs, SceneArgs, number};
 use crate::cli::typed::length;
+use crate::map::Receivers;
+use crate::picture::PictureWords;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ChartArgs {
@@ -23,7 +25,7 @@ pub(in crate::cli) struct ChartArgs {
     pub(in crate::cli) rx_height: f64,
     /// Which cells hold receivers: ground, roof or all
     #[arg(long, value_enum, default_value = "ground")]
-    pub(in crate::cli) receivers: ReceiversArg,
+    pub(in crate::cli) receivers: Receivers,
     /// Other programs, too: `gdal_viewshed` if it is found on the PATH, with its own files read and written
     #[arg(long)]
     pub(in crate::cli) peers: bool,

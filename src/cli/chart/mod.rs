@@ -16,6 +16,7 @@ use std::path::PathBuf;
 pub(super) use args::ChartArgs;
 
 use super::in_pool;
+use super::interrupt;
 use super::messages;
 use super::plan::{input_paths, outputs_with_table};
 use crate::coverage::Control;
@@ -67,11 +68,13 @@ fn threads(args: &ChartArgs) -> u16 {
 
 /// Runs `work`, which has a turn for each of `n` contestants, on the threads of the timed runs, under a progress bar.
 fn in_turns<T: Send>(args: &ChartArgs, n: usize, work: impl FnOnce(&Control) -> T + Send) -> Result<T> {
-    let control = Control::default();
+    let progress = interrupt::progress(args.out.quiet);
+    let control = progress.control();
     let mut done = None;
     in_pool(Some(threads(args)), || {
-        let turns = || work(&control);
-        done = Some(messages::with_progress(&control, (n as u64, "contestants"), args.out.quiet, turns));
+        let turns = || work(control);
+        progress.begin(n as u64);
+        done = Some(messages::with_progress(&progress, "contestants", args.out.quiet, turns));
         Ok(())
     })?;
     done.ok_or_else(|| Error::internal(903, "cannot run the contestants"))

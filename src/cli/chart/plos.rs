@@ -7,12 +7,12 @@ use super::measure::measured;
 use super::write::{Chart, write};
 use super::{ChartArgs, in_turns, refuse_typed, show, threads};
 use crate::accuracy::plos_cost::{PlosWay, reference};
+use crate::city::BuiltUp;
 use crate::cli::{interrupt, messages};
 use crate::error::{Result, Warning};
 use crate::export::Format;
 use crate::los_probability::setting::{Placement, Setting, Users};
 use crate::report::{PlosChartReport, PlosChartRow};
-use crate::scene::BuiltUp;
 
 /// Elevation angle without `--theta` \[deg\].
 const THETA_DEG: f64 = 45.0;

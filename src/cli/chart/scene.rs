@@ -8,20 +8,22 @@ use super::write::{Chart, write};
 use super::{ChartArgs, in_turns, peers, refuse_typed, show, threads};
 use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
-use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::cli::outside::{place_uav, warn_of_uavs_outside};
-use crate::cli::plan::{Ready, checked_radius, ready, receiver_height, warn_of_flat_earth};
-use crate::cli::receivers::{Asked, check_receivers};
-use crate::cli::tables::UavsAsked;
+use crate::city::GivenSite;
+use crate::cli::plan::ready;
+use crate::cli::plan::uavs_asked;
 use crate::cli::{interrupt, messages};
 use crate::coverage::{MapOptions, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::export::Format;
 use crate::los::Method;
+use crate::map::{Asked, check_receivers, checked_radius, receiver_height};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::quantity::counted;
 use crate::render::grouped;
 use crate::report::{ChartReport, ChartRow, Cost};
-use crate::scene::GivenSite;
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_flat_earth;
+use crate::scene::outside::{place_uav, warn_of_uavs_outside};
 
 /// Bytes that a cell takes beside the scene: the scene once more on other cells, the heights and the mask of the floor, those
 /// of a peer.
@@ -36,9 +38,8 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     }
     let rx_height = receiver_height(args.rx_height)?;
     let radius_m = checked_radius(args.engine.radius)?;
-    let asked =
-        UavsAsked { typed: &args.uav, table: args.uavs.as_deref(), skip_bad: args.skip_bad, hash: args.scene.hash };
-    if asked.typed_sites()?.is_empty() && args.uavs.is_none() {
+    let asked = uavs_asked(&args.uav, args.uavs.as_ref(), (args.skip_bad, args.scene.hash))?;
+    if asked.typed.is_empty() && args.uavs.is_none() {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`")
             .with_hint("`--plos` charts the P_LoS methods of a generated city without one"));
     }
@@ -54,7 +55,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
     check_memory(&args.scene.scene, scene.field.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;
     warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
 
-    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let asked = Asked { receivers: args.receivers, rx_height, radius, method: args.engine.method };
     let options = asked.options(scene.field.grid(), None);
     let contestants = Contestant::all(&scene.field, args.engine.method)?;
     let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;
@@ -97,7 +98,7 @@ pub(super) fn run(args: &ChartArgs, command: Vec<String>, outputs: &[(PathBuf, F
 /// Where contestants meet.
 struct Arena<'a> {
     args: &'a ChartArgs,
-    scene: &'a Ready,
+    scene: &'a Scene,
     uavs: &'a [Uav],
     options: &'a MapOptions,
     truth: &'a Truth,

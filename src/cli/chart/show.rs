@@ -3,17 +3,17 @@
 use super::{ChartArgs, threads};
 use crate::accuracy::chart::Family;
 use crate::accuracy::plos_cost::PlosWay;
-use crate::cli::map::undrawable;
 use crate::cli::method_looks::look_of;
-use crate::cli::plan::Ready;
-use crate::cli::receivers::{cell_names, setting_line};
-use crate::cli::words::{title_of, unbreakable};
 use crate::coverage::Uav;
 use crate::error::Result;
 use crate::los_probability::models::Model;
+use crate::map::{cell_names, setting_line};
+use crate::picture::undrawable;
 use crate::quantity::{counted, tidy};
 use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
 use crate::report::{ChartReport, PlosChartReport, Position};
+use crate::scene::Scene;
+use crate::words::{title_of, unbreakable};
 
 /// A picture with its words.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ impl Picture {
 }
 
 /// The picture of a scene.
-pub(super) fn of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Picture {
+pub(super) fn of_scene(args: &ChartArgs, scene: &Scene, report: &ChartReport) -> Picture {
     let mut points = Vec::new();
     let mut front = Vec::new();
     let on_front = report.front();
@@ -122,7 +122,7 @@ fn uav_words((uav, lonlat): &(Uav, Option<[f64; 2]>)) -> String {
     }
 }
 
-fn caption_of_scene(args: &ChartArgs, scene: &Ready, report: &ChartReport) -> Vec<String> {
+fn caption_of_scene(args: &ChartArgs, scene: &Scene, report: &ChartReport) -> Vec<String> {
     let truth = &report.truth;
     let (receivers, _) = cell_names(args.receivers, &scene.field);
     let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(uav_words).collect();

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::ChartArgs;
 use super::show::Picture;
-use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Batch, Format, with_suffix};
+use crate::words::{picture_provenance, pretty};
 
 /// A chart of a scene or of P_LoS, ready to be written.
 pub(super) struct Chart<'a> {

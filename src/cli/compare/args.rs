@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use crate::cli::args::{EngineArgs, OutputArgs, SceneArgs, number};
 use crate::cli::typed::length;
+use crate::map::Receivers;
+use crate::picture::PictureWords;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct CompareArgs {
@@ -27,7 +29,7 @@ pub(in crate::cli) struct CompareArgs {
     pub(in crate::cli) rx_height: f64,
     /// Which cells hold receivers
     #[arg(long, value_enum, default_value = "ground")]
-    pub(in crate::cli) receivers: ReceiversArg,
+    pub(in crate::cli) receivers: Receivers,
     /// Edge of the blocks of ground that are resampled for intervals [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "50", allow_hyphen_values = true)]
     pub(in crate::cli) block: f64,

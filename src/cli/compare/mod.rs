@@ -14,21 +14,23 @@ use masks::{Setting, read_masks};
 use tables::{Tables, margin_facts, pairs_of, tables};
 use write::Writer;
 
-use super::outside::{place_uav, warn_of_uavs_outside};
-use super::plan::{Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height, warn_of_flat_earth};
-use super::receivers::{Asked, check_receivers};
-use super::tables::UavsAsked;
-use super::words::pretty;
+use super::plan::{input_paths, outputs_with_table, ready};
 use super::{interrupt, messages};
-use crate::cli::memory::check_memory;
-use crate::coverage::{CellGroups, Control, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
+use crate::city::GivenSite;
+use crate::cli::plan::uavs_asked;
+use crate::coverage::{CellGroups, KeepMasks, Mapper, Overlay, SiteCoverage, Tally, Uav, class, count_sets};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules};
 use crate::los::Method;
+use crate::map::{Asked, check_receivers, checked_radius, receiver_height};
+use crate::memory::check_memory;
 use crate::raster::{CellBlocks, LargeVec};
 use crate::read::source_of;
 use crate::report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts, SiteFacts, Timing, digest};
-use crate::scene::GivenSite;
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_flat_earth;
+use crate::scene::outside::{place_uav, warn_of_uavs_outside};
+use crate::words::pretty;
 use crate::zones::{NONE, ZoneMap};
 
 /// Formats of `skyshed compare`.
@@ -63,9 +65,8 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
         return Err(Error::usage(113, format!("`--block` is `{}`, wanted above 0 m", args.block)));
     }
     let outputs = outputs(args)?;
-    let asked =
-        UavsAsked { typed: &args.uav, table: args.uavs.as_deref(), skip_bad: args.skip_bad, hash: args.scene.hash };
-    let n_typed = asked.typed_sites()?.len();
+    let asked = uavs_asked(&args.uav, args.uavs.as_ref(), (args.skip_bad, args.scene.hash))?;
+    let n_typed = asked.typed.len();
     if args.uavs.is_none() && args.mask.is_empty() {
         check_number(n_typed)?;
     }
@@ -92,7 +93,7 @@ pub(super) fn run(args: &CompareArgs, command: Vec<String>) -> Result<()> {
     let zones = scene.zones();
 
     let before_los = Instant::now();
-    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let asked = Asked { receivers: args.receivers, rx_height, radius, method: args.engine.method };
     let (mut placed, method) = mapped(&scene, zones.as_ref(), &asked, (&found.sites, &uavs), args.out.quiet)?;
     scene.timing.los = before_los.elapsed().as_secs_f64();
     for path in &args.mask {
@@ -185,9 +186,9 @@ fn check_ids(placed: &[Placed]) -> Result<()> {
 
 /// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was, if any was needed.
 fn mapped(
-    scene: &Ready,
+    scene: &Scene,
     zones: Option<&ZoneMap>,
-    asked: &Asked<'_>,
+    asked: &Asked,
     (sites, uavs): (&[GivenSite], &[Uav]),
     quiet: bool,
 ) -> Result<(Vec<Placed>, Option<Method>)> {
@@ -197,10 +198,12 @@ fn mapped(
     let options = asked.options(scene.field.grid(), zones);
     let mut mapper = Mapper::new(&scene.field, &options)?;
     mapper.drop_idle(uavs);
-    let control = Control::default();
+    let progress = interrupt::progress(quiet);
+    let control = progress.control();
     let total = scene.field.grid().n_cells() as u64 * uavs.len() as u64;
-    let maps = messages::with_progress(&control, (total, "receivers"), quiet, || {
-        mapper.map_many(uavs, KeepMasks::Always, &control, |_| {}, |_| {})
+    progress.begin(total);
+    let maps = messages::with_progress(&progress, "receivers", quiet, || {
+        mapper.map_many(uavs, KeepMasks::Always, control, |_| {}, |_| {})
     })?;
     let placed = |(site, given): (SiteCoverage, &GivenSite)| Placed {
         id: site.uav.id.clone(),
@@ -213,7 +216,7 @@ fn mapped(
 }
 
 /// Placements from a file of masks, which becomes a source of the run.
-fn saved(path: &Path, args: &CompareArgs, scene: &mut Ready) -> Result<Vec<Placed>> {
+fn saved(path: &Path, args: &CompareArgs, scene: &mut Scene) -> Result<Vec<Placed>> {
     let setting = Setting {
         scene: Path::new(&args.scene.scene),
         grid: scene.field.grid(),

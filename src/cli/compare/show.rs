@@ -3,17 +3,17 @@
 use serde_json::Value;
 
 use super::write::Writer;
-use crate::cli::map::{self, crop, height_words};
-use crate::cli::receivers::{cell_names, setting_line};
-use crate::cli::words::unbreakable;
 use crate::coverage::class;
 use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
+use crate::map::{cell_names, height_words, setting_line};
+use crate::picture::crop;
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::{
     self, CompareMap, ComparePage, ComparePair, CompareSheet, Mark, PagePlacement, PageTable, grouped,
 };
 use crate::report::{CompareReport, Origin, PairFacts, PlacementFacts, group_names, signed};
+use crate::words::unbreakable;
 
 /// Up to so many placements a sheet shows all pairs of them, beyond that those with the first.
 const MOST_WITH_ALL_PAIRS: usize = 6;
@@ -180,7 +180,7 @@ fn caption(writer: &Writer<'_>) -> Vec<String> {
 /// The mark of a UAV on a grid.
 fn mark<'a>(placement: &'a PlacementFacts, height: &'a str, grid: &GeoRef) -> Option<Mark<'a>> {
     let at = placement.position()?;
-    Some(map::mark(grid, (at.x, at.y), &placement.id, height))
+    Some(crate::picture::mark(grid, (at.x, at.y), &placement.id, height))
 }
 
 /// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.

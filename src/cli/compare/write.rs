@@ -5,19 +5,19 @@ use std::path::Path;
 use super::CompareArgs;
 use super::show::Show;
 use crate::cli::interrupt;
-use crate::cli::map::undrawable;
-use crate::cli::plan::Ready;
-use crate::cli::words::pretty;
 use crate::coverage::Overlay;
 use crate::error::Result;
 use crate::export::{Batch, Comparison, Format, add_comparison, with_suffix};
+use crate::picture::undrawable;
 use crate::render;
 use crate::report::{CompareReport, Timing};
+use crate::scene::Scene;
+use crate::words::pretty;
 
 /// Everything that outputs are made from.
 pub(super) struct Writer<'a> {
     pub(super) args: &'a CompareArgs,
-    pub(super) scene: &'a Ready,
+    pub(super) scene: &'a Scene,
     /// In the order of the report's placements.
     pub(super) masks: &'a [&'a [u8]],
     /// All masks together.

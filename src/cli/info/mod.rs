@@ -9,17 +9,15 @@ mod places;
 mod scene;
 mod tiles;
 
-pub(super) use output::results_in;
-
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::args::{InfoArgs, Missing};
 use super::messages;
-use super::words::pretty;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::words::pretty;
 use output::Output;
 use places::Places;
 

@@ -6,19 +6,18 @@ use crate::accuracy::{
     BudgetLine, CellEffect, NO_CHANGE, Setup, Simpler, TerrainEffect, Uncertain, cell_effects, coarsest_unchanged,
     error_budget, terrain_effect,
 };
+use crate::city::{BuiltUp, BuiltUpCity};
 use crate::cli::args::InfoArgs;
-use crate::cli::expected::Expected;
-use crate::cli::outside::place_uav;
-use crate::cli::plan::{checked_radius, parse_uav, receiver_height};
-use crate::cli::receivers::{Asked, check_receivers};
-use crate::cli::words::idle_in_words;
+use crate::cli::plan::parse_uav;
 use crate::coverage::{IdleFootprints, Mapper, Uav};
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;
+use crate::map::{Asked, Expected, check_receivers, checked_radius, receiver_height};
 use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::report::idle_json;
-use crate::scene::{BuiltUp, BuiltUpCity};
+use crate::scene::outside::place_uav;
+use crate::words::idle_in_words;
 use crate::zones::ZoneMap;
 
 /// Footprints that are rectangles, of all.
@@ -76,7 +75,7 @@ impl Needs {
             place_uav(&parse_uav(text, (k + 1).to_string())?, field, field.grid(), radius)
         };
         let uavs: Vec<Uav> = args.uav.iter().enumerate().map(place).collect::<Result<_>>()?;
-        let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+        let asked = Asked { receivers: args.receivers, rx_height, radius, method: args.engine.method };
         let options = |field: &HeightField| {
             let zones = asked.receivers.zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
             asked.options(field.grid(), zones.as_ref())
@@ -216,13 +215,13 @@ fn other_cities(args: &InfoArgs, built_up: Option<BuiltUp>) -> Result<Vec<Height
     let city = |k: u64| {
         let city = BuiltUpCity {
             built_up,
-            size_m: args.scene.size,
+            size_m: args.scene.size.unwrap_or(1000.0),
             margin_m: 0.0,
             cell_m: args.scene.cell.unwrap_or(1.0),
             seed: args.scene.seed.wrapping_add(k),
             ground_m: args.scene.ground.unwrap_or(0.0),
         };
-        let scene = city.scene()?;
+        let scene = city.city()?;
         Ok(HeightField::build(&scene.grid, scene.solids, &mut Vec::new()))
     };
     (1..=u64::from(args.cities)).map(city).collect()

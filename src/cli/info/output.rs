@@ -11,6 +11,7 @@ use crate::export::with_suffix;
 use crate::formats::{RasterFile, origin_of};
 use crate::render::grouped;
 use crate::report::MaskDigest;
+use crate::scene::results::is_city;
 
 /// An output of this program.
 pub(super) struct Output {
@@ -154,17 +155,6 @@ impl Output {
 
 fn crs_of(scene: &Value) -> &str {
     scene["crs"].as_str().unwrap_or("local coordinates")
-}
-
-/// Whether a file that this program wrote is a city, to be read as a scene.
-fn is_city(origin: &Value) -> bool {
-    origin["schema"] == "skyshed/city/1"
-}
-
-/// The name of the document that a raster holds instead of heights, if this program wrote it for something else.
-pub(in crate::cli) fn results_in(path: &Path) -> Option<String> {
-    let origin: Value = serde_json::from_str(&origin_of(path)?).ok()?;
-    (!is_city(&origin)).then(|| origin["schema"].as_str().unwrap_or_default().to_string())
 }
 
 /// What a file says of its origin, in itself or in the document beside it.

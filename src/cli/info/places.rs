@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use crate::city::GivenSite;
 use crate::cli::args::SceneArgs;
 use crate::crs;
 use crate::error::{Error, Result};
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::read::{BadRows, read_sites, read_track};
-use crate::scene::GivenSite;
 
 /// Places that a file names.
 pub(super) struct Places {

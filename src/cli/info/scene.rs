@@ -6,24 +6,27 @@ use serde_json::{Map, Value, json};
 
 use super::needs::{Needs, Rectangles, refuse_without_uav};
 use super::tiles::{self, Tiles};
+use crate::city::City;
+use crate::city::{BuiltUp, Footprint, FootprintFaults, HeightGap, Solids, Source};
 use crate::cli::args::InfoArgs;
-use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::cli::outside::warn_of_uavs_outside;
-use crate::cli::plan::{input_paths, is_raster, limits_in_words, read_scene};
-use crate::cli::tables::UavsAsked;
-use crate::cli::words::pretty;
+use crate::cli::plan::uavs_asked;
+use crate::cli::plan::{input_paths, read_scene};
 use crate::cli::zones::ZoneFiles;
 use crate::cli::{interrupt, messages};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::height_field::{CellKind, HeightField};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::quantity::{Frame, VOID, counted, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::grouped;
 use crate::report::RunFacts;
-use crate::scene::{BuiltUp, Footprint, FootprintFaults, HeightGap, Scene, Solids, Source};
+use crate::scene::is_raster;
+use crate::scene::limits::limits_in_words;
+use crate::scene::outside::warn_of_uavs_outside;
+use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};
 
 const FORMATS: [Format; 8] = [
@@ -108,8 +111,8 @@ struct Named {
 }
 
 impl Found {
-    fn of(args: &InfoArgs, scene: Scene, mut warnings: Vec<Warning>) -> Result<Found> {
-        let Scene { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
+    fn of(args: &InfoArgs, scene: City, mut warnings: Vec<Warning>) -> Result<Found> {
+        let City { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
         let unit = grid.meters_per_unit();
         let size = Tiles::size(args, &grid, unit)?;
         let heights = solids.building_heights();
@@ -127,8 +130,8 @@ impl Found {
         check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
         let field = HeightField::build(&grid, solids, &mut warnings);
         let counts = Counts::of(&field);
-        let asked = UavsAsked { typed: &args.uav, table: None, skip_bad: false, hash: false };
-        warn_of_uavs_outside(&asked.typed_sites()?, &grid, &mut warnings);
+        let asked = uavs_asked(&args.uav, None, (false, false))?;
+        warn_of_uavs_outside(&asked.typed, &grid, &mut warnings);
         let needs = match args.uav.is_empty() {
             true => None,
             false => Some(Needs::of(args, &field, built_up, rectangles)?),

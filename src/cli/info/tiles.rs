@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::city::Footprint;
 use crate::cli::args::InfoArgs;
 use crate::cli::interrupt;
-use crate::cli::words::pretty;
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, encode_table, with_suffix};
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
@@ -15,7 +15,7 @@ use crate::los_probability::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS,
 use crate::quantity::{Frame, tidy};
 use crate::raster::GeoRef;
 use crate::render::grouped;
-use crate::scene::Footprint;
+use crate::words::pretty;
 
 /// What tiles hold where a value does not exist.
 const NODATA: f32 = -9999.0;

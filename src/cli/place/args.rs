@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::super::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs, number};
+use super::super::args::{EngineArgs, OutputArgs, SceneArgs, number};
 use super::super::sample::SampleArgs;
 use super::super::typed::length;
+use crate::map::Receivers;
+use crate::picture::PictureWords;
 use crate::zones::Zone;
 
 #[derive(Debug, Args)]
@@ -61,7 +63,7 @@ pub(in crate::cli) struct PlaceArgs {
     pub(super) rx_height: f64,
     /// Which cells hold receivers; a goal of a zone has its own
     #[arg(long, value_enum, default_value = "ground")]
-    pub(super) receivers: ReceiversArg,
+    pub(super) receivers: Receivers,
     /// File to write, by extension: .csv (those chosen, then all candidates, ranked), .json, .geojson (the best ones), .png .svg .pdf (where to
     /// hover), .tif (the same as numbers), `-` for JSON on standard output; repeat for more. Without any the best ranks of the
     /// table go to standard output

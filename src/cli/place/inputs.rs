@@ -1,9 +1,8 @@
 //! The areas, weights and candidates of a search, read and checked.
 
-use super::super::plan::Ready;
-use super::super::tables::bad_rows;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Whom};
+use crate::city::{Area, GivenSite, Source};
 use crate::error::{Error, Result, Warning};
 use crate::formats::RasterFile;
 use crate::height_field::HeightField;
@@ -12,7 +11,8 @@ use crate::quantity::{Height, tidy};
 use crate::raster::GeoRef;
 use crate::read::{read_area, read_sites};
 use crate::read::{refuse_two_crs, source_of};
-use crate::scene::{Area, GivenSite, Source};
+use crate::scene::Scene;
+use crate::uav::bad_rows;
 use crate::zones::{Zone, ZoneMap};
 
 /// More candidates than this are refused.
@@ -40,7 +40,7 @@ impl Inputs {
         args: &PlaceArgs,
         goal: Goal,
         heights: Option<Vec<Height>>,
-        scene: &Ready,
+        scene: &Scene,
         warnings: &mut Vec<Warning>,
     ) -> Result<Inputs> {
         let grid = scene.field.grid();

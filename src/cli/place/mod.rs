@@ -14,19 +14,20 @@ mod winner_map;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::expected::Expected;
 use super::messages;
-use super::plan::{Ready, checked_radius, input_paths, outputs_with_table, ready, receiver_height, warn_of_flat_earth};
-use super::receivers::{Asked, check_receivers};
+use super::plan::{input_paths, outputs_with_table, ready};
 use super::sample::SampleJob;
-use super::words::pretty;
-use crate::cli::memory::check_memory;
 use crate::coverage::{MapOptions, Mapper, Receivers, Uav, UavGrid};
 use crate::error::{Error, Result};
 use crate::export::{Format, OutputRules, check_outputs};
+use crate::map::{Asked, Expected, check_receivers, checked_radius, receiver_height};
+use crate::memory::check_memory;
 use crate::placement::Weights;
 use crate::quantity::{Height, height_steps};
 use crate::report::{PlaceReport, Timing};
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_flat_earth;
+use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};
 
 pub(super) use args::PlaceArgs;
@@ -82,7 +83,7 @@ pub(super) fn run(args: &PlaceArgs, command: Vec<String>) -> Result<()> {
         candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
     warn_of_flat_earth(&farthest, scene.field.grid(), radius, &mut scene.warnings);
 
-    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
+    let asked = Asked { receivers: args.receivers, rx_height, radius, method: args.engine.method };
     let options = options(asked, goal, &scene, zones.as_ref(), &inputs);
     let n_uavs = candidates.kept.len();
     let n_cells = scene.field.grid().n_cells();
@@ -197,7 +198,7 @@ fn outputs_of(args: &PlaceArgs, allowed: &[Format]) -> Result<(Vec<Output>, Opti
 }
 
 /// The options of the maps: the receivers of the goal.
-fn options(asked: Asked<'_>, goal: Goal, scene: &Ready, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
+fn options(asked: Asked, goal: Goal, scene: &Scene, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
     let options = asked.options(scene.field.grid(), zones);
     match goal.whom {
         Whom::Zone(Zone::Rooftop) => MapOptions { receivers: Receivers::Roof, within: None, ..options },

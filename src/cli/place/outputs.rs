@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use super::super::interrupt;
-use super::super::plan::Ready;
-use super::super::words::pretty;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Measure, Whom};
 use super::{picture, winner_map};
@@ -15,6 +13,8 @@ use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::placement::PlaceGrid;
 use crate::quantity::tidy;
 use crate::report::{PlaceFacts, PlaceReport, PlaceValue, Timing};
+use crate::scene::Scene;
+use crate::words::pretty;
 
 /// Nodata of the raster.
 const NODATA: f32 = -9999.0;
@@ -24,7 +24,7 @@ const NODATA: f32 = -9999.0;
 pub(super) struct Writer<'a> {
     pub(super) args: &'a PlaceArgs,
     pub(super) goal: Goal,
-    pub(super) scene: &'a Ready,
+    pub(super) scene: &'a Scene,
     pub(super) mapper: &'a Mapper<'a>,
     pub(super) report: &'a PlaceReport,
     pub(super) places: Option<&'a PlaceGrid>,

@@ -1,18 +1,18 @@
 //! The picture of a search: where to hover, as colors over the city.
 
-use super::super::map::mark;
-use super::super::receivers::cell_names;
-use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::{Writer, height_words, in_words};
 use super::winner_map::receivers_of;
 use crate::error::{Error, Result};
 use crate::export::Format;
+use crate::map::cell_names;
+use crate::picture::mark;
 use crate::placement::PlaceGrid;
 use crate::quantity::{Height, tidy};
 use crate::raster::Crs;
 use crate::render::{self, Layer, MapPicture, Mark};
 use crate::report::PlaceFacts;
+use crate::words::{picture_provenance, unbreakable};
 
 pub(super) fn draw(job: &Writer<'_>, places: &PlaceGrid, format: Format) -> Result<Vec<u8>> {
     let grid = job.scene.field.grid();

@@ -3,6 +3,8 @@
 use super::super::messages;
 use super::args::PlaceArgs;
 use super::goal::{Goal, Measure, Whom};
+use crate::city::GivenSite;
+use crate::cli::interrupt;
 use crate::coverage::{Control, Mapper, Uav, WorstReceiver};
 use crate::error::Result;
 use crate::height_field::HeightField;
@@ -11,7 +13,6 @@ use crate::placement::{
     least_heights, ranked, ranked_margins, refined, scores, scores_over_grid, worst_margins,
 };
 use crate::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
-use crate::scene::GivenSite;
 
 /// Everything that a search needs.
 #[derive(Debug)]
@@ -44,13 +45,15 @@ pub(super) struct Found {
 
 impl Search<'_> {
     pub(super) fn run(&self) -> Result<Found> {
-        let control = Control::default();
+        let progress = interrupt::progress(self.args.out.quiet);
+        let control = progress.control();
         let total = self.candidates.kept.len() as u64;
-        messages::with_progress(&control, (total, "candidates"), self.args.out.quiet, || {
+        progress.begin(total);
+        messages::with_progress(&progress, "candidates", self.args.out.quiet, || {
             match (self.goal.measure, self.goal.at_least) {
-                (Measure::Margin, _) => self.by_margin(&control),
-                (Measure::Share, Some(share)) => self.by_height(share, &control),
-                (Measure::Share, None) => self.by_share(&control),
+                (Measure::Margin, _) => self.by_margin(control),
+                (Measure::Share, Some(share)) => self.by_height(share, control),
+                (Measure::Share, None) => self.by_share(control),
             }
         })
     }

@@ -2,18 +2,18 @@
 
 use std::path::Path;
 
-use super::super::map::{height_words, mark, undrawable};
-use super::super::receivers::{cell_names, setting_line};
-use super::super::words::{picture_provenance, unbreakable};
 use super::goal::Whom;
 use super::outputs::Writer;
-use crate::cli::args::ReceiversArg;
 use crate::coverage::{Control, KeepMasks, ManyMaps, Overlay, Tally, Uav};
 use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::formats::TiffLayout;
+use crate::map::Receivers;
+use crate::map::{cell_names, height_words, setting_line};
+use crate::picture::{mark, undrawable};
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::report::SiteFacts;
+use crate::words::{picture_provenance, unbreakable};
 use crate::zones::Zone;
 
 /// Maps the winners and adds the map to a batch.
@@ -122,12 +122,12 @@ fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>>
 const MOST_LINES: usize = 6;
 
 /// The receivers that the goal counts, as they are typed for a map.
-pub(super) fn receivers_of(job: &Writer<'_>) -> ReceiversArg {
+pub(super) fn receivers_of(job: &Writer<'_>) -> Receivers {
     match job.goal.whom {
-        Whom::Zone(Zone::Street) => ReceiversArg::Street,
-        Whom::Zone(Zone::Crossroad) => ReceiversArg::Crossroad,
-        Whom::Zone(Zone::Courtyard) => ReceiversArg::Courtyard,
-        Whom::Zone(Zone::Rooftop) => ReceiversArg::Roof,
+        Whom::Zone(Zone::Street) => Receivers::Street,
+        Whom::Zone(Zone::Crossroad) => Receivers::Crossroad,
+        Whom::Zone(Zone::Courtyard) => Receivers::Courtyard,
+        Whom::Zone(Zone::Rooftop) => Receivers::Roof,
         _ => job.args.receivers,
     }
 }

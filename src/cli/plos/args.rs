@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::args::{OutputArgs, PictureSize, SceneArgs, memory_size, number};
+use crate::cli::args::{OutputArgs, SceneArgs, memory_size, number};
 use crate::cli::typed::{SceneWord, length, one_unit, scene_word};
+use crate::picture::PictureSize;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum UsersArg {

@@ -3,10 +3,10 @@
 use super::plot::{Drawn, MOST_PANELS, too_many};
 use super::plot_words::{axis_name, city_name, groups, method_name, placement_words, value};
 use super::sweep::Quantity;
-use crate::cli::words::title_of;
 use crate::error::{Error, Result};
 use crate::render::{self, HeatAxis, HeatPanel, HeatSheet, PictureForm};
 use crate::report::{PlosReport, PlosRow};
+use crate::words::title_of;
 
 /// Iso-lines of P_LoS in heat maps.
 const LEVELS: [f64; 3] = [0.1, 0.5, 0.9];

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use super::args::PlosArgs;
 use super::curve_file::read_curve;
-use crate::cli::os_words::split;
-use crate::cli::tables::bad_rows;
 use crate::error::{Error, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};
 use crate::los_probability::study::Estimator;
+use crate::os_words::split;
 use crate::read::read_text;
 use crate::report::MethodFacts;
+use crate::uav::bad_rows;
 
 /// A way to P_LoS.
 #[derive(Debug, Clone, PartialEq)]

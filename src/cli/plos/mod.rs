@@ -20,11 +20,10 @@ use sweep::Sweeps;
 
 use super::args::SceneArgs;
 use super::plan::outputs_with_table;
-use super::tolerance::checked_tolerance;
 use super::typed::SceneWord;
-use super::words::pretty;
 use super::{interrupt, messages};
 use crate::accuracy::CONFIDENCE;
+use crate::city::BuiltUp;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, with_suffix};
 use crate::formats::{NpyArray, write_npz};
@@ -34,10 +33,11 @@ use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::product::SHIFTS;
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, Estimator, estimate_all};
+use crate::map::check_tolerance;
 use crate::quantity::{counted, tidy};
 use crate::read::source_of;
 use crate::report::{PlosReport, PlosRow, PlosValue};
-use crate::scene::BuiltUp;
+use crate::words::pretty;
 
 /// Formats of `skyshed plos`.
 const FORMATS: [Format; 7] =
@@ -205,7 +205,7 @@ fn refuse_flags_without_meaning(args: &PlosArgs, words: &[&SceneWord]) -> Result
     if is_typed("links") && !uses(&["geometry", "all"]) {
         return refuse("links", "without `--method geometry`");
     }
-    checked_tolerance(args.tolerance, MethodChoice::Auto)?;
+    check_tolerance(args.tolerance, MethodChoice::Auto)?;
     let has_bound = |m: &String| ["auto", "product", "maps", "sweep", "shadow", "ray"].contains(&m.trim());
     if args.tolerance.is_some() && !args.method.iter().all(has_bound) {
         return refuse(

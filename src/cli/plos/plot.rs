@@ -7,13 +7,13 @@ use super::plot_words::{
 };
 use super::sweep::{Quantity, Sweeps};
 use crate::cli::method_looks::look_of;
-use crate::cli::words::{picture_provenance, unbreakable};
 use crate::error::{Error, Result};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
 use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::report::{PlosReport, PlosRow};
+use crate::words::{picture_provenance, unbreakable};
 
 /// What pictures need beside the report.
 #[derive(Debug, Default)]

@@ -2,12 +2,12 @@
 
 use super::plot::Facts;
 use super::sweep::Quantity;
+use crate::city::BuiltUp;
 use crate::cli::method_looks::look_of;
-use crate::cli::words::{title_of, unbreakable};
 use crate::quantity::tidy;
 use crate::render::LineLook;
 use crate::report::{PlosReport, PlosRow};
-use crate::scene::BuiltUp;
+use crate::words::{title_of, unbreakable};
 
 /// The values of a quantity in a row.
 pub(super) fn value(row: &PlosRow, quantity: Quantity) -> Option<f64> {

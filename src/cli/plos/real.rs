@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::args::PlosArgs;
 use super::coarser::coarsest_within;
 use super::sweep::{Far, Sweeps};
+use crate::city::{BuiltUp, Source};
 use crate::cli::args::SceneArgs;
-use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::cli::plan::{limits_in_words, read_scene, receiver_height, warn_of_drop_across};
+use crate::cli::plan::read_scene;
 use crate::error::{Error, Result, Warning};
 use crate::height_field::{HeightField, Place, Station};
 use crate::los::{Method, MethodChoice, WrongMethod};
@@ -16,11 +16,14 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::{Band, RealCity, resampled};
 use crate::los_probability::setting::{Placement, Users};
+use crate::map::receiver_height;
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::placement::{MOST_CUT, WholeDiscs};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::report::{PlosRow, PlosValue, RealCityFacts};
-use crate::scene::{BuiltUp, Source};
+use crate::scene::limits::limits_in_words;
+use crate::scene::limits::warn_of_drop_across;
 use crate::zones::{Zone, ZoneMap};
 
 /// Values that share their UAV positions and their users.

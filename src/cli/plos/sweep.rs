@@ -1,10 +1,10 @@
 //! The sweeps of a study: what was typed as settings, in the order of the table.
 
 use super::args::{Numbers, PlacementArg, PlosArgs, UsersArg};
+use crate::city::BuiltUp;
 use crate::error::{Error, Result};
 use crate::los_probability::setting::{Placement, Reach, Setting, Users};
 use crate::report::PlosRow;
-use crate::scene::BuiltUp;
 
 /// More values than this are refused.
 const MOST_VALUES: usize = 1_000_000;

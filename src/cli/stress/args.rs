@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::accuracy::stress::{FAMILIES, Family};
-use crate::cli::args::{EngineArgs, OutputArgs, PictureWords, ReceiversArg, SceneArgs};
+use crate::cli::args::{EngineArgs, OutputArgs, SceneArgs};
 use crate::cli::typed::length;
+use crate::map::Receivers;
+use crate::picture::PictureWords;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |a| a.required(false).default_value("").hide_default_value(true).help(
@@ -28,7 +30,7 @@ pub(in crate::cli) struct StressArgs {
     pub(super) rx_height: f64,
     /// Which cells of SCENE hold receivers
     #[arg(long, value_enum, default_value = "ground")]
-    pub(super) receivers: ReceiversArg,
+    pub(super) receivers: Receivers,
     /// File to write, by extension: .png .svg .pdf (failure rates by family and method; of SCENE a map of what turns), .csv,
     /// .json, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output
     #[arg(short, long = "output", value_name = "FILE")]

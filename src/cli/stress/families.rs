@@ -5,15 +5,15 @@ use std::time::Instant;
 
 use super::{FORMATS, StressArgs, answer};
 use crate::accuracy::stress::{Contender, Effort, FAMILIES, Family, check_exact, stress};
-use crate::cli::map::undrawable;
-use crate::cli::words::{picture_provenance, pretty};
 use crate::cli::{interrupt, messages};
 use crate::error::Result;
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::los::MethodChoice;
+use crate::picture::undrawable;
 use crate::quantity::counted;
 use crate::render::{self, RateColumn, RateSheet, grouped};
 use crate::report::StressReport;
+use crate::words::{picture_provenance, pretty};
 
 pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();

@@ -12,9 +12,9 @@ use std::path::PathBuf;
 pub(super) use args::StressArgs;
 
 use super::messages;
-use super::words::pretty;
 use crate::error::{Error, Result};
 use crate::export::Format;
+use crate::words::pretty;
 
 /// Formats of `skyshed stress`.
 const FORMATS: [Format; 6] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];

@@ -6,29 +6,29 @@ use std::time::Instant;
 
 use super::{FORMATS, StressArgs, answer};
 use crate::cli::args::OutputArgs;
-use crate::cli::map_drawing::MapDrawing;
-use crate::cli::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::cli::outside::{place_uav, warn_of_uavs_outside};
-use crate::cli::plan::{checked_radius, input_paths, parse_uav, ready, receiver_height, warn_of_flat_earth};
-use crate::cli::receivers::{Asked, check_receivers};
-use crate::cli::words::{picture_provenance, pretty};
+use crate::cli::plan::{input_paths, ready, uavs_asked};
 use crate::cli::{interrupt, messages};
-use crate::coverage::{Control, HeightLayers, MapOptions, Mapper};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, Result};
 use crate::export::{Batch, Format, Layer, OutputRules, check_outputs, with_suffix};
+use crate::map::{Held, MapDrawing, MapPlan};
 use crate::quantity::counted;
-use crate::report::{MapReport, NEAR_M, SiteFacts, StressSceneReport, Timing, digest};
+use crate::report::{MapReport, NEAR_M, StressSceneReport, Timing};
+use crate::words::{picture_provenance, pretty};
 
 /// Margins are taken of this many receivers at most: each costs a walk.
 const MARGIN_SAMPLE: usize = 65_536;
 
-/// Bytes per cell of a map with its stability, and of two scenes with other roofs.
-const BYTES_PER_CELL: usize = 5 + 2 * FIELD_BYTES_PER_CELL;
-
 pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let start = Instant::now();
-    let rx_height = receiver_height(args.rx_height)?;
-    let radius_m = checked_radius(args.engine.radius)?;
+    let plan = MapPlan {
+        receivers: args.receivers,
+        rx_height_m: args.rx_height,
+        radius_m: args.engine.radius,
+        method: args.engine.method,
+        layers: vec![Layer::Stability],
+        ..MapPlan::default()
+    };
+    plan.check()?;
     let inputs = input_paths(&args.scene);
     let rules = OutputRules { allowed: &FORMATS, inputs: &inputs, overwrite: args.out.overwrite, bare: false };
     let outputs = check_outputs(&args.output, rules)?;
@@ -36,76 +36,38 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let Some(uav) = &args.uav else {
         return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H`"));
     };
-    let site = parse_uav(uav, "1".into())?;
-
-    let mut scene = ready(&args.scene)?;
-    warn_of_uavs_outside(std::slice::from_ref(&site), scene.field.grid(), &mut scene.warnings);
-    let radius = radius_m.map(|r| scene.crs_units(r));
-    let uav = place_uav(&site, &scene.field, scene.field.grid(), radius)?;
-    check_receivers(args.receivers, &scene.field)?;
-    let zones = args.receivers.zone().and_then(|_| scene.zones());
-    warn_of_flat_earth(std::slice::from_ref(&uav), scene.field.grid(), radius, &mut scene.warnings);
-    let asked = Asked { receivers: args.receivers, rx_height, radius, engine: &args.engine };
-    let layers = HeightLayers { stability: true, ..HeightLayers::default() };
-    let options = MapOptions { layers, ..asked.options(scene.field.grid(), zones.as_ref()) };
-    check_memory(&args.scene.scene, scene.field.grid(), BYTES_PER_CELL)?;
-
+    let uavs = uavs_asked(std::slice::from_ref(uav), None, (false, false))?;
+    let scene = ready(&args.scene)?;
+    let found = uavs.read(scene.grid())?;
+    let prepared = plan.prepare(scene, found, None)?;
+    let progress = interrupt::progress(args.out.quiet);
+    let held = Held { keeps_masks: true, ..Held::default() };
     let before_los = Instant::now();
-    let mapper = Mapper::new(&scene.field, &options)?;
-    let control = Control::default();
-    let total = scene.field.grid().n_cells() as u64;
-    let coverage =
-        messages::with_progress(&control, (total, "receivers"), args.out.quiet, || mapper.map(&uav, &control))?;
-    let margins = mapper.margin_sample(&coverage, MARGIN_SAMPLE);
-    let method = mapper.method().0;
-    drop(mapper);
-    scene.timing.los = before_los.elapsed().as_secs_f64();
-    if coverage.tally.receivers == 0 {
-        let text = format!("the UAV has no receiver: {}; nothing can turn", coverage.tally.reason());
-        scene.warnings.push(Warning::new(202, text));
-    }
-    let map = MapReport {
-        tolerance: None,
-        idle: None,
-        facts: scene.facts(command, Some(method)),
-        rx_height_m: args.rx_height,
-        receivers: args.receivers.name(),
-        radius_m,
-        sites: vec![SiteFacts::of(&coverage, zones.as_ref())],
-        union: coverage.tally,
-        union_zones: None,
-        digest: digest(scene.field.grid(), std::iter::once(coverage.mask.as_slice())),
-    };
-    let report = StressSceneReport { map, margins };
-    let timing = Timing { total: start.elapsed().as_secs_f64(), ..scene.timing };
+    let mut map = messages::with_progress(&progress, "receivers", args.out.quiet, || {
+        prepared.run(held, &progress, |_| {}, |_| {})
+    })?;
+    let margins = map.margin_sample(MARGIN_SAMPLE)?;
+    map.scene.timing.los = before_los.elapsed().as_secs_f64();
+    map.report.facts.command = command;
+    let report = StressSceneReport { map: MapReport { idle: None, ..map.report.clone() }, margins };
+    let timing = Timing { total: start.elapsed().as_secs_f64(), ..map.scene.timing };
 
     let before_write = Instant::now();
     interrupt::begin_writing();
-    let mut batch = Batch::new(args.out.overwrite);
-    let drawing = MapDrawing {
-        scene: &scene,
-        coverages: std::slice::from_ref(&coverage),
-        overlay: None,
-        layers: &[Layer::Stability],
-        report: &report.map,
-        receivers: args.receivers,
-        words: &args.words,
-        counts: None,
-        note: None,
-    };
+    let mut batch = Batch::new(args.out.overwrite).asking(interrupt::check);
+    let drawing = MapDrawing { of: &map, words: &args.words, counts: None, note: None };
     for (path, format) in &outputs {
-        interrupt::check()?;
         add((&report, timing), (&drawing, &args.out), &mut batch, (path, *format))?;
     }
     let files = batch.commit()?;
-    scene.timing.write = before_write.elapsed().as_secs_f64();
-    scene.timing.total = start.elapsed().as_secs_f64();
+    let write = before_write.elapsed().as_secs_f64();
+    let timing = Timing { write, total: start.elapsed().as_secs_f64(), ..timing };
     if !args.out.quiet {
         messages::warnings(&report.map.facts.warnings);
-        say(&report, scene.timing);
+        say(&report, timing);
     }
     messages::wrote(&files, args.out.quiet);
-    answer(args, &outputs, || report.document(Some(scene.timing)), || report.table())
+    answer(args, &outputs, || report.document(Some(timing)), || report.table())
 }
 
 fn add(

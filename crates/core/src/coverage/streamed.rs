@@ -10,6 +10,7 @@ use super::elevation::RowElevations;
 use super::map::interrupted;
 use super::range::Range;
 use super::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav};
+use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Error, Result};
 use crate::height_field::{GridPositions, HeightField};
 use crate::los::{
@@ -18,7 +19,6 @@ use crate::los::{
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
 use crate::raster::{BitGrid, CellWindow, GeoRef, LargeVec};
-use crate::scene::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
 ///

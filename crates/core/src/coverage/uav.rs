@@ -1,10 +1,10 @@
 //! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
 
+use crate::city::{Site, WindowedSolids};
 use crate::error::{Error, Result};
 use crate::height_field::{HeightField, Place, Station, cell_frame};
 use crate::quantity::{BLOCKS_ALL, Frame, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
 use crate::raster::{CellWindow, GeoRef};
-use crate::scene::{Site, WindowedSolids};
 
 /// A UAV that hovers in the clear: not inside a building, not below the ground.
 #[derive(Debug, Clone, PartialEq)]

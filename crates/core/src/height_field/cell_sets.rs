@@ -175,8 +175,8 @@ impl HeightField {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::city::{Ground, Solids};
     use crate::raster::{GeoRef, Raster};
-    use crate::scene::{Ground, Solids};
 
     #[test]
     fn the_cells_of_a_raster_are_sorted_as_one_by_one() {

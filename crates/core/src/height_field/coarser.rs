@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::HeightField;
 use super::cell_sets::RasterGround;
+use crate::city::{Ground, Solids};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
-use crate::scene::{Ground, Solids};
 
 /// How one cell is made of several. Cells without a height count for nothing, unless all are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -181,7 +181,7 @@ fn mean(tops: impl Iterator<Item = i32>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{BuiltUp, BuiltUpCity};
+    use crate::city::{BuiltUp, BuiltUpCity};
 
     fn raster(n_rows: usize, n_cols: usize, tops: Vec<i32>, ground: Ground) -> HeightField {
         let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
@@ -229,7 +229,7 @@ mod tests {
     fn footprints_become_the_raster_of_their_roofs() {
         let built_up = BuiltUp::new(0.3, 500.0, 15.0).expect("valid parameters");
         let scene = BuiltUpCity { built_up, size_m: 90.0, margin_m: 0.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }
-            .scene()
+            .city()
             .expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let raster = field.rasterized().expect("footprints");

@@ -3,10 +3,10 @@
 use super::HeightField;
 use super::known_ground::KnownGround;
 use super::solid::Solid;
+use crate::city::BuildingHeight;
 use crate::error::Warning;
 use crate::quantity::VOID;
 use crate::raster::BitGrid;
-use crate::scene::BuildingHeight;
 
 impl HeightField {
     /// Finds the cells of the receivers' grid that lie outside of the known ground.

@@ -6,10 +6,10 @@ use super::cell_sets::{RasterCells, RasterGround};
 use super::known_ground::KnownGround;
 use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellSets, Columns, ConvexPieces, Place, Plateaus, Prisms, Ring, cell_frame, convex_pieces};
+use crate::city::{DataArea, Footprint, Ground, Solids};
 use crate::error::Warning;
 use crate::quantity::{BLOCKS_ALL, Frame, VOID, counted, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
-use crate::scene::{DataArea, Footprint, Ground, Solids};
 
 /// The obstacles of a scene and what receivers stand on.
 ///
@@ -433,7 +433,7 @@ fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::FootprintFaults;
+    use crate::city::FootprintFaults;
 
     fn square_scene() -> HeightField {
         // A 4 m square building whose edges pass through cell centers, 10 m high, on ground at 2 m.

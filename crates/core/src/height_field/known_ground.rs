@@ -7,10 +7,10 @@
 //! The closing is found on square cells: those that a footprint overlaps are grown by the disc, and what is left is grown
 //! back. Its border is true to about a cell.
 
+use crate::city::{Area, Footprint};
 use crate::outlines::{labelled_parts, overlapped_cells};
 use crate::quantity::{Frame, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, GeoRef};
-use crate::scene::{Area, Footprint};
 
 /// Radius of the disc that closes the footprints \[m\].
 const RADIUS_M: f64 = 100.0;

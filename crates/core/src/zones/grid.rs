@@ -2,9 +2,9 @@
 //! both hold. Positions are compared on the lattice, where the buildings are.
 
 use super::{NONE, Zone};
+use crate::city::BuiltUp;
 use crate::height_field::HeightField;
 use crate::quantity::STEPS_PER_UNIT;
-use crate::scene::BuiltUp;
 
 /// The zone codes of the cells, row by row from the north-west. An open cell in the place of a building, beyond the edge
 /// of the city, is street.

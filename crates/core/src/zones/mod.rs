@@ -59,9 +59,9 @@ mod crossings;
 mod open_space;
 mod parts;
 
+use crate::city::BuiltUp;
 use crate::height_field::HeightField;
 use crate::raster::{BitGrid, GeoRef};
-use crate::scene::BuiltUp;
 
 /// What a place in a city is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -168,11 +168,11 @@ impl ZoneMap {
     ///
     /// ```
     /// use skyshed_core::height_field::HeightField;
-    /// use skyshed_core::scene::{BuiltUp, BuiltUpCity};
+    /// use skyshed_core::city::{BuiltUp, BuiltUpCity};
     /// use skyshed_core::zones::{Zone, ZoneMap};
     ///
     /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
-    /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.scene()?;
+    /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
     /// let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
     /// let zones = ZoneMap::of(&field, scene.built_up.as_ref());
     /// assert_eq!(zones.at(10.0, 10.0), Some(Zone::Crossroad));

@@ -22,6 +22,8 @@ pub struct Batch {
     digests: HashMap<PathBuf, Option<[u8; 32]>>,
     overwrite: bool,
     holds: HashMap<PathBuf, Hold>,
+    /// Whether to go on.
+    asks: Option<fn() -> Result<()>>,
 }
 
 /// A file under its temporary name.
@@ -37,7 +39,14 @@ struct Pending {
 impl Batch {
     /// An empty batch that replaces existing files only if `overwrite`.
     pub fn new(overwrite: bool) -> Self {
-        Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new() }
+        Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new(), asks: None }
+    }
+
+    /// The same batch, which asks before each file whether to go on.
+    #[must_use]
+    pub fn asking(mut self, asks: fn() -> Result<()>) -> Self {
+        self.asks = Some(asks);
+        self
     }
 
     /// Adds a file: writes its bytes under a temporary name in the same folder. A file that two outputs have in common,
@@ -80,6 +89,7 @@ impl Batch {
     }
 
     fn begin_with(&mut self, path: &Path, digest: Option<[u8; 32]>) -> Result<BufWriter<File>> {
+        self.asks.map_or(Ok(()), |ask| ask())?;
         refuse_to_replace(path, self.overwrite)?;
         if self.digests.insert(path.to_path_buf(), digest).is_some() {
             let text = format!("cannot write {}: two outputs of this run need it", path.display());

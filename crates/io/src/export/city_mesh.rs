@@ -1,10 +1,10 @@
 //! A city as triangle meshes: the ground, and the buildings without floors.
 
+use crate::city::Footprint;
 use crate::error::{Error, Result};
 use crate::height_field::{ConvexPieces, Ring, convex_pieces};
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
-use crate::scene::Footprint;
 
 /// Triangles; counterclockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]

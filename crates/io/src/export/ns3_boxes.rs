@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::city::Footprint;
 use crate::error::{Error, Result};
 use crate::quantity::{Frame, meters};
-use crate::scene::Footprint;
 
 /// A table `xMin,xMax,yMin,yMax,zMin,zMax`, one row per footprint, as the class `Box` of ns-3 takes its numbers: x and y in
 /// the scene's coordinates \[CRS units\], z above the datum \[m\].

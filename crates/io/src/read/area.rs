@@ -6,10 +6,10 @@ use super::building::{bounds, opened};
 use super::sites::{check_placeable, in_scene, misplaced};
 use super::source::input_name;
 use super::vector::{Selection, read_features};
+use crate::city::Area;
 use crate::crs;
 use crate::error::{Error, Result};
 use crate::raster::GeoRef;
-use crate::scene::Area;
 
 /// Reads an area from the polygons of a file of vector data.
 ///

@@ -11,8 +11,8 @@ use std::path::Path;
 use super::footprints::{FootprintOptions, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property};
+use crate::city::Fault;
 use crate::error::{Error, Result};
-use crate::scene::Fault;
 
 /// The unit of heights that name none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

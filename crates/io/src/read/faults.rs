@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::building::height_property;
 use super::footprints::{FootprintOptions, MissingHeight};
+use crate::city::{Fault, FootprintFaults};
 use crate::error::Warning;
 use crate::quantity::counted;
-use crate::scene::{Fault, FootprintFaults};
 
 /// How heights were looked for, in words.
 pub(super) struct HeightWords {

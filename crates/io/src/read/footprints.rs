@@ -21,14 +21,14 @@ use super::source::source_of;
 use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
 use super::{name_of, read_area, refuse_degrees, refuse_two_crs};
+use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
+use crate::city::{Fault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::{InputKind, Transformation};
 use crate::error::{Error, Result, Warning};
 use crate::formats::reserve_cells;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::raster::{Crs, GeoRef, Raster};
-use crate::scene::{DataArea, Footprint, Ground, NodataAs, Scene, Solids};
-use crate::scene::{Fault, HeightGap, LEFT_OUT};
 
 /// What to do with footprints whose height is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -140,7 +140,7 @@ impl Default for FootprintOptions {
 /// # Errors
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
 /// errors for bad numbers and layers; limit errors for huge grids.
-pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     read(path, options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
 }
 
@@ -153,7 +153,7 @@ pub fn read_footprints_and_repairs(
     path: &Path,
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
-) -> Result<(Scene, Vec<Repair>)> {
+) -> Result<(City, Vec<Repair>)> {
     read(path, options, Listing::EachOne, warnings)
 }
 
@@ -162,7 +162,7 @@ fn read(
     options: &FootprintOptions,
     listing: Listing,
     warnings: &mut Vec<Warning>,
-) -> Result<(Scene, Vec<Repair>)> {
+) -> Result<(City, Vec<Repair>)> {
     // The extent is in the scene's CRS: of a file in another one all must be read.
     let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
     let selection = Selection { layer: options.layer.as_deref(), bounds };
@@ -228,7 +228,7 @@ fn read(
     }
     warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
     let faults = log.counts;
-    let scene = Scene {
+    let scene = City {
         name: name_of(path),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults, data_area },

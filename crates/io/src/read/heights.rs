@@ -5,12 +5,12 @@ use std::path::Path;
 use super::refuse_degrees;
 use super::source::sources_of_raster;
 use super::terrain::no_terrain_below;
+use crate::city::Source;
 use crate::crs::InputKind;
 use crate::error::{Error, Result, Warning};
 use crate::formats::{RasterFile, TileStore, TileStoreWriter};
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
-use crate::scene::Source;
 
 /// A raster of heights, opened but not read.
 #[derive(Debug)]

@@ -2,11 +2,11 @@
 
 use super::building::RawFootprint;
 use super::footprints::BaseRule;
+use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
 use crate::quantity::{Frame, VOID};
 use crate::raster::{CellLattice, Raster};
-use crate::scene::Ground;
 
 /// A footprint after rounding and repair.
 pub(super) struct Shaped {

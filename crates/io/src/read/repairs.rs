@@ -1,7 +1,7 @@
 //! What was mended or left out while reading footprints, thing by thing, where that is asked for.
 
 use super::building::RawFootprint;
-use crate::scene::{Fault, FootprintFaults};
+use crate::city::{Fault, FootprintFaults};
 
 /// One thing that was mended or left out.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,11 +7,11 @@ use serde_json::Value;
 use super::geojson_file::{features, named_crs, read_document};
 use super::source::{input_name, is_geojson, read_text};
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
+use crate::city::{GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;
 use crate::error::{Error, Result};
 use crate::raster::{Crs, CrsKind, GeoRef};
-use crate::scene::{GivenSite, Site};
 
 /// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
 ///

@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::OnceLock;
 
+use crate::city::Source;
 use crate::digest::Sha256;
 use crate::error::{Error, Result, Warning};
 use crate::formats::{RasterFile, cannot_read};
-use crate::scene::Source;
 
 /// Files larger than this are hashed only on request; of a mosaic all tiles together.
 const HASH_LIMIT_BYTES: u64 = 64 << 20;

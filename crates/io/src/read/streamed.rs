@@ -9,12 +9,12 @@ use super::surface::{
 };
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
 use super::{SurfaceOptions, name_of, refuse_two_crs};
+use crate::city::{City, Ground, NodataAs, Solids, Source};
+use crate::city::{WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Result, Warning};
 use crate::formats::TileStore;
 use crate::quantity::VOID;
 use crate::raster::{CellWindow, GeoRef, Raster};
-use crate::scene::{Ground, NodataAs, Scene, Solids, Source};
-use crate::scene::{WindowedBase, WindowedSolids, row_bands};
 
 /// A surface model in tiles on disk, and what lies below it.
 #[derive(Debug)]
@@ -94,8 +94,8 @@ impl StreamedSurface {
     ///
     /// # Errors
     /// If it cannot be read.
-    pub fn part(&self, window: CellWindow) -> Result<Scene> {
-        Ok(Scene {
+    pub fn part(&self, window: CellWindow) -> Result<City> {
+        Ok(City {
             name: self.name.clone(),
             grid: self.grid.part(window),
             solids: self.solids(window)?,

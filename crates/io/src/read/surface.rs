@@ -9,10 +9,10 @@ use super::name_of;
 use super::projection::Projection;
 use super::reprojected::Reprojection;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
+use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
-use crate::scene::{Ground, NodataAs, Scene, Solids, Source};
 
 /// Fewest cells that are worth handing to a thread.
 const PART: usize = 1 << 16;
@@ -62,7 +62,7 @@ impl Default for SurfaceOptions {
 /// # Errors
 /// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
 /// errors for bad numbers.
-pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     let Heights { raster: surface, n_void, sources } = surface_heights(path, options, warnings)?;
     warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
     scene_of(path, (surface, Empty::Nodata), sources, options, warnings)
@@ -123,7 +123,7 @@ pub(super) fn scene_of(
     mut sources: Vec<Source>,
     options: &SurfaceOptions,
     warnings: &mut Vec<Warning>,
-) -> Result<Scene> {
+) -> Result<City> {
     let ground = match (&options.terrain, options.ground_m) {
         (Some(terrain_path), _) => {
             let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?;
@@ -164,7 +164,7 @@ pub(super) fn scene_of(
     };
     surface = Raster::new(georef.clone(), cells);
     let building_threshold = building_threshold(options)?;
-    Ok(Scene {
+    Ok(City {
         name: name_of(path),
         grid: georef,
         solids: Solids::Raster { surface, ground, building_threshold, voids },

@@ -1,11 +1,11 @@
 //! Simpler forms of a scene: larger cells, or fewer receivers over the same footprints.
 
+use crate::city::Site;
 use crate::coverage::Uav;
 use crate::error::Result;
 use crate::height_field::{HeightField, Pooling, Station};
 use crate::quantity::Height;
 use crate::raster::BitGrid;
-use crate::scene::Site;
 
 /// Times that cells are made larger, finest first.
 pub const FACTORS: [usize; 4] = [2, 4, 8, 16];

@@ -21,9 +21,9 @@ use super::lattice_city::LatticeCity;
 use super::points::unit_interval;
 use super::setting::Setting;
 use super::street_grid::GridZone;
+use crate::city::BuiltUp;
 use crate::error::{Error, Result};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
-use crate::scene::BuiltUp;
 
 /// The most buildings of one city; each takes 4 bytes per thread.
 const MOST_BUILDINGS: f64 = 1e8;

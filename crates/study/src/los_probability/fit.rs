@@ -1,6 +1,6 @@
 //! The statistical city that is most like a real one: α, β, γ from its buildings, and how well they fit.
 
-use crate::scene::BuiltUp;
+use crate::city::BuiltUp;
 
 use super::product::rayleigh_cdf;
 

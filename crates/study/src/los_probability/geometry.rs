@@ -18,8 +18,8 @@ use super::lattice_city::LatticeCity;
 use super::points::unit_interval;
 use super::setting::Setting;
 use super::street_grid::GridZone;
+use crate::city::BuildingHeights;
 use crate::quantity::LatticePoint;
-use crate::scene::BuildingHeights;
 
 /// A draw gives up after so many placements without a user who counts: no such user can be there.
 const MOST_TRIES: u32 = 10_000;

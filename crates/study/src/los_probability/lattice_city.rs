@@ -2,13 +2,13 @@
 //!
 //! A simulator need not build a scene to know what one link meets: the walls of building (i, j) and its height are
 //! functions of (i, j) and the seed, and both are on the lattice. So the decision is the one that [`crate::los`] defines,
-//! of the very city that [`crate::scene::BuiltUpCity`] builds, and the engine `ray` gives the same answer link by link.
+//! of the very city that [`crate::city::BuiltUpCity`] builds, and the engine `ray` gives the same answer link by link.
 //!
 //! With D and E the lengths of the link along its longer and its shorter axis, positions along it are compared as
 //! multiples of 1/(D·E): all products are below 2^53.
 
+use crate::city::BuiltUp;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
-use crate::scene::BuiltUp;
 
 use super::street_grid::{GridZone, StreetGrid};
 

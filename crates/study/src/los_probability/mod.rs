@@ -5,7 +5,7 @@
 //! and azimuth are left to average, which a randomized lattice of points does. [`city`] and [`geometry`] are the two
 //! simulators of Saboor et al. 2023: the one draws whole cities and looks around in them, the other draws only the
 //! buildings that a link meets. Both decide links in integers on the lattice of [`crate::quantity`], in the very cities
-//! that [`crate::scene::BuiltUpCity`] builds.
+//! that [`crate::city::BuiltUpCity`] builds.
 //!
 //! [`models`] holds what has been published instead.
 

@@ -1,9 +1,9 @@
 //! What is asked: a city, a UAV, and the users that it is to see.
 
 use super::street_grid::{GridZone, StreetGrid};
+use crate::city::BuiltUp;
 use crate::error::{Error, Result};
 use crate::quantity::{MAX_EXTENT_UNITS, MAX_HEIGHT_M};
-use crate::scene::BuiltUp;
 
 /// Which users are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -8,7 +8,7 @@
 //! Saboor et al. 2023 (section III-B, step 3) test instead where the link hits walls. A link along the diagonal of the
 //! grid enters every building through its corner, hits no wall inside, and would see no building at all.
 
-use crate::scene::BuiltUp;
+use crate::city::BuiltUp;
 
 /// The widths of a Manhattan grid \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]

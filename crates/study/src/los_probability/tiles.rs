@@ -6,12 +6,12 @@
 //! covers; of a raster it is the share of its known cells that are buildings, and a building is a part of them that hangs
 //! together by cell sides, as high as its cells are on average.
 
+use crate::city::Footprint;
 use crate::height_field::HeightField;
 use crate::outlines::{covered_shares, labelled_parts};
 use crate::overlay::{Ring, intersection, union, wound};
 use crate::quantity::{Frame, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
-use crate::scene::Footprint;
 
 /// Fewest buildings whose heights give a γ.
 pub const FEWEST_BUILDINGS: u64 = 2;

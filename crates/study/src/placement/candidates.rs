@@ -1,11 +1,11 @@
 //! Which places and heights can be flown, and why the others cannot.
 
+use crate::city::{Area, Site};
 use crate::coverage::{Placement, Uav, surface_under};
 use crate::error::{ErrorClass, Result};
 use crate::height_field::HeightField;
 use crate::quantity::{Height, VOID, whole};
 use crate::raster::GeoRef;
-use crate::scene::{Area, Site};
 use crate::zones::{Zone, ZoneMap};
 
 /// A grid of places: the centers of square cells over the extent of a scene.

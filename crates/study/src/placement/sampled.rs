@@ -11,13 +11,13 @@
 
 use rayon::prelude::*;
 
+use crate::city::BuiltUp;
 use crate::coverage::{Mapper, Uav, any_in_range};
 use crate::height_field::{GridPositions, HeightField};
 use crate::los_probability::estimate::{Count, Estimate, clustered};
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::resampled;
 use crate::raster::{BitGrid, CellBlocks};
-use crate::scene::BuiltUp;
 use crate::zones::{Zone, ZoneMap};
 
 /// Random places that are tried for each that is wanted: a zone of no more than a thousandth of the scene is found.
@@ -244,15 +244,15 @@ pub fn over_cities(totals: &[Vec<Count>], n_parts: usize, confidence: f64) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::city::{BuiltUpCity, Site};
     use crate::coverage::{Control, MapOptions, class};
     use crate::quantity::Height;
-    use crate::scene::{BuiltUpCity, Site};
 
     #[test]
     fn counts_by_part_and_block_are_those_of_the_mask() {
         let built_up = BuiltUp::named("urban").expect("a known city");
         let city = BuiltUpCity { built_up, size_m: 170.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
-        let scene = city.scene().expect("a city");
+        let scene = city.city().expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
         let options = MapOptions { radius: Some(70.0), ..MapOptions::default() };
@@ -284,7 +284,7 @@ mod tests {
     fn middles_are_in_their_zones_and_places_too() {
         let built_up = BuiltUp::named("high-rise").expect("a known city");
         let city = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
-        let scene = city.scene().expect("a city");
+        let scene = city.city().expect("a city");
         let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
         let zones = ZoneMap::of(&field, Some(&built_up));
         for zone in Zone::ALL {

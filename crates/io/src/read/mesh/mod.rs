@@ -16,10 +16,10 @@ use super::receivers_grid::{GridRequest, receivers_grid};
 use super::refuse_degrees;
 use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
+use crate::city::City;
 use crate::crs::InputKind;
 use crate::error::{Error, Result, Warning};
 use crate::quantity::{VOID, counted};
-use crate::scene::Scene;
 
 /// How a mesh is read.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -75,7 +75,7 @@ impl Mesh {
 /// # Errors
 /// File errors for malformed files (with line or vertex) and meshes without faces; site errors for heights out of range;
 /// usage errors for bad numbers; limit errors for huge grids.
-pub fn read_mesh(path: &Path, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub fn read_mesh(path: &Path, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     let is_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
     let mesh = if is_ply { ply::read(path)? } else { obj::read(path)? };
     let bad = mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite()));

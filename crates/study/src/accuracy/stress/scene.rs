@@ -1,12 +1,12 @@
 //! A stress scene: a small board of cells or some footprints, one UAV, a receiver in every cell, all on the lattice.
 
+use crate::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 use crate::coverage::{MapOptions, Receivers, Uav};
 use crate::error::{Error, Result};
 use crate::height_field::{CellKind, HeightField, Station};
 use crate::overlay::even_odd;
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
-use crate::scene::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 
 /// Edge length of a cell on the lattice of a board, and lattice steps to the meter.
 pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;

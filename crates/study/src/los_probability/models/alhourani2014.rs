@@ -20,8 +20,8 @@
 use super::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, alpha_beta, off_the_street, outside, theta_within,
 };
+use crate::city::BuiltUp;
 use crate::quantity::tidy;
-use crate::scene::BuiltUp;
 
 pub(super) const POLYNOMIAL: Card = Card {
     id: "alhourani2014",

@@ -13,7 +13,7 @@
 //! much line of sight at most elevation angles.
 
 use super::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta};
-use crate::scene::BuiltUp;
+use crate::city::BuiltUp;
 
 pub(super) const CARD: Card = Card {
     id: "itu",

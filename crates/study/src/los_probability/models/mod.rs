@@ -24,7 +24,7 @@
 //!
 //! ```
 //! use skyshed_study::los_probability::models::{Model, ModelLink};
-//! use skyshed_core::scene::BuiltUp;
+//! use skyshed_core::city::BuiltUp;
 //!
 //! let urban = BuiltUp::new(0.3, 500.0, 15.0)?;
 //! let mut link = ModelLink {
@@ -47,8 +47,8 @@
 use std::fmt;
 
 use super::setting::{Reach, Setting};
+use crate::city::BuiltUp;
 use crate::quantity::tidy;
-use crate::scene::BuiltUp;
 
 pub mod alhourani2014;
 pub mod holis2008;

@@ -27,8 +27,8 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use super::{Card, ModelLink, ModelValue, OutsideDomain, height_above_receiver, off_the_street, outside};
+use crate::city::BuiltUp;
 use crate::quantity::tidy;
-use crate::scene::BuiltUp;
 
 pub(super) const CARD: Card = Card {
     id: "mohammed2023",

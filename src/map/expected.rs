@@ -1,18 +1,18 @@
 //! What a run will take, told before it starts.
 
-use super::memory::{FIELD_BYTES_PER_CELL, memory_words};
 use crate::los::Method;
+use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
 
 /// What a run will take, as far as can be told before it.
 #[derive(Debug)]
-pub(super) struct Expected {
+pub(crate) struct Expected {
     bytes: u64,
     seconds: f64,
 }
 
 impl Expected {
     /// Of a method on so many threads, from the cells of the grid and those of them in range of a UAV.
-    pub(super) fn of(
+    pub(crate) fn of(
         (method, n_threads): (Method, usize),
         (n_cells, n_in_range): (usize, f64),
         (n_uavs, n_measures): (usize, usize),
@@ -33,12 +33,12 @@ impl Expected {
     }
 
     /// Time that the line of sight will take \[s\].
-    pub(super) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 
     /// What to say before a run that takes longer, or more memory, than one would want to find out.
-    pub(super) fn words(&self) -> Option<String> {
+    pub(crate) fn words(&self) -> Option<String> {
         let is_large = self.seconds >= 5.0 || self.bytes >= 1 << 30;
         is_large.then(|| {
             let memory = memory_words(self.bytes);

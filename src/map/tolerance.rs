@@ -1,6 +1,5 @@
-//! `--tolerance`: a scene made as coarse as its P_LoS allows, as measured.
+//! A scene made as coarse as its P_LoS allows, as measured.
 
-use super::plan::Ready;
 use super::receivers::Asked;
 use crate::accuracy::{CONFIDENCE, Question, coarsest_within};
 use crate::coverage::Uav;
@@ -10,33 +9,34 @@ use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::report::ToleranceFacts;
+use crate::scene::Scene;
 use crate::zones::ZoneMap;
 
 /// A share of P_LoS that may be wrong.
-pub(super) fn checked_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<Option<f64>> {
-    let Some(tolerance) = tolerance else { return Ok(None) };
+///
+/// # Errors
+/// E113, E116.
+pub(crate) fn check_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<()> {
+    let Some(tolerance) = tolerance else { return Ok(()) };
     if !(tolerance > 0.0 && tolerance < 1.0) {
         let text = format!("`--tolerance` is `{tolerance}`, wanted a P_LoS above 0 and below 1");
         return Err(Error::usage(113, text).with_hint("`--tolerance 0.005` is half a percentage point"));
     }
     if matches!(method, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
-        return Err(Error::usage(
-            116,
-            "`--tolerance` has no meaning beside an approximate `--method`: it chooses itself",
-        )
-        .with_hint("leave `--method` out"));
+        let text = "`--tolerance` has no meaning beside an approximate `--method`: it chooses itself";
+        return Err(Error::usage(116, text).with_hint("leave `--method` out"));
     }
-    Ok(Some(tolerance))
+    Ok(())
 }
 
 /// Replaces a scene by the coarsest form within a tolerance, and its UAVs by the same over that form.
-pub(super) fn simplify(
-    scene: &mut Ready,
+pub(crate) fn simplify(
+    scene: &mut Scene,
     uavs: &mut Vec<Uav>,
-    asked: &Asked<'_>,
-    (tolerance, seed): (f64, u64),
+    asked: &Asked,
+    tolerance: f64,
 ) -> Result<ToleranceFacts> {
-    let built_up = scene.built_up;
+    let (built_up, seed) = (scene.built_up, scene.seed);
     let options = |field: &HeightField| {
         let zones = asked.receivers.zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
         asked.options(field.grid(), zones.as_ref())
@@ -52,7 +52,7 @@ pub(super) fn simplify(
 }
 
 /// What was chosen and what was measured, in a sentence.
-pub(super) fn in_words(facts: &ToleranceFacts) -> String {
+pub(crate) fn in_words(facts: &ToleranceFacts) -> String {
     let scene = format!("{} m", tidy(facts.cell_m));
     let Some(m) = facts.worst() else {
         let tried: Vec<String> = facts.tried.iter().map(|t| t.form.in_words(facts.cell_m)).collect();

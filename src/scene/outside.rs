@@ -2,15 +2,15 @@
 
 use std::borrow::Borrow;
 
+use crate::city::Site;
 use crate::coverage::Uav;
 use crate::error::{Result, Warning};
 use crate::height_field::HeightField;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
-use crate::scene::Site;
 
 /// Says how far outside the grid UAVs are, and in which direction.
-pub(super) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, warnings: &mut Vec<Warning>) {
+pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, warnings: &mut Vec<Warning>) {
     /// UAVs that are told one by one.
     const MOST_TOLD: usize = 5;
     let outside: Vec<(&str, String)> = sites
@@ -32,7 +32,7 @@ pub(super) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, 
 }
 
 /// Places a UAV; what is wrong outside the grid is told with how far outside.
-pub(super) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius: Option<f64>) -> Result<Uav> {
+pub(crate) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius: Option<f64>) -> Result<Uav> {
     Uav::place(site, field, radius).map_err(|error| match way_outside(site, grid) {
         Some(way) => error.within(format!("{way} of the grid")),
         None => error,

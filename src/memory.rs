@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::interrupt;
 use crate::error::{Error, Result};
 use crate::raster::GeoRef;
 
@@ -16,16 +15,16 @@ static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 static TYPED: AtomicU64 = AtomicU64::new(0);
 
 /// Bytes that a cell takes in a height field and in what is drawn from it.
-pub(super) const FIELD_BYTES_PER_CELL: usize = 8;
+pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
 
 /// Bytes that any work takes beside its cells: stacks, and what files are packed with.
-pub(super) const ANY_WORK: u64 = 16 << 20;
+pub(crate) const ANY_WORK: u64 = 16 << 20;
 
-/// Sets the limit of this process, and watches it from now on.
+/// Sets the limit of this process, and watches it from now on; `end` ends it when it takes more.
 ///
 /// # Errors
 /// E501 if the program alone takes more.
-pub(super) fn limit(typed: Option<u64>) -> Result<()> {
+pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     let Some(resident) = resident() else {
         LIMIT.store(typed.unwrap_or(u64::MAX), Ordering::Release);
         return Ok(());
@@ -43,20 +42,20 @@ pub(super) fn limit(typed: Option<u64>) -> Result<()> {
     }
     if is_first && limit != u64::MAX {
         // Without a thread for it work is still refused beforehand.
-        let _ = std::thread::Builder::new().name("memory".into()).spawn(watch);
+        let _ = std::thread::Builder::new().name("memory".into()).spawn(move || watch(end));
     }
     Ok(())
 }
 
 /// Ends the program when it takes more than the limit.
-fn watch() {
+fn watch(end: fn(&Error) -> !) {
     /// Faster than memory is filled \[bytes/s\].
     const FASTEST: u64 = 20_000_000_000;
     loop {
         let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { return };
         if resident > limit {
             let text = format!("cannot go on: the run takes more memory than {}", limit_words());
-            interrupt::give_up(&Error::limit(501, text).with_hint(REMEDY));
+            end(&Error::limit(501, text).with_hint(REMEDY));
         }
         let nanoseconds = (limit - resident).saturating_mul(1_000_000_000) / FASTEST;
         std::thread::sleep(Duration::from_nanos(nanoseconds.clamp(300_000, 50_000_000)));
@@ -75,13 +74,13 @@ fn limit_words() -> String {
 }
 
 /// Whether the process may take some more bytes; if not, how many it would hold then, and more than what that is.
-pub(super) fn lacking(more: u64) -> Option<(u64, String)> {
+pub(crate) fn lacking(more: u64) -> Option<(u64, String)> {
     let needed = resident().unwrap_or(0).saturating_add(more);
     (needed > LIMIT.load(Ordering::Acquire)).then(|| (needed, limit_words()))
 }
 
 /// Bytes that are left below the limit.
-pub(super) fn left() -> u64 {
+pub(crate) fn left() -> u64 {
     LIMIT.load(Ordering::Acquire).saturating_sub(resident().unwrap_or(0))
 }
 
@@ -89,12 +88,12 @@ pub(super) fn left() -> u64 {
 ///
 /// # Errors
 /// E501 if `more` bytes per cell are too much.
-pub(super) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize) -> Result<()> {
+pub(crate) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize) -> Result<()> {
     check_bytes(name, &cells_of(grid), (grid.n_cells() as u64).saturating_mul(more as u64))
 }
 
 /// The cells of a grid in words, for [`check_bytes`].
-pub(super) fn cells_of(grid: &GeoRef) -> String {
+pub(crate) fn cells_of(grid: &GeoRef) -> String {
     format!("{}×{} cells", grid.n_cols(), grid.n_rows())
 }
 
@@ -102,7 +101,7 @@ pub(super) fn cells_of(grid: &GeoRef) -> String {
 ///
 /// # Errors
 /// E501 if it is too much.
-pub(super) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Result<()> {
+pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
     let is_refused = probe.try_reserve_exact(usize::try_from(more).unwrap_or(usize::MAX)).is_err();
     // What is looked at cannot be optimized away.
@@ -115,7 +114,7 @@ pub(super) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Re
 }
 
 /// A number of bytes for reading.
-pub(super) fn memory_words(bytes: u64) -> String {
+pub(crate) fn memory_words(bytes: u64) -> String {
     #[expect(clippy::cast_precision_loss, reason = "told to one decimal")]
     let mebibytes = bytes as f64 / f64::powi(2.0, 20);
     match mebibytes {

@@ -4,25 +4,25 @@ use crate::coverage::IdleFootprints;
 use crate::render::grouped;
 
 /// A document as indented text with a final line break.
-pub(super) fn pretty(document: &serde_json::Value) -> String {
+pub(crate) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")
 }
 
 /// What a picture says of where it comes from: the program, and a document as one text.
-pub(super) fn picture_provenance(document: &serde_json::Value) -> [(String, String); 2] {
+pub(crate) fn picture_provenance(document: &serde_json::Value) -> [(String, String); 2] {
     let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
     [("Software".into(), software), ("skyshed".into(), document.to_string())]
 }
 
 /// A name as a title: capitalized, and no line break inside `β = 500/km²`.
-pub(super) fn title_of(name: &str) -> String {
+pub(crate) fn title_of(name: &str) -> String {
     let mut letters = name.chars();
     let name: String = letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
     unbreakable(&name)
 }
 
 /// Text whose equations and lengths are not broken across lines.
-pub(super) fn unbreakable(text: &str) -> String {
+pub(crate) fn unbreakable(text: &str) -> String {
     const UNIT: &str = " m";
     let text = text.replace(" = ", "\u{a0}=\u{a0}");
     let mut joined = String::new();
@@ -38,7 +38,7 @@ pub(super) fn unbreakable(text: &str) -> String {
 }
 
 /// Which footprints were dropped before work started.
-pub(super) fn idle_in_words(idle: &IdleFootprints) -> String {
+pub(crate) fn idle_in_words(idle: &IdleFootprints) -> String {
     format!(
         "{} of {} footprints can hide no receiver and were dropped: {} too low, {} out of reach",
         grouped(idle.dropped()),

@@ -1,6 +1,6 @@
 //! Scenes: what the user gave, read and checked once: a surface model, footprints with heights, or a generated city.
 //!
-//! A [`Scene`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
+//! A [`City`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
 //! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
 
 mod area;
@@ -22,7 +22,7 @@ use crate::raster::{BitGrid, GeoRef, Raster};
 
 /// A city and the grid of receivers over it.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct City {
     /// What the scene is called in captions: the file name or the generator's parameters.
     pub name: String,
     /// The grid of receivers.

@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 
 /// The parts of a word around each `pattern`, at least one.
 #[cfg(unix)]
-pub(super) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
+pub(crate) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
     use std::os::unix::ffi::OsStrExt;
     let mut parts = Vec::new();
     let mut rest = word.as_bytes();
@@ -18,7 +18,7 @@ pub(super) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
 
 /// The parts of a word around each `pattern`, at least one; what is no Unicode is replaced.
 #[cfg(not(unix))]
-pub(super) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
+pub(crate) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
     word.to_string_lossy().split(pattern).map(OsString::from).collect()
 }
 

@@ -1,54 +1,69 @@
-//! `skyshed map` with `{site}` in the names of its files: a run of its own for each UAV, which can be asked for again.
+//! A map with `{site}` in the names of its files: a run of its own for each UAV, which can be asked for again.
 //!
 //! Each UAV is a unit of work: its files hold what the run was made of (`unit`, a hash of the inputs, the options and the
-//! UAV), they appear when all of them are complete, and `--resume` leaves those alone that are there. So an interrupted
-//! run goes on where it stopped, and another program may hand out UAVs one by one, and hand them out again.
+//! UAV), they appear when all of them are complete, and a run that resumes leaves those alone that are there. So an
+//! interrupted run goes on where it stopped, and another program may hand out UAVs one by one, and hand them out again.
 
 use std::ffi::OsStr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::MapArgs;
-use super::map::{Given, GivenScene, run_one, uavs_asked};
-use super::map_streamed::{check_streamed, on_disk, reason_for_strips};
-use super::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use super::messages::WarningsOfRuns;
-use super::os_words::split;
-use super::plan::{Ready, built, checked_radius, input_paths, is_raster_scene, raster_options, ready, warn_of_raster};
-use super::tables::UavsFound;
-use super::{interrupt, messages};
+use super::curve::CurvePlan;
+use super::job::{Done, Given, GivenScene, MapJob};
+use super::save::SaveOptions;
+use super::strips::{check_strips, on_disk, reason_for_strips};
+use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, cannot_read, origin_of};
-use crate::quantity::counted;
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::os_words::split;
+use crate::progress::Progress;
 use crate::raster::GeoRef;
-use crate::read::source_of;
-use crate::read::{StreamedSurface, SurfaceOptions, read_surface, surface_grid};
+use crate::read::{StreamedSurface, SurfaceOptions, read_surface, source_of, surface_grid};
 use crate::report::digest_words;
-use crate::scene::{GivenSite, Site};
+use crate::scene::{Scene, SceneOptions, is_raster_scene};
+use crate::uav::UavsFound;
 
 /// What stands for the name of a UAV in the name of a file.
-const SITE: &str = "{site}";
+pub(crate) const SITE: &str = "{site}";
 
 /// A run for each UAV.
-pub(super) struct SiteRuns<'a> {
-    args: &'a MapArgs,
-    /// Range \[m\].
-    radius_m: Option<f64>,
+pub(crate) struct SiteRuns<'a> {
+    job: &'a MapJob,
+    progress: &'a Progress,
 }
 
 /// Where the scenes of the runs come from.
 enum SiteScenes {
     /// One for all, in memory.
-    Whole(Box<Ready>),
+    Whole(Box<Scene>),
     /// One for all, in tiles on disk, with what was said of it.
     OnDisk(StreamedSurface, Vec<Warning>),
     /// The part of a raster file in range of each.
     Parts,
     /// The same of a copy on disk, as the file cannot be read in parts.
     PartsOnDisk(StreamedSurface, Vec<Warning>),
+}
+
+/// What became of a run of many.
+pub(crate) enum Outcome<'a> {
+    /// What was said of the UAVs.
+    Warnings(&'a [Warning]),
+    /// The files of a UAV are written.
+    Done(&'a str, &'a Done),
+    /// They were there.
+    There,
+    /// They will not be written.
+    Abandoned,
+    /// Why they will not be, of all but the first of these.
+    Failed(&'a Error),
+    /// The files of all UAVs together are written.
+    Together(&'a Done),
+    /// They were there.
+    AllThere,
 }
 
 /// What became of the files of a UAV.
@@ -61,15 +76,15 @@ enum Found {
 }
 
 impl<'a> SiteRuns<'a> {
-    /// The runs that `{site}` or `--resume` asks for; `None` if neither was typed.
+    /// The runs that `{site}` in names, or the wish to resume, asks for; `None` without either.
     ///
     /// # Errors
     /// E105 if some names hold `{site}` and others do not.
-    pub(super) fn of(args: &'a MapArgs) -> Result<Option<SiteRuns<'a>>> {
-        let files: Vec<&PathBuf> = args.output.iter().chain(&args.height_curve).collect();
+    pub(crate) fn of(job: &'a MapJob, progress: &'a Progress) -> Result<Option<SiteRuns<'a>>> {
+        let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
         let names = |path: &Path| path.to_string_lossy().contains(SITE);
         let n_named = files.iter().filter(|path| names(path)).count();
-        if n_named == 0 && !args.resume {
+        if n_named == 0 && !job.resume {
             return Ok(None);
         }
         if files.is_empty() {
@@ -83,114 +98,74 @@ impl<'a> SiteRuns<'a> {
             let text = format!("cannot write {}: other files of this run are named after each UAV", other.display());
             return Err(Error::usage(105, text).with_hint(format!("write `{SITE}` into every name, or into none")));
         }
-        if args.out.json && n_named > 0 {
-            return Err(Error::usage(
-                116,
-                format!("`--json` has no meaning beside files with `{SITE}` in their names"),
-            )
-            .with_hint(format!("`-o NAME-{SITE}.json` writes a document for each UAV")));
-        }
-        let radius_m = checked_radius(args.engine.radius)?;
-        Ok(Some(SiteRuns { args, radius_m }))
+        Ok(Some(SiteRuns { job, progress }))
     }
 
-    /// Runs all that is not done.
+    /// Runs all that is not done, and tells `each` of every run.
     ///
     /// # Errors
     /// Of the first UAV that failed, once all others are done; at once if the user interrupts.
-    pub(super) fn run(&self, command: Vec<String>) -> Result<()> {
-        let asked = uavs_asked(self.args)?;
+    pub(crate) fn run(&self, each: &mut dyn FnMut(Outcome<'_>) -> Result<()>) -> Result<()> {
         if !self.is_by_site() {
-            return self.run_together(command);
+            return self.run_together(each);
         }
-        let (scenes, grid) = self.scenes_or_grid()?;
-        let uavs = asked.read(&grid)?;
-        let mut said = WarningsOfRuns::default();
-        let done = self.run_each(command, (scenes, &grid), &uavs, &mut said);
-        if !self.args.out.quiet {
-            messages::warnings(&uavs.warnings);
-            said.say();
-        }
-        done
-    }
-
-    /// Runs each UAV that is not done.
-    fn run_each(
-        &self,
-        command: Vec<String>,
-        (mut scenes, grid): (Option<SiteScenes>, &GeoRef),
-        uavs: &UavsFound,
-        said: &mut WarningsOfRuns,
-    ) -> Result<()> {
-        let sites = &uavs.sites;
-        let plans = self.plans(sites)?;
+        let (mut scenes, grid) = self.scenes_or_grid()?;
+        let uavs = self.job.uavs.read(&grid)?;
+        each(Outcome::Warnings(&uavs.warnings))?;
+        let jobs = self.jobs(&uavs.sites)?;
         let inputs = self.inputs(false)?;
-        let (mut n_done, mut n_skipped) = (0, 0);
         let mut failed: Option<Error> = None;
-        for (site, args) in sites.iter().zip(plans) {
+        for (site, job) in uavs.sites.iter().zip(jobs) {
             let unit = self.unit(Some(site), &inputs);
             let own = UavsFound { sites: vec![site.clone()], sources: uavs.sources.clone(), warnings: Vec::new() };
-            match self.run_site((args, &command), (&mut scenes, grid), (own, &unit), said) {
-                Ok(true) => {
-                    n_done += 1;
-                    interrupt::end_writing()?;
-                }
-                Ok(false) => n_skipped += 1,
+            match self.run_site(job, (&mut scenes, &grid), (own, &unit)) {
+                Ok(Some(done)) => each(Outcome::Done(&site.id, &done))?,
+                Ok(None) => each(Outcome::There)?,
                 Err(error) if error.class() == ErrorClass::Interrupted => {
-                    failed.iter().for_each(messages::error);
+                    failed.into_iter().try_for_each(|first| each(Outcome::Failed(&first)))?;
                     return Err(error);
                 }
                 Err(error) => {
                     // The first one is told at the end.
                     if failed.is_some() {
-                        messages::error(&error);
+                        each(Outcome::Failed(&error))?;
                     }
                     let first = failed.get_or_insert(error);
-                    if let Err(interrupted) = interrupt::give_up_writing() {
-                        messages::error(first);
+                    if let Err(interrupted) = each(Outcome::Abandoned) {
+                        each(Outcome::Failed(first))?;
                         return Err(interrupted);
                     }
                 }
             }
         }
-        if !self.args.out.quiet {
-            let skipped = if n_skipped > 0 { format!(", {n_skipped} there already") } else { String::new() };
-            let n_failed = sites.len() - n_done - n_skipped;
-            let others = if n_failed > 0 { format!(", {n_failed} not") } else { String::new() };
-            messages::note(&format!("{} mapped{skipped}{others}", counted(n_done as u64, "UAV", "UAVs")));
-        }
         failed.map_or(Ok(()), Err)
     }
 
     fn is_by_site(&self) -> bool {
-        self.args.output.iter().chain(&self.args.height_curve).any(|path| path.to_string_lossy().contains(SITE))
+        self.job.outputs.iter().chain(&self.job.curve.outputs).any(|path| path.to_string_lossy().contains(SITE))
     }
 
     /// One run of all UAVs, unless its files are there.
-    fn run_together(&self, command: Vec<String>) -> Result<()> {
+    fn run_together(&self, each: &mut dyn FnMut(Outcome<'_>) -> Result<()>) -> Result<()> {
         let unit = self.unit(None, &self.inputs(true)?);
-        let mut args = self.args.clone();
-        match found(&args, &unit)? {
-            Found::All => {
-                if !self.args.out.quiet {
-                    messages::note("nothing to do: the files are there, made by the same run");
-                }
-                return Ok(());
-            }
-            Found::Some => args.out.overwrite = true,
+        let mut job = self.job.clone();
+        match found(&job, &unit)? {
+            Found::All => return each(Outcome::AllThere),
+            Found::Some => job.save.overwrite = true,
             Found::Nothing => {}
         }
-        run_one(&args, command, Given { unit: Some(unit), ..Given::default() })
+        let done = job.run(Given { unit: Some(unit), ..Given::default() }, self.progress)?;
+        each(Outcome::Together(&done))
     }
 
     /// The grid of the scenes; with them where they must be read to know it.
     fn scenes_or_grid(&self) -> Result<(Option<SiteScenes>, GeoRef)> {
-        let scene = &self.args.scene;
-        if is_raster_scene(scene) && scene.project.is_none() {
-            return Ok((None, surface_grid(Path::new(&scene.scene), &raster_options(scene)?)?));
+        let job = self.job;
+        if is_raster_scene(&job.word) && job.scene.project.is_none() {
+            return Ok((None, surface_grid(job.path(), &job.scene.of_raster()?)?));
         }
-        let scene = ready(scene)?;
-        let grid = scene.field.grid().clone();
+        let scene = job.scene.open(&job.word)?;
+        let grid = scene.grid().clone();
         Ok((Some(SiteScenes::Whole(Box::new(scene))), grid))
     }
 
@@ -198,35 +173,35 @@ impl<'a> SiteRuns<'a> {
     ///
     /// With a radius of a raster they are its parts whatever its size: what a file holds must not depend on memory.
     fn scenes(&self) -> Result<SiteScenes> {
-        let args = self.args;
+        let job = self.job;
         let mut warnings = Vec::new();
-        if self.radius_m.is_some() && is_raster_scene(&args.scene) && args.scene.project.is_none() {
-            if args.strips {
+        if job.plan.radius_m.is_some() && is_raster_scene(&job.word) && job.scene.project.is_none() {
+            if job.strips {
                 let text =
                     "`--strips` has no meaning with `--radius` and a file for each UAV: only what is in range is read";
                 return Err(Error::usage(116, text));
             }
-            let files = std::iter::once(Path::new(&args.scene.scene)).chain(args.scene.terrain.as_deref());
+            let files = std::iter::once(job.path()).chain(job.scene.terrain.as_deref());
             for file in files {
                 if !RasterFile::open(file, &mut Vec::new())?.reads_parts() {
-                    let scene = on_disk(args, &mut warnings)?;
+                    let scene = on_disk(job, self.progress, &mut warnings)?;
                     return Ok(SiteScenes::PartsOnDisk(scene, warnings));
                 }
             }
             return Ok(SiteScenes::Parts);
         }
-        if reason_for_strips(args).is_some() {
-            check_streamed(args)?;
-            let scene = on_disk(args, &mut warnings)?;
+        if reason_for_strips(job).is_some() {
+            check_strips(job)?;
+            let scene = on_disk(job, self.progress, &mut warnings)?;
             return Ok(SiteScenes::OnDisk(scene, warnings));
         }
-        Ok(SiteScenes::Whole(Box::new(ready(&args.scene)?)))
+        Ok(SiteScenes::Whole(Box::new(job.scene.open(&job.word)?)))
     }
 
     /// What each UAV's run was asked, with files of its own.
-    fn plans(&self, sites: &[GivenSite]) -> Result<Vec<MapArgs>> {
+    fn jobs(&self, sites: &[GivenSite]) -> Result<Vec<MapJob>> {
         let mut names = std::collections::HashMap::new();
-        let mut plans = Vec::with_capacity(sites.len());
+        let mut jobs = Vec::with_capacity(sites.len());
         for site in sites {
             let name = site_in_names(&site.id);
             if let Some(other) = names.insert(name.clone(), &site.id) {
@@ -236,29 +211,24 @@ impl<'a> SiteRuns<'a> {
             let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
                 paths.iter().map(|path| split(path.as_os_str(), SITE).join(OsStr::new(&name)).into()).collect()
             };
-            plans.push(MapArgs {
-                output: own(&self.args.output),
-                height_curve: own(&self.args.height_curve),
-                ..self.args.clone()
-            });
+            let curve = CurvePlan { outputs: own(&self.job.curve.outputs), ..self.job.curve.clone() };
+            jobs.push(MapJob { outputs: own(&self.job.outputs), curve, ..self.job.clone() });
         }
-        Ok(plans)
+        Ok(jobs)
     }
 
-    /// Maps one UAV; says whether there was anything to do.
+    /// Maps one UAV, unless its files are there.
     fn run_site(
         &self,
-        (mut args, command): (MapArgs, &[String]),
+        mut job: MapJob,
         (scenes, grid): (&mut Option<SiteScenes>, &GeoRef),
         (own, unit): (UavsFound, &str),
-        said: &mut WarningsOfRuns,
-    ) -> Result<bool> {
-        let site = &own.sites[0];
-        if args.resume {
-            match found(&args, unit)? {
-                Found::All => return Ok(false),
+    ) -> Result<Option<Done>> {
+        if job.resume {
+            match found(&job, unit)? {
+                Found::All => return Ok(None),
                 // A run that was killed between two files leaves the first.
-                Found::Some => args.out.overwrite = true,
+                Found::Some => job.save.overwrite = true,
                 Found::Nothing => {}
             }
         }
@@ -267,6 +237,7 @@ impl<'a> SiteRuns<'a> {
             Some(scenes) => scenes,
             None => scenes.insert(self.scenes()?),
         };
+        let site = &own.sites[0];
         let scene = match scenes {
             SiteScenes::Whole(scene) => GivenScene::InMemory(scene.clone()),
             SiteScenes::OnDisk(scene, warnings) => GivenScene::OnDisk(scene, warnings.clone()),
@@ -275,29 +246,28 @@ impl<'a> SiteRuns<'a> {
                 GivenScene::InMemory(Box::new(self.part((site, grid), Some((scene, warnings)))?))
             }
         };
-        let unit_words = Some(unit.to_string());
-        let given = Given { uavs: Some(own), scene, grid: Some(grid), unit: unit_words, batch: Some(said) };
-        match run_one(&args, command.to_vec(), given) {
+        let given = Given { uavs: Some(own), scene, grid: Some(grid), unit: Some(unit.to_string()) };
+        match job.run(given, self.progress) {
             // Another process was faster.
-            Err(error) if args.resume && error.code() == "E106" && found(&args, unit)? == Found::All => Ok(false),
-            done => done.map(|()| true),
+            Err(error) if job.resume && error.code() == "E106" && found(&job, unit)? == Found::All => Ok(None),
+            done => done.map(Some),
         }
     }
 
     /// The part of a raster in range of a UAV.
-    fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Ready> {
+    fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Scene> {
         let start = Instant::now();
-        let args = self.args;
-        let radius = self.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
+        let job = self.job;
+        let radius = job.plan.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
         let window = grid.window_within(around);
-        check_memory(&args.scene.scene, &grid.part(window), FIELD_BYTES_PER_CELL)?;
+        check_memory(&job.word.display(), &grid.part(window), FIELD_BYTES_PER_CELL)?;
         let mut warnings = Vec::new();
         let scene = match stored {
             None => {
-                let options = SurfaceOptions { around: Some(around), ..raster_options(&args.scene)? };
-                let scene = read_surface(Path::new(&args.scene.scene), &options, &mut warnings)?;
-                warn_of_raster(&args.scene, &mut warnings)?;
+                let options = SurfaceOptions { around: Some(around), ..job.scene.of_raster()? };
+                let scene = read_surface(job.path(), &options, &mut warnings)?;
+                job.scene.warn_of_raster(job.path(), &mut warnings)?;
                 scene
             }
             Some((stored, said)) => {
@@ -305,32 +275,27 @@ impl<'a> SiteRuns<'a> {
                 stored.part(window)?
             }
         };
-        built(&args.scene, (scene, warnings), start)
+        Scene::built(&job.scene, (&job.word, scene), warnings, start)
     }
 
     /// What the run of a UAV, or of all, is one of: a hash of everything that its files depend on.
     fn unit(&self, site: Option<&GivenSite>, inputs: &str) -> String {
-        let mut args = self.args.clone();
+        let MapJob { word, scene, plan, save, uavs, curve, .. } = self.job;
         // What changes no number.
-        (args.output, args.height_curve) = (Vec::new(), Vec::new());
-        (args.resume, args.strips, args.scratch, args.engine.max_memory) = (false, false, None, None);
-        (args.out.json, args.out.overwrite, args.out.quiet, args.out.threads) = (false, false, false, None);
-        (args.scene.typed, args.scene.paths) = (Vec::new(), Vec::new());
-        (args.scene.repairs, args.scene.found_repairs) = (None, std::sync::Arc::default());
-        if site.is_some() {
-            (args.uav, args.uavs, args.skip_bad) = (Vec::new(), None, false);
-        }
+        let scene = SceneOptions { repairs: None, ..scene.clone() };
+        let save = SaveOptions { overwrite: false, ..save.clone() };
+        let uavs = if site.is_some() { None } else { Some(uavs) };
+        let of_run = (word, scene, plan, save, uavs, curve.heights);
         let mut hasher = Sha256::default();
-        hasher.update(format!("{} {args:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
+        hasher.update(format!("{} {of_run:?} {site:?} {inputs}", env!("CARGO_PKG_VERSION")));
         digest_words(hasher)
     }
 
     /// The files that all runs read, told by path, length and time of change; with that of the UAVs where these are not told
     /// one by one.
     fn inputs(&self, with_sites: bool) -> Result<String> {
-        let args = self.args;
-        let mut files: Vec<PathBuf> = input_paths(&args.scene);
-        let table = args.uavs.clone().filter(|_| with_sites);
+        let mut files = self.job.inputs.clone();
+        let table = self.job.uavs.table.clone().filter(|_| with_sites);
         // What comes from standard input is told by its digest.
         let mut text = match &table {
             Some(table) if !table.exists() => format!("{:?};", source_of(table, false)?),
@@ -352,16 +317,16 @@ impl<'a> SiteRuns<'a> {
 ///
 /// # Errors
 /// E106 if one is there that is not of this unit, unless it may be replaced.
-fn found(args: &MapArgs, unit: &str) -> Result<Found> {
-    let files: Vec<&PathBuf> = args.output.iter().chain(&args.height_curve).collect();
+fn found(job: &MapJob, unit: &str) -> Result<Found> {
+    let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
     let there: Vec<&PathBuf> = files.iter().copied().filter(|file| file.exists()).collect();
     let other = there.iter().find(|file| !is_of(file, unit));
     let is_left_alone = |file: &PathBuf| {
-        let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, args.bare));
+        let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.bare));
         !file.exists() && beside.iter().any(|sidecar| sidecar.exists())
     };
     match other {
-        Some(_) if args.out.overwrite => Ok(Found::Nothing),
+        Some(_) if job.save.overwrite => Ok(Found::Nothing),
         Some(other) => {
             let text = format!("cannot write {}: it exists, made by another run", other.display());
             Err(Error::usage(106, text).with_hint("`--overwrite` replaces it"))

@@ -1,20 +1,23 @@
-//! `skyshed map --height-curve`: P_LoS against the UAV's height, as plot, table and document.
+//! P_LoS against the UAV's height, as plot, table and document.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::MapArgs;
-use super::plan::Ready;
-use super::words::{picture_provenance, pretty, unbreakable};
-use super::{messages, plan};
-use crate::coverage::{Control, HeightCurve, SiteCoverage};
+use super::coverages::Coverages;
+use super::plan::receiver_height;
+use super::save::SaveOptions;
+use crate::coverage::HeightCurve;
 use crate::error::{Error, Result, Warning};
-use crate::export::{Format, OutputRules, check_outputs, with_suffix};
+use crate::export::{Format, OutputRules, as_text, check_outputs, encode_table, with_suffix};
 use crate::los::Method;
+use crate::picture::{PictureWords, undrawable};
+use crate::progress::Progress;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::raster::Crs;
-use crate::render::{self, HeightCurveLine, HeightCurvePlot, PictureForm};
-use crate::report::{CurveFacts, HeightCurveReport, MapReport};
+use crate::render::{self, HeightCurveLine, HeightCurvePlot};
+use crate::report::{CurveFacts, HeightCurveReport};
+use crate::scene::Scene;
+use crate::words::{picture_provenance, pretty, unbreakable};
 
 /// Formats of a curve.
 const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json];
@@ -28,22 +31,22 @@ const MOST_HEIGHTS: f64 = 1e6;
 /// Bytes that a cell takes while a curve is made: least heights by row, and all of them sorted.
 const BYTES_PER_CELL: usize = 8;
 
-/// What was asked for.
-#[derive(Debug)]
-pub(super) struct CurvePlan {
-    outputs: Vec<(PathBuf, Format)>,
-    heights: Option<[f64; 3]>,
+/// Files of curves, and the heights in them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CurvePlan {
+    pub(crate) outputs: Vec<PathBuf>,
+    /// From, to, step \[m\].
+    pub(crate) heights: Option<[f64; 3]>,
 }
 
 impl CurvePlan {
-    /// Checks what was typed before any work; `map_formats` are those of the map's own outputs.
-    pub(super) fn of(args: &MapArgs, inputs: &[PathBuf], map_formats: &[Format]) -> Result<CurvePlan> {
-        let rules = OutputRules { allowed: &FORMATS, inputs, overwrite: args.out.overwrite, bare: false };
-        let outputs = check_outputs(&args.height_curve, rules)?;
+    /// Checks what was asked before any work, and tells the files with their formats; `others` are the files of the map.
+    pub(crate) fn checked(&self, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
+        let outputs = check_outputs(&self.outputs, OutputRules { allowed: &FORMATS, bare: false, ..rules })?;
         // No file may be an output of both kinds.
-        let all: Vec<PathBuf> = args.output.iter().chain(&args.height_curve).cloned().collect();
-        check_outputs(&all, OutputRules { allowed: map_formats, ..rules })?;
-        if let Some([from, to, step]) = args.curve_heights {
+        let all: Vec<PathBuf> = others.iter().chain(&self.outputs).cloned().collect();
+        check_outputs(&all, OutputRules { bare: false, ..rules })?;
+        if let Some([from, to, step]) = self.heights {
             let refuse = |wanted: &str| {
                 Err(Error::usage(113, format!("`--curve-heights` is `{from}:{to}:{step}`, wanted {wanted}")))
             };
@@ -63,43 +66,32 @@ impl CurvePlan {
                 return refuse("at most 1000000 heights");
             }
         }
-        Ok(CurvePlan { outputs, heights: args.curve_heights })
+        Ok(outputs)
     }
 
     /// Whether there is anything to do.
-    pub(super) fn is_wanted(&self) -> bool {
+    pub(crate) fn is_wanted(&self) -> bool {
         !self.outputs.is_empty()
     }
 
-    /// The files.
-    pub(super) fn outputs(&self) -> &[(PathBuf, Format)] {
-        &self.outputs
-    }
-
     /// Bytes that a cell takes meanwhile.
-    pub(super) fn bytes_per_cell(&self) -> usize {
+    pub(crate) fn bytes_per_cell(&self) -> usize {
         if self.is_wanted() { BYTES_PER_CELL } else { 0 }
     }
 
-    /// Makes the curves of the sites of a map; `None` if none are wanted.
-    pub(super) fn make<'a>(
-        &self,
-        args: &'a MapArgs,
-        scene: &Ready,
-        maps: &[SiteCoverage],
-        report: &MapReport,
-    ) -> Result<Option<Curves<'a>>> {
+    /// Makes the curves of a map; `None` if none are wanted.
+    pub(crate) fn make(&self, map: &Coverages, progress: &Progress) -> Result<Option<Curves>> {
         if !self.is_wanted() {
             return Ok(None);
         }
         let start = Instant::now();
-        let rx_height = plan::receiver_height(args.rx_height)?;
-        let control = Control::default();
-        let total = scene.field.grid().n_cells() as u64 * maps.len() as u64;
-        let curves: Vec<HeightCurve> = messages::with_progress(&control, (total, "receivers"), args.out.quiet, || {
-            maps.iter().map(|map| HeightCurve::of(&scene.field, map, rx_height, &control)).collect::<Result<_>>()
-        })?;
-        let range = self.heights.unwrap_or_else(|| default_range(&curves, scene.field.max_top()));
+        let (field, report) = (&map.scene.field, &map.report);
+        let rx_height = receiver_height(report.rx_height_m)?;
+        progress.begin(field.grid().n_cells() as u64 * map.sites.len() as u64);
+        let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
+        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<Result<_>>()?;
+        progress.end();
+        let range = self.heights.unwrap_or_else(|| default_range(&curves, field.max_top()));
         let heights = heights_in(range);
         let mut warnings = Vec::new();
         let mut sites = Vec::new();
@@ -127,14 +119,13 @@ impl CurvePlan {
         report.facts.method = Some(Method::Ray);
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Some(Curves { args, curves, report, range, warnings, seconds }))
+        Ok(Some(Curves { curves, report, range, warnings, seconds }))
     }
 }
 
 /// The curves of a run, ready for files.
 #[derive(Debug)]
-pub(super) struct Curves<'a> {
-    args: &'a MapArgs,
+pub(crate) struct Curves {
     curves: Vec<HeightCurve>,
     report: HeightCurveReport,
     range: [f64; 3],
@@ -142,36 +133,41 @@ pub(super) struct Curves<'a> {
     seconds: f64,
 }
 
-impl Curves<'_> {
+impl Curves {
     /// The files of one output.
-    pub(super) fn encode(&self, scene: &Ready, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    pub(crate) fn encode(
+        &self,
+        scene: &Scene,
+        (path, format): (&Path, Format),
+        options: &SaveOptions,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
         let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
         match format {
             Format::Json => one(pretty(&self.report.document()).into_bytes()),
             Format::Csv => {
-                let bytes = self.args.out.table(&self.report.table())?;
+                let rows = self.report.table();
+                let bytes = encode_table(&if options.csv_text { as_text(&rows) } else { rows })?;
                 let sidecar = pretty(&self.report.provenance()).into_bytes();
                 Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
             }
-            Format::Png | Format::Svg | Format::Pdf => one(self.plot(scene, &self.args.words.size.form(format))?),
+            Format::Png | Format::Svg | Format::Pdf => one(self.plot(scene, &options.words, format)?),
             _ => Err(Error::internal(902, "a curve was asked for in the format of a map")),
         }
     }
 
     /// What is odd about the curves.
-    pub(super) fn warnings(&self) -> &[Warning] {
+    pub(crate) fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Says on standard error what was found.
-    pub(super) fn say(&self) {
-        for curve in self.curves.iter().filter(|c| c.receivers() > 0) {
-            messages::note(&format!("UAV {}: {}", curve.uav().id, reaches(curve)));
-        }
-        messages::note(&format!("height curve, method ray (exact): {:.2} s", self.seconds));
+    /// What was found, in words.
+    pub(crate) fn in_words(&self) -> Vec<String> {
+        let curves = self.curves.iter().filter(|curve| curve.receivers() > 0);
+        let found = curves.map(|curve| format!("UAV {}: {}", curve.uav().id, reaches(curve)));
+        found.chain([format!("height curve, method ray (exact): {:.2} s", self.seconds)]).collect()
     }
 
-    fn plot(&self, scene: &Ready, form: &PictureForm) -> Result<Vec<u8>> {
+    fn plot(&self, scene: &Scene, words: &PictureWords, format: Format) -> Result<Vec<u8>> {
         // One axis for all: above ground, unless a UAV is where no ground is known.
         let is_agl = self.curves.iter().all(|c| c.ground().is_some());
         let base = |curve: &HeightCurve| if is_agl { curve.ground().unwrap_or(0) } else { 0 };
@@ -201,10 +197,10 @@ impl Curves<'_> {
                 marked_m: asked(curve),
             })
             .collect();
-        let title = self.args.words.title_or(|| {
+        let title = words.title_or(|| {
             unbreakable(&format!("P_LoS against the height of {} over {}", whom(&self.curves), scene.name))
         });
-        let caption = self.caption(scene);
+        let caption = self.caption(scene, words);
         let plot = HeightCurvePlot {
             title: &title,
             caption: &caption,
@@ -213,11 +209,11 @@ impl Curves<'_> {
             curves: &lines,
         };
         let provenance = picture_provenance(&self.report.provenance());
-        let drawn = render::draw_height_curve(&plot, form, &provenance);
-        drawn.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
+        let drawn = render::draw_height_curve(&plot, &words.size.form(format), &provenance);
+        drawn.map_err(undrawable)
     }
 
-    fn caption(&self, scene: &Ready) -> Vec<String> {
+    fn caption(&self, scene: &Scene, words: &PictureWords) -> Vec<String> {
         const MOST_SITES: usize = 4;
         let mut lines: Vec<String> = Vec::new();
         for (curve, site) in self.curves.iter().zip(&self.report.sites).take(MOST_SITES) {
@@ -258,7 +254,7 @@ impl Curves<'_> {
             env!("CARGO_PKG_VERSION")
         ));
         lines.extend(scene.limits_in_words());
-        lines.extend(self.args.words.credit(scene.attribution.as_ref()));
+        lines.extend(words.credit(scene.attribution.as_ref()));
         lines
     }
 }

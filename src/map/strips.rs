@@ -1,36 +1,37 @@
-//! `skyshed map` of a raster that does not fit in memory: the same numbers, strip by strip.
+//! A map of a raster that does not fit in memory: the same numbers, strip by strip.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use super::args::{LayerArg, MapArgs, ReceiversArg, TifLayoutArg};
-use super::map::encoding_bytes_per_cell;
-use super::map_drawing::MapDrawing;
-use super::memory::{ANY_WORK, cells_of, check_bytes, lacking, left, memory_words};
-use super::messages::WarningsOfRuns;
-use super::outside::warn_of_uavs_outside;
-use super::plan::{Ready, raster_options, size_of_raster, warn_of_flat_earth, warn_of_raster};
-use super::receivers::{Asked, check_surface_receivers, warn_of_no_receivers};
-use super::tables::UavsFound;
-use super::words::{picture_provenance, pretty};
-use super::{interrupt, messages};
-use crate::coverage::{Control, SiteCoverage, StreamedMapper, Uav};
+use super::coverages::Coverages;
+use super::drawing::MapDrawing;
+use super::files::table;
+use super::job::{Done, MapJob, encoding_bytes_per_cell};
+use super::receivers::{Asked, Receivers, check_surface_receivers, warn_of_no_receivers};
+use crate::city::{GivenSite, WindowedBase, WindowedSolids};
+use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, MaskValues, add_mask_geotiff, with_suffix};
-use crate::formats::{ClassPyramid, RasterFile};
+use crate::export::{Batch, Format, Layer, add_mask_geotiff, with_suffix};
+use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
 use crate::los::{Method, StreamLimits};
+use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, left, memory_words};
+use crate::progress::Progress;
 use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
 use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
-use crate::scene::{GivenSite, WindowedBase, WindowedSolids};
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_flat_earth;
+use crate::scene::outside::warn_of_uavs_outside;
+use crate::uav::UavsFound;
+use crate::words::{picture_provenance, pretty};
 
 /// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
 /// `--max-memory` allows. `None` if it is.
-pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
-    let (grid, bytes) = size_of_raster(&args.scene)?;
-    if args.strips {
+pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
+    let (grid, bytes) = job.scene.size_of_raster(&job.word)?;
+    if job.strips {
         return Some("strips are asked for".into());
     }
     let with = |per_cell: u64| {
@@ -40,10 +41,10 @@ pub(super) fn reason_for_strips(args: &MapArgs) -> Option<String> {
     // The mask; and what is made of it, where strips would do.
     let of_outputs = || {
         let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
-        let outputs: Vec<_> = args.output.iter().filter_map(format).collect();
-        let is_alone = args.uav.len() == 1 && args.uavs.is_none();
+        let outputs: Vec<_> = job.outputs.iter().filter_map(format).collect();
+        let is_alone = job.uavs.typed.len() == 1 && job.uavs.table.is_none();
         let per_cell = 1 + encoding_bytes_per_cell(&outputs, &[Layer::Los], 1) as u64;
-        with(per_cell).filter(|_| is_alone && check_streamed(args).is_ok())
+        with(per_cell).filter(|_| is_alone && check_strips(job).is_ok())
     };
     let (needed, limit) = with(1).or_else(of_outputs)?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
@@ -80,33 +81,30 @@ impl Shown {
 }
 
 /// Copies a raster that does not fit in memory to tiles on the disk, and says so.
-pub(super) fn on_disk(args: &MapArgs, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
-    let scratch = args.scratch.clone().unwrap_or_else(std::env::temp_dir);
+pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
+    let scratch = job.scratch.clone().unwrap_or_else(std::env::temp_dir);
     if !scratch.is_dir() {
         let text = format!("cannot use `--scratch {}`: it is no folder", scratch.display());
         return Err(Error::usage(105, text).with_hint("it holds 4 bytes a cell while the map is made"));
     }
-    let options = raster_options(&args.scene)?;
-    let path = Path::new(&args.scene.scene);
-    if !args.out.quiet {
-        let files = terrain_file(args)?.into_iter().chain([RasterFile::open(path, &mut Vec::new())?]);
-        let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(file.georef())).sum();
-        let (on_disk, folder) = (memory_words(on_disk), scratch.display());
-        let why = reason_for_strips(args).unwrap_or_else(|| "parts of it cannot be read alone".into());
-        messages::note(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
-    }
-    let scene = StreamedSurface::read(path, &options, &scratch, warnings)?;
-    warn_of_raster(&args.scene, warnings)?;
+    let options = job.scene.of_raster()?;
+    let files = terrain_file(job)?.into_iter().chain([RasterFile::open(job.path(), &mut Vec::new())?]);
+    let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(file.georef())).sum();
+    let (on_disk, folder) = (memory_words(on_disk), scratch.display());
+    let why = reason_for_strips(job).unwrap_or_else(|| "parts of it cannot be read alone".into());
+    (progress.note)(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
+    let scene = StreamedSurface::read(job.path(), &options, &scratch, warnings)?;
+    job.scene.warn_of_raster(job.path(), warnings)?;
     Ok(scene)
 }
 
 /// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
-pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
+pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     let refuse = |what: String| {
-        let text = format!("cannot map {} strip by strip: {what}", args.scene.scene);
+        let text = format!("cannot map {} strip by strip: {what}", job.word.display());
         Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
     };
-    for path in &args.output {
+    for path in &job.outputs {
         let format = Format::of(path)?;
         let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
             || format.is_picture();
@@ -114,45 +112,45 @@ pub(super) fn check_streamed(args: &MapArgs) -> Result<()> {
             return refuse(format!("{} cannot be made", path.display()));
         }
     }
-    if args.layers.iter().any(|layer| !matches!(layer, LayerArg::Los)) {
+    if job.plan.layers.iter().any(|layer| *layer != Layer::Los) {
         return refuse("no layer but `los` can be made".into());
     }
     let flags = [
-        ("--tolerance", args.tolerance.is_some()),
-        ("--height-curve", !args.height_curve.is_empty()),
-        ("--polygons", args.polygons.is_some()),
-        ("--bare", args.bare),
-        ("--tif-layout plain", matches!(args.tif_layout, TifLayoutArg::Plain)),
-        ("--receivers of a zone", args.receivers.zone().is_some()),
+        ("--tolerance", job.plan.tolerance.is_some()),
+        ("--height-curve", job.curve.is_wanted()),
+        ("--polygons", job.save.polygons.is_some()),
+        ("--bare", job.save.bare),
+        ("--tif-layout plain", job.save.tif_layout == Some(TiffLayout::Plain)),
+        ("--receivers of a zone", job.plan.receivers.zone().is_some()),
     ];
     if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
         return refuse(format!("`{flag}` is not at hand"));
     }
-    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
+    let file = RasterFile::open(job.path(), &mut Vec::new())?;
     let what = format!("{}, even strip by strip,", cells_of(file.georef()));
-    check_bytes(&args.scene.scene, &what, strip_memory(args)?)
+    check_bytes(&job.word.display(), &what, strip_memory(job)?)
 }
 
 /// Bytes that strips take, beside the receivers that wait.
 ///
 /// # Errors
 /// E501 if the grid is larger than a lattice.
-fn strip_memory(args: &MapArgs) -> Result<u64> {
-    let file = RasterFile::open(Path::new(&args.scene.scene), &mut Vec::new())?;
+fn strip_memory(job: &MapJob) -> Result<u64> {
+    let file = RasterFile::open(job.path(), &mut Vec::new())?;
     let grid = file.georef();
     let (n_rows, n_cols, n_cells) = (grid.n_rows(), grid.n_cols(), grid.n_cells() as u64);
     if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
         let text = format!(
             "cannot map {}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side",
-            args.scene.scene
+            job.word.display()
         );
         return Err(Error::limit(501, text)
             .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
     }
-    let n_kinds = if args.receivers == ReceiversArg::All { 2 } else { 1 };
-    let n_sets = n_kinds * if args.engine.radius.is_some() { 3 } else { 2 };
+    let n_kinds = if job.plan.receivers == Receivers::All { 2 } else { 1 };
+    let n_sets = n_kinds * if job.plan.radius_m.is_some() { 3 } else { 2 };
     // Cells of a terrain below one of the surface.
-    let finer = match terrain_file(args)? {
+    let finer = match terrain_file(job)? {
         Some(terrain) => {
             let below = terrain.georef();
             (grid.cell_width() * grid.cell_height() / (below.cell_width() * below.cell_height())).max(1.0)
@@ -166,90 +164,82 @@ fn strip_memory(args: &MapArgs) -> Result<u64> {
 }
 
 /// The terrain, opened.
-fn terrain_file(args: &MapArgs) -> Result<Option<RasterFile>> {
-    args.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
+fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
+    job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
 }
 
 /// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
-fn limits(args: &MapArgs) -> Result<StreamLimits> {
+fn limits(job: &MapJob) -> Result<StreamLimits> {
     let all = StreamLimits::default();
-    let left = left().saturating_sub(strip_memory(args)?);
+    let left = left().saturating_sub(strip_memory(job)?);
     let waiting = usize::try_from(left / 32).unwrap_or(all.waiting);
     Ok(StreamLimits { waiting: waiting.clamp(1 << 16, all.waiting), ..all })
 }
 
 /// What was asked for, checked.
-pub(super) struct StreamedRun<'a> {
-    pub(super) args: &'a MapArgs,
-    pub(super) command: Vec<String>,
-    pub(super) outputs: &'a [(PathBuf, Format)],
-    pub(super) layers: &'a [Layer],
-    /// Height of the receivers \[1/1024 m\].
-    pub(super) rx_height: i32,
-    /// Range \[m\].
-    pub(super) radius_m: Option<f64>,
-    pub(super) start: Instant,
+pub(crate) struct StripsRun<'a> {
+    pub(crate) job: &'a MapJob,
+    pub(crate) outputs: &'a [(PathBuf, Format)],
+    pub(crate) start: Instant,
     /// What the run is one of.
-    pub(super) unit: Option<String>,
-    /// Where warnings go that other runs may give too.
-    pub(super) other_runs: Option<&'a mut WarningsOfRuns>,
+    pub(crate) unit: Option<String>,
+    pub(crate) progress: &'a Progress,
 }
 
-impl StreamedRun<'_> {
+impl StripsRun<'_> {
     /// Copies the heights to the disk, then maps.
-    pub(super) fn read(self, uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>) -> Result<()> {
-        check_streamed(self.args)?;
+    pub(crate) fn read(self, uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>) -> Result<Done> {
+        check_strips(self.job)?;
         let mut warnings: Vec<Warning> = Vec::new();
-        let scene = on_disk(self.args, &mut warnings)?;
+        let scene = on_disk(self.job, self.progress, &mut warnings)?;
         self.over(&scene, warnings, uavs)
     }
 
     /// Makes the map and writes its files.
-    pub(super) fn over(
+    pub(crate) fn over(
         self,
         scene: &StreamedSurface,
         mut warnings: Vec<Warning>,
         uavs: impl FnOnce(&GeoRef) -> Result<UavsFound>,
-    ) -> Result<()> {
-        let (args, quiet) = (self.args, self.args.out.quiet);
+    ) -> Result<Done> {
+        let (plan, progress) = (&self.job.plan, self.progress);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
-        let radius = self.radius_m.map(|m| m / grid.meters_per_unit());
+        let radius = plan.radius_m.map(|m| m / grid.meters_per_unit());
         let found = uavs(grid)?;
         warnings.extend(found.warnings);
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
         let uav = self.uav(scene, &found.sites, radius)?;
         if scene.base() == WindowedBase::Surface {
-            check_surface_receivers(args.receivers)?;
+            check_surface_receivers(plan.receivers)?;
         }
         warn_of_flat_earth(std::slice::from_ref(&uav), grid, radius, &mut warnings);
 
-        let asked = Asked { receivers: args.receivers, rx_height: self.rx_height, radius, engine: &args.engine };
+        let asked = Asked { receivers: plan.receivers, rx_height: plan.rx_height()?, radius, method: plan.method };
         let options = asked.options(grid, None);
-        let control = Control::default();
-        let n_swept = grid.n_cells() as u64 * if args.receivers == ReceiversArg::All { 2 } else { 1 };
+        let n_kinds = if plan.receivers == Receivers::All { 2 } else { 1 };
+        progress.begin(grid.n_cells() as u64 * n_kinds);
         let before_los = Instant::now();
         let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
-        let mask_values = if args.gdal_values { MaskValues::Gdal } else { MaskValues::Classes };
+        let mask_values = self.job.save.mask_values;
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let mut shown = self.has_picture().then(|| Shown::new(grid));
-        let coverage = messages::with_progress(&control, (n_swept, "cells"), quiet, || {
-            let mapper = StreamedMapper::new(scene, &options, &control)?.with_limits(limits(args)?);
-            mapper.map(&uav, &control, |_, mask| {
-                digest.add(mask);
-                if let Some(shown) = &mut shown {
-                    shown.add(mask);
-                }
-                if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
-            })
+        let mapper = StreamedMapper::new(scene, &options, progress.control())?.with_limits(limits(self.job)?);
+        let coverage = mapper.map(&uav, progress.control(), |_, mask| {
+            digest.add(mask);
+            if let Some(shown) = &mut shown {
+                shown.add(mask);
+            }
+            if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
         })?;
+        progress.end();
         timing.los = before_los.elapsed().as_secs_f64();
 
         warn_of_no_receivers(std::slice::from_ref(&coverage), &mut warnings);
         let report = MapReport {
             facts: RunFacts {
-                command: self.command.clone(),
+                command: self.job.command.clone(),
                 method: Some(Method::Sweep),
                 scene_name: scene.name.clone(),
                 grid: grid.clone(),
@@ -259,9 +249,9 @@ impl StreamedRun<'_> {
                 warnings,
                 unit: self.unit.clone(),
             },
-            rx_height_m: args.rx_height,
-            receivers: args.receivers.name(),
-            radius_m: self.radius_m,
+            rx_height_m: plan.rx_height_m,
+            receivers: plan.receivers.name(),
+            radius_m: plan.radius_m,
             union_zones: None,
             sites: vec![SiteFacts { lonlat: found.sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
@@ -271,10 +261,10 @@ impl StreamedRun<'_> {
         };
         let before_write = Instant::now();
         timing.total = self.start.elapsed().as_secs_f64();
-        interrupt::begin_writing();
-        let mut batch = Batch::new(args.out.overwrite);
+        (progress.begin_writing)();
+        let mut batch = Batch::new(self.job.save.overwrite).asking(progress.check);
+        let document = |timing| pretty(&report.document(timing));
         for (path, format) in self.outputs {
-            interrupt::check()?;
             match format {
                 Format::GeoTiff => {
                     let provenance = report.document(None).to_string();
@@ -282,8 +272,8 @@ impl StreamedRun<'_> {
                     add_mask_geotiff(&mut batch, path, &pyramid, of, mask_values)?;
                 }
                 Format::Csv => {
-                    batch.add(path, &args.out.table(&report.table())?)?;
-                    batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?;
+                    batch.add(path, &table(&report, self.job.save.csv_text)?)?;
+                    batch.add(&with_suffix(path, ".json"), document(None).as_bytes())?;
                 }
                 Format::Png | Format::Svg | Format::Pdf => {
                     if let Some(shown) = &shown {
@@ -291,7 +281,7 @@ impl StreamedRun<'_> {
                         batch.add(path, &picture)?;
                     }
                 }
-                Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes())?,
+                Format::Json => batch.add(path, document(Some(timing)).as_bytes())?,
                 Format::GeoJson => batch.add(path, pretty(&report.geojson()).as_bytes())?,
                 _ => {}
             }
@@ -299,18 +289,7 @@ impl StreamedRun<'_> {
         let written = batch.commit()?;
         timing.write = before_write.elapsed().as_secs_f64();
         timing.total = self.start.elapsed().as_secs_f64();
-        if !quiet {
-            messages::warnings_of_run(self.other_runs, &uav.id, &report.facts.warnings);
-            super::map::say_results(&report, "strip by strip", timing);
-        }
-        messages::wrote(&written, quiet);
-        if args.out.json || self.outputs.iter().any(|(_, f)| *f == Format::Stdout) {
-            return messages::answer(&pretty(&report.document(Some(timing))));
-        }
-        if self.outputs.is_empty() {
-            return messages::answer(&String::from_utf8_lossy(&args.out.table(&report.table())?));
-        }
-        Ok(())
+        Ok(Done { report, timing, why: WHY, curves: None, written })
     }
 
     fn has_picture(&self) -> bool {
@@ -320,34 +299,27 @@ impl StreamedRun<'_> {
     /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
     fn picture(
         &self,
-        scene: &StreamedSurface,
+        surface: &StreamedSurface,
         (report, coverage): (&MapReport, &SiteCoverage),
         shown: &Shown,
         format: Format,
     ) -> Result<Vec<u8>> {
         let factor = shown.factor;
-        let grid = scene.grid().coarser(factor);
-        let field = HeightField::build(&grid, scene.highest(factor)?, &mut Vec::new());
-        let ready = Ready {
-            height_gap: None,
-            name: scene.name.clone(),
-            field: std::sync::Arc::new(field),
-            sources: Vec::new(),
-            attribution: None,
-            built_up: None,
-            seed: None,
-            warnings: report.facts.warnings.clone(),
-            timing: Timing::default(),
-        };
-        let coverage = SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() };
-        let drawing = MapDrawing {
-            scene: &ready,
-            coverages: std::slice::from_ref(&coverage),
+        let grid = surface.grid().coarser(factor);
+        let field = HeightField::build(&grid, surface.highest(factor)?, &mut Vec::new());
+        let map = Coverages {
+            scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
+            sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],
             overlay: None,
-            layers: self.layers,
-            report,
-            receivers: self.args.receivers,
-            words: &self.args.words,
+            layers: vec![Layer::Los],
+            receivers: self.job.plan.receivers,
+            report: report.clone(),
+            why: WHY,
+            options: MapOptions::default(),
+        };
+        let drawing = MapDrawing {
+            of: &map,
+            words: &self.job.save.words,
             counts: Some(coverage.tally),
             note: (factor > 1).then(|| {
                 format!("Drawn smaller: a pixel shows one of {factor} × {factor} cells, the counts are those of all")
@@ -361,7 +333,7 @@ impl StreamedRun<'_> {
         let [site] = sites else {
             let text = format!(
                 "cannot map {}: strip by strip one UAV is mapped at a time, found {}",
-                self.args.scene.scene,
+                self.job.word.display(),
                 sites.len()
             );
             return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
@@ -369,3 +341,6 @@ impl StreamedRun<'_> {
         Uav::place_streamed(site, scene, radius)
     }
 }
+
+/// Why the method of strips was chosen.
+const WHY: &str = "strip by strip";

@@ -14,7 +14,7 @@ use rand_distr::{Distribution, Exp1};
 
 use super::Footprint;
 use super::faults::FootprintFaults;
-use super::{DataArea, Ground, Scene, Solids};
+use super::{City, DataArea, Ground, Solids};
 use crate::error::{Error, Result};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, whole};
 use crate::raster::GeoRef;
@@ -217,7 +217,7 @@ impl BuiltUpCity {
     ///
     /// # Errors
     /// Usage error for a bad size or cell; limit error above 65 536 m.
-    pub fn scene(&self) -> Result<Scene> {
+    pub fn city(&self) -> Result<City> {
         let positive = |flag: &str, v: f64| {
             if v > 0.0 && v.is_finite() {
                 Ok(())
@@ -269,7 +269,7 @@ impl BuiltUpCity {
         let ground = height_steps(self.ground_m).ok_or_else(|| {
             Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
         })?;
-        Ok(Scene {
+        Ok(City {
             name: format!("a generated city ({}; seed {})", self.built_up, self.seed),
             grid,
             solids: Solids::Vector {
@@ -343,7 +343,7 @@ mod tests {
     fn the_corner_of_a_generated_city_is_a_zero_without_sign() {
         let built_up = BuiltUp::named("urban").expect("a known name");
         let city = BuiltUpCity { built_up, size_m: 100.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 };
-        let grid = city.scene().expect("a city").grid;
+        let grid = city.city().expect("a city").grid;
         assert_eq!([grid.x_min(), grid.y_min()].map(f64::to_bits), [0, 0]);
     }
 

@@ -1,35 +1,27 @@
-//! The picture of a map, as `map` and `stress` draw it: layer, marks, title, caption.
+//! The picture of a map: layer, marks, title, caption.
 
-use super::args::{PictureWords, ReceiversArg};
-use super::map::{crop, height_words, mark, undrawable};
-use super::map_classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
-use super::plan::Ready;
+use super::classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
+use super::coverages::Coverages;
 use super::receivers::{cell_names, setting_line_on};
 use super::tolerance::in_words as tolerance_in_words;
-use super::words::unbreakable;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::{Format, Layer};
+use crate::picture::{PictureWords, crop, mark, undrawable};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::report::{MapReport, SiteFacts};
+use crate::report::SiteFacts;
+use crate::words::unbreakable;
 
 /// A map to draw.
-pub(super) struct MapDrawing<'a> {
-    pub(super) scene: &'a Ready,
-    pub(super) coverages: &'a [SiteCoverage],
-    /// All masks together, for more than one UAV.
-    pub(super) overlay: Option<&'a Overlay>,
-    /// The layers that were asked for; the first is drawn.
-    pub(super) layers: &'a [Layer],
-    pub(super) report: &'a MapReport,
-    pub(super) receivers: ReceiversArg,
-    pub(super) words: &'a PictureWords,
+pub(crate) struct MapDrawing<'a> {
+    pub(crate) of: &'a Coverages,
+    pub(crate) words: &'a PictureWords,
     /// The counts of the legend, where they are not those of what is drawn.
-    pub(super) counts: Option<Tally>,
+    pub(crate) counts: Option<Tally>,
     /// What else must be said of the picture.
-    pub(super) note: Option<String>,
+    pub(crate) note: Option<String>,
 }
 
 /// What a picture shows.
@@ -69,29 +61,29 @@ impl Shown<'_> {
 }
 
 /// Whether the picture of several UAVs shows each of them, so that their masks are kept.
-pub(super) fn draws_each(layers: &[Layer]) -> bool {
+pub(crate) fn draws_each(layers: &[Layer]) -> bool {
     !matches!(layers.first(), None | Some(Layer::Los | Layer::Count))
 }
 
 impl MapDrawing<'_> {
     /// The picture as a file of a format.
-    pub(super) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
-        let grid = self.scene.field.grid();
+    pub(crate) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
+        let grid = self.of.scene.field.grid();
         // What is out of range is not drawn.
         let window = self.window_in_range();
         let n_cols = grid.n_cols();
-        let union = crop(self.overlay.map_or(&[], Overlay::union), n_cols, window);
-        let count = crop(self.overlay.map_or(&[], Overlay::count), n_cols, window);
+        let union = crop(self.of.overlay.as_ref().map_or(&[], Overlay::union), n_cols, window);
+        let count = crop(self.of.overlay.as_ref().map_or(&[], Overlay::count), n_cols, window);
         let subject = self.subject();
         let n_drawn = match subject {
             Subject::Count => 0,
-            Subject::Who => self.coverages.len(),
-            Subject::One | Subject::Each => self.coverages.len().min(MOST_MAP_PANELS),
+            Subject::Who => self.of.sites.len(),
+            Subject::One | Subject::Each => self.of.sites.len().min(MOST_MAP_PANELS),
         };
-        let sites: Vec<SiteCoverage> = self.coverages[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
+        let sites: Vec<SiteCoverage> = self.of.sites[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
         let shown: Vec<Shown<'_>> = match subject {
             Subject::Count => {
-                let n_sites = u32::try_from(self.coverages.len()).unwrap_or(u32::MAX);
+                let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
                 vec![Shown::Layer(render::Layer::Count { count: &count, mask: &union, n_sites })]
             }
             Subject::Who => {
@@ -104,20 +96,21 @@ impl MapDrawing<'_> {
         let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
 
         let part = grid.part(window);
-        let heights: Vec<String> = self.report.sites.iter().map(height_words).collect();
-        let labels: Vec<String> = self.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
+        let heights: Vec<String> = self.of.report.sites.iter().map(height_words).collect();
+        let labels: Vec<String> = self.of.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
         let words = heights.iter().zip(&labels);
         let marks: Vec<Mark<'_>> = self
+            .of
             .report
             .sites
             .iter()
             .zip(words)
             .map(|(site, (height, label))| mark(&part, (site.x, site.y), label, height))
             .collect();
-        let surface = crop(&self.scene.field.above_ground_m(), n_cols, window);
-        let (receivers_name, others_name) = cell_names(self.receivers, &self.scene.field);
+        let surface = crop(&self.of.scene.field.above_ground_m(), n_cols, window);
+        let (receivers_name, others_name) = cell_names(self.of.receivers, &self.of.scene.field);
         let title =
-            self.words.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.scene.name)));
+            self.words.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.of.scene.name)));
         let caption = self.caption(subject, receivers_name);
         let unit = grid.meters_per_unit();
         let cell_m = (grid.cell_width() * unit, grid.cell_height() * unit);
@@ -126,7 +119,7 @@ impl MapDrawing<'_> {
         let (title, caption, surface_m) = (title.as_str(), caption.as_slice(), Some(surface.as_slice()));
         if subject == Subject::Each {
             let details: Vec<String> =
-                self.report.sites.iter().zip(&palettes).map(|(s, p)| self.detail(s, p)).collect();
+                self.of.report.sites.iter().zip(&palettes).map(|(s, p)| self.detail(s, p)).collect();
             let titles: Vec<String> = labels.iter().zip(&heights).map(|(l, h)| format!("{l} · {h}")).collect();
             let words = titles.iter().zip(&details);
             let maps: Vec<MapPanel<'_>> = layers
@@ -160,12 +153,12 @@ impl MapDrawing<'_> {
 
     /// The layer that is drawn: the first that was asked for.
     fn drawn_layer(&self) -> Layer {
-        self.layers.first().copied().unwrap_or(Layer::Los)
+        self.of.layers.first().copied().unwrap_or(Layer::Los)
     }
 
     fn subject(&self) -> Subject {
-        match (self.drawn_layer(), self.coverages.len()) {
-            (_, 1) if self.overlay.is_none() => Subject::One,
+        match (self.drawn_layer(), self.of.sites.len()) {
+            (_, 1) if self.of.overlay.is_none() => Subject::One,
             (Layer::Los | Layer::Count, _) => Subject::Count,
             (Layer::Which, n) if n <= MOST_COLORS => Subject::Who,
             _ => Subject::Each,
@@ -186,8 +179,10 @@ impl MapDrawing<'_> {
 
     /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.
     fn window_in_range(&self) -> CellWindow {
-        let grid = self.scene.field.grid();
-        let Some(radius) = self.report.radius_m.map(|r| self.scene.crs_units(r) * 1.1) else { return grid.window() };
+        let grid = self.of.scene.field.grid();
+        let Some(radius) = self.of.report.radius_m.map(|r| self.of.scene.crs_units(r) * 1.1) else {
+            return grid.window();
+        };
         // Rows count from the north, positions from the south.
         let span = |low: f64, high: f64, n: usize| {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
@@ -199,7 +194,7 @@ impl MapDrawing<'_> {
             None => b,
         };
         let (mut cols, mut rows) = (None, None);
-        for site in &self.report.sites {
+        for site in &self.of.report.sites {
             let (west, south) = grid.cells_from_world(site.x - radius, site.y - radius);
             let (east, north) = grid.cells_from_world(site.x + radius, site.y + radius);
             let height = grid.n_rows() as f64;
@@ -218,7 +213,7 @@ impl MapDrawing<'_> {
 
     /// The part of a coverage that a picture shows.
     fn cropped(&self, site: &SiteCoverage, window: CellWindow) -> SiteCoverage {
-        let n_cols = self.scene.field.grid().n_cols();
+        let n_cols = self.of.scene.field.grid().n_cols();
         let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
         SiteCoverage {
             uav: site.uav.clone(),
@@ -270,10 +265,10 @@ impl MapDrawing<'_> {
 
     /// What must be known to read the drawn layer.
     fn reading(&self, subject: Subject) -> Vec<String> {
-        let n = self.coverages.len();
+        let n = self.of.sites.len();
         let mut lines = Vec::new();
         if self.drawn_layer() == Layer::LeastHeight {
-            let less = match self.report.sites.as_slice() {
+            let less = match self.of.report.sites.as_slice() {
                 [only] if only.height_agl_m.is_none() => "No ground is known below the UAV: heights are".to_string(),
                 [only] => {
                     let ground = only.height_amsl_m - only.height_agl_m.unwrap_or(0.0);
@@ -291,7 +286,7 @@ impl MapDrawing<'_> {
     }
 
     fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
-        let in_range = if self.report.radius_m.is_some() { " in range" } else { "" };
+        let in_range = if self.of.report.radius_m.is_some() { " in range" } else { "" };
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
                 "P_LoS = {p:.4} ({} of {} {receivers_name}{in_range})",
@@ -302,7 +297,7 @@ impl MapDrawing<'_> {
         };
         let mut lines: Vec<String> = Vec::new();
         const MOST_SITES: usize = 4;
-        for s in self.report.sites.iter().take(MOST_SITES) {
+        for s in self.of.report.sites.iter().take(MOST_SITES) {
             lines.push(format!(
                 "UAV {}: {} at {}, {}",
                 s.id,
@@ -311,25 +306,25 @@ impl MapDrawing<'_> {
                 share(&s.tally)
             ));
         }
-        if self.report.sites.len() > MOST_SITES {
-            lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));
+        if self.of.report.sites.len() > MOST_SITES {
+            lines.push(format!("and {} more UAVs", self.of.report.sites.len() - MOST_SITES));
         }
-        if self.report.sites.len() > 1 {
-            lines.push(format!("Seen by at least one: {}", share(&self.report.union)));
+        if self.of.report.sites.len() > 1 {
+            lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
         lines.extend(self.reading(subject));
         if let (Layer::Stability, [SiteFacts { stability: Some(stability), .. }]) =
-            (self.drawn_layer(), self.report.sites.as_slice())
+            (self.drawn_layer(), self.of.report.sites.as_slice())
         {
             lines.push(stability.in_words());
         }
-        let heights = (self.report.rx_height_m, self.report.radius_m);
-        let facts = &self.report.facts;
-        lines.push(setting_line_on(&facts.grid, self.scene, self.receivers, heights, facts.method));
-        lines.extend(self.scene.limits_in_words());
+        let heights = (self.of.report.rx_height_m, self.of.report.radius_m);
+        let facts = &self.of.report.facts;
+        lines.push(setting_line_on(&facts.grid, &self.of.scene, self.of.receivers, heights, facts.method));
+        lines.extend(self.of.scene.limits_in_words());
         lines.extend(self.note.clone());
-        lines.extend(self.report.tolerance.as_ref().map(tolerance_in_words));
-        lines.extend(self.words.credit(self.scene.attribution.as_ref()));
+        lines.extend(self.of.report.tolerance.as_ref().map(tolerance_in_words));
+        lines.extend(self.words.credit(self.of.scene.attribution.as_ref()));
         lines
     }
 }
@@ -337,4 +332,12 @@ impl MapDrawing<'_> {
 /// The height that heights are told above \[m above the datum\], and what it is.
 fn ground_below(uav: &Uav) -> (f64, &'static str) {
     uav.height_agl_m.map_or((0.0, "the datum"), |agl| (uav.height_amsl_m() - agl, "ground"))
+}
+
+/// The height of a UAV in words.
+pub(crate) fn height_words(site: &SiteFacts) -> String {
+    match site.height_agl_m {
+        Some(agl) => format!("{} m above ground", tidy(agl)),
+        None => format!("{} m above the datum", tidy(site.height_amsl_m)),
+    }
 }

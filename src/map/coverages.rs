@@ -1,0 +1,218 @@
+//! What UAVs see: the answer of a map.
+
+use std::path::{Path, PathBuf};
+
+use super::files::Writer;
+use super::receivers::Receivers;
+use super::save::SaveOptions;
+use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
+use crate::error::{Result, Warning};
+use crate::export::{Batch, Format, Layer, OutputRules, check_layers, check_outputs};
+use crate::raster::GeoRef;
+use crate::report::{MapReport, SiteFacts};
+use crate::scene::Scene;
+
+/// What each of some UAVs sees of a scene, and all of them together.
+///
+/// The masks of single UAVs are there if they were to be kept ([`crate::CoverageRequest::keep_masks`]).
+#[derive(Debug, Clone)]
+pub struct Coverages {
+    pub(crate) scene: Scene,
+    pub(crate) sites: Vec<SiteCoverage>,
+    /// All masks together, for more than one UAV.
+    pub(crate) overlay: Option<Overlay>,
+    /// The layers that were asked for; pictures show the first.
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) receivers: Receivers,
+    pub(crate) report: MapReport,
+    /// Why the method was chosen.
+    pub(crate) why: &'static str,
+    /// How the maps were made.
+    pub(crate) options: MapOptions,
+}
+
+impl Coverages {
+    /// Each UAV with its position, counts and zones, in the order in which they were given.
+    pub fn sites(&self) -> &[SiteFacts] {
+        &self.report.sites
+    }
+
+    /// The counts of what at least one UAV sees.
+    pub fn union(&self) -> &Tally {
+        &self.report.union
+    }
+
+    /// How many UAVs see each cell: shape `[n_rows, n_cols]`, columns running fastest, row 0 north; 0 where there is no
+    /// receiver.
+    pub fn count(&self) -> Vec<u32> {
+        match (&self.overlay, self.sites.first()) {
+            (Some(overlay), _) => overlay.count().to_vec(),
+            (None, Some(only)) => {
+                only.mask.iter().map(|class| u32::from(*class == crate::coverage::class::LOS)).collect()
+            }
+            (None, None) => vec![0; self.grid().n_cells()],
+        }
+    }
+
+    /// The mask of one UAV, if masks were kept: classes of [`crate::class`], shape as [`Coverages::count`].
+    pub fn mask(&self, site: usize) -> Option<&[u8]> {
+        self.sites.get(site).map(|site| site.mask.as_slice()).filter(|mask| !mask.is_empty())
+    }
+
+    /// The cells: shape, extent, reference system.
+    pub fn grid(&self) -> &GeoRef {
+        self.scene.grid()
+    }
+
+    /// What was odd.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.report.facts.warnings
+    }
+
+    /// SHA-256 of the masks: equal for equal answers, whatever the machine, the engine and the number of threads.
+    pub fn digest(&self) -> &str {
+        &self.report.digest
+    }
+
+    /// The document `skyshed/map/1`.
+    pub fn document(&self) -> serde_json::Value {
+        self.report.document(Some(self.scene.timing))
+    }
+
+    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a table (.csv),
+    /// a document (.json), features (.geojson), an overlay (.kmz). What stands beside it (`.prj`, `.json`) is written too.
+    ///
+    /// # Errors
+    /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_with(path, &SaveOptions::default())
+    }
+
+    /// Writes a file in another form than the usual one.
+    ///
+    /// # Errors
+    /// As [`Coverages::save`].
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        let path = path.as_ref();
+        let rules =
+            OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
+        let outputs = check_outputs(&[PathBuf::from(path)], rules)?;
+        options.check(&self.scene, &outputs)?;
+        let mut batch = Batch::new(options.overwrite);
+        for (path, format) in &outputs {
+            check_layers(&self.layers, self.sites.len(), path, *format)?;
+            Writer { of: self, options }.add(&mut batch, path, *format)?;
+        }
+        batch.commit().map(|_| ())
+    }
+
+    /// Margins of the receivers of the first UAV, of so many at most.
+    ///
+    /// # Errors
+    /// E118.
+    pub(crate) fn margin_sample(&self, most: usize) -> Result<MarginSample> {
+        let options = MapOptions { layers: HeightLayers::default(), ..self.options.clone() };
+        Ok(Mapper::new(&self.scene.field, &options)?.margin_sample(&self.sites[0], most))
+    }
+
+    /// Whether a file of a format tells of each UAV cell by cell.
+    pub(crate) fn needs_masks(format: Format, options: &SaveOptions) -> bool {
+        match format {
+            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => true,
+            Format::Kmz | Format::FlatGeobuf => true,
+            Format::GeoJson => options.polygons.is_some(),
+            _ => false,
+        }
+    }
+}
+
+/// What one UAV sees of a scene.
+///
+/// ```
+/// use skyshed::{Height, Layer, Scene, Uav};
+///
+/// let city = Scene::options().size_m(150.0).open("itu:suburban")?;
+/// let uav = Uav::new(75.0, 75.0, Height::agl(60.0));
+/// let seen = city.coverage(uav).layers([Layer::Los, Layer::Margin]).run()?;
+/// // A margin is above zero exactly where there is line of sight.
+/// let margin = seen.layer(Layer::Margin).expect("it was asked for");
+/// assert!(seen.mask().iter().zip(margin).all(|(class, m)| (*class == 1) == (*m >= 0.0)));
+/// # Ok::<(), skyshed::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Coverage(pub(crate) Coverages);
+
+impl Coverage {
+    /// The share of receivers in line of sight; `None` without any receiver in range.
+    pub fn p_los(&self) -> Option<f64> {
+        self.tally().p_los()
+    }
+
+    /// How many receivers there are in range.
+    pub fn receivers(&self) -> u64 {
+        self.tally().receivers
+    }
+
+    /// Cells by class, receivers by elevation angle.
+    pub fn tally(&self) -> &Tally {
+        &self.0.report.union
+    }
+
+    /// The UAV: where it is and hovers over, counts by zone.
+    pub fn site(&self) -> &SiteFacts {
+        &self.0.report.sites[0]
+    }
+
+    /// The answer for each cell: classes of [`crate::class`] (0 NLoS, 1 LoS, 2 no receiver, 3 out of range, 255 no data),
+    /// shape `[n_rows, n_cols]`, columns running fastest, row 0 north.
+    pub fn mask(&self) -> &[u8] {
+        &self.0.sites[0].mask
+    }
+
+    /// A layer of heights that was asked for \[m\], NaN where there is no receiver; shape as [`Coverage::mask`].
+    pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
+        let site = &self.0.sites[0];
+        match layer {
+            Layer::Margin => site.margin.as_deref(),
+            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
+            Layer::LeastHeight => site.least_height.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The cells: shape, extent, reference system.
+    pub fn grid(&self) -> &GeoRef {
+        self.0.grid()
+    }
+
+    /// What was odd.
+    pub fn warnings(&self) -> &[Warning] {
+        self.0.warnings()
+    }
+
+    /// SHA-256 of the mask: equal for equal answers, whatever the machine, the engine and the number of threads.
+    pub fn digest(&self) -> &str {
+        self.0.digest()
+    }
+
+    /// The document `skyshed/map/1`.
+    pub fn document(&self) -> serde_json::Value {
+        self.0.document()
+    }
+
+    /// Writes a file, whose extension says what: see [`Coverages::save`].
+    ///
+    /// # Errors
+    /// As that.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.0.save(path)
+    }
+
+    /// Writes a file in another form than the usual one.
+    ///
+    /// # Errors
+    /// As [`Coverages::save`].
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        self.0.save_with(path, options)
+    }
+}

@@ -1,0 +1,230 @@
+//! The files of a map.
+
+use std::path::{Path, PathBuf};
+
+use super::coverages::Coverages;
+use super::drawing::MapDrawing;
+use super::receivers::cell_names;
+use super::save::{PolygonClasses, SaveOptions, no_crs};
+use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_polygons};
+use crate::crs::wkt_of;
+use crate::error::{Error, Result};
+use crate::export::{
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, as_text, bare_name,
+    encode_kmz, encode_table, with_suffix,
+};
+use crate::formats::{LonLatGrid, TiffLayout, world_file};
+use crate::picture::undrawable;
+use crate::progress::Progress;
+use crate::quantity::tidy;
+use crate::raster::GeoRef;
+use crate::render;
+use crate::report::{KmlOverlay, MapReport, digest, kml};
+use crate::words::{picture_provenance, pretty};
+
+/// The table of a map; as text where a spreadsheet would run its cells.
+pub(crate) fn table(report: &MapReport, is_text: bool) -> Result<Vec<u8>> {
+    let rows = report.table();
+    encode_table(&if is_text { as_text(&rows) } else { rows })
+}
+
+/// Everything that outputs are made from.
+pub(crate) struct Writer<'a> {
+    pub(crate) of: &'a Coverages,
+    pub(crate) options: &'a SaveOptions,
+}
+
+impl Writer<'_> {
+    /// Adds the files of one output to a batch.
+    pub(crate) fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+        match format {
+            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => {
+                let provenance = self.of.report.document(None).to_string();
+                let result = MapResult {
+                    georef: self.of.scene.field.grid(),
+                    sites: &self.of.sites,
+                    layers: &self.of.layers,
+                    provenance: &provenance,
+                    tif_layout: self.options.tif_layout.unwrap_or_default(),
+                    mask_values: self.options.mask_values,
+                };
+                add_map(batch, &result, path, format)
+            }
+            Format::Kmz => batch.add(path, &self.kmz(path)?),
+            Format::GeoJson if self.options.polygons.is_some() => {
+                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())
+            }
+            Format::FlatGeobuf => {
+                let file = PolygonFile {
+                    georef: self.of.scene.field.grid(),
+                    polygons: &self.polygons()?,
+                    title: &format!("Coverage of {}", self.of.scene.name),
+                    provenance: &self.of.report.document(None).to_string(),
+                };
+                add_flatgeobuf(batch, &file, path)
+            }
+            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes)),
+        }
+    }
+
+    /// The files of an output that is no raster of values.
+    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
+        match format {
+            Format::Png if self.options.bare => self.bare(path),
+            Format::Png | Format::Svg | Format::Pdf => one(self.picture(format)?),
+            // The time of writing is not known before the file is written.
+            Format::Json => one(pretty(&self.of.report.document(Some(self.of.scene.timing))).into_bytes()),
+            Format::GeoJson => one(pretty(&self.of.report.geojson()).into_bytes()),
+            Format::Csv => {
+                let bytes = table(&self.of.report, self.options.csv_text)?;
+                let sidecar = with_suffix(path, ".json");
+                Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.of.report.document(None)).into_bytes())])
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    fn provenance(&self) -> [(String, String); 2] {
+        picture_provenance(&self.of.report.document(None))
+    }
+
+    /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
+    fn bare(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let grid = self.of.scene.field.grid();
+        let document = |report: &MapReport| report.document(None).to_string();
+        let beside = |path: &Path, document: &str| {
+            let mut files = vec![(path.with_extension("pgw"), world_file(grid).into_bytes())];
+            files.extend(grid.crs().and_then(wkt_of).map(|wkt| (path.with_extension("prj"), wkt.into_bytes())));
+            files.push((with_suffix(path, ".json"), format!("{document}\n").into_bytes()));
+            files
+        };
+        let software = || ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
+        let all = document(&self.of.report);
+        let provenance = [software(), ("skyshed".to_string(), all.clone())];
+        let mut files = Vec::new();
+        let (None, [only]) = (&self.of.overlay, &self.of.sites[..]) else {
+            let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
+            let (count, union) = self.of.overlay.as_ref().map_or((&[][..], &[][..]), |o| (o.count(), o.union()));
+            let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), count, union, n_sites, &provenance);
+            files.push((path.to_path_buf(), png.map_err(undrawable)?));
+            files.extend(beside(path, &all));
+            for (site, facts) in self.of.sites.iter().zip(&self.of.report.sites) {
+                // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
+                let own = document(&self.of.report.of_site(facts, digest(grid, std::iter::once(site.mask.as_slice()))));
+                let path = bare_name(path, &site.uav.id);
+                let provenance = [software(), ("skyshed".to_string(), own.clone())];
+                let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &site.mask, &provenance);
+                files.push((path.clone(), png.map_err(undrawable)?));
+                files.extend(beside(&path, &own));
+            }
+            return Ok(files);
+        };
+        let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &only.mask, &provenance).map_err(undrawable)?;
+        files.push((path.to_path_buf(), png));
+        files.extend(beside(path, &all));
+        Ok(files)
+    }
+
+    fn picture(&self, format: Format) -> Result<Vec<u8>> {
+        let drawing = MapDrawing { of: self.of, words: &self.options.words, counts: None, note: None };
+        drawing.draw(format, &self.provenance())
+    }
+
+    /// The polygons that were asked for.
+    fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
+        let grid = self.of.scene.field.grid();
+        let Some(classes) = self.options.polygons.map(PolygonClasses::classes) else {
+            return Err(Error::internal(902, "polygons were not asked for"));
+        };
+        let options =
+            PolygonOptions { classes, simplify_m: self.options.simplify_m, meters_per_unit: grid.meters_per_unit() };
+        Ok(coverage_polygons(&self.of.sites, grid, &options))
+    }
+
+    /// Overlays for globes: line of sight of each UAV, and for several also of any, which alone is visible at first.
+    fn kmz(&self, path: &Path) -> Result<Vec<u8>> {
+        let Some(degrees) = LonLatGrid::over(self.of.scene.field.grid())? else { return Err(no_crs(path)) };
+        let mut shown: Vec<(String, &[u8], Tally)> = Vec::new();
+        shown.extend(
+            self.of.overlay.as_ref().map(|o| ("Seen by at least one UAV".to_string(), o.union(), self.of.report.union)),
+        );
+        let sites = self.of.sites.iter().zip(&self.of.report.sites);
+        shown.extend(sites.map(|(site, facts)| (format!("Seen by UAV {}", site.uav.id), &*site.mask, facts.tally)));
+        let provenance = self.provenance();
+        let mut overlays = Vec::new();
+        let mut pictures = Vec::new();
+        for (k, (name, mask, tally)) in shown.iter().enumerate() {
+            let mask = degrees.resampled(mask, class::NODATA);
+            // Buildings are left to the globe.
+            let mask: Vec<u8> = mask.iter().map(|c| if *c > class::LOS { class::NODATA } else { *c }).collect();
+            let (n_cols, n_rows) = (degrees.georef().n_cols(), degrees.georef().n_rows());
+            let png = render::draw_bare(n_cols, n_rows, &mask, &provenance).map_err(undrawable)?;
+            let share = tally.p_los().map_or_else(|| "undefined".to_string(), |p| format!("{p:.4}"));
+            let file = format!("overlay-{}.png", k + 1);
+            overlays.push(KmlOverlay {
+                name: format!("{name}: P_LoS {share}"),
+                file: file.clone(),
+                is_visible: k == 0,
+            });
+            pictures.push((file, png));
+        }
+        const LEGEND: &str = "legend.png";
+        let uavs = match &self.of.sites[..] {
+            [only] => format!("of UAV {}", only.uav.id),
+            _ => "of at least one UAV, or of the one whose overlay is shown".to_string(),
+        };
+        let (receivers, _) = cell_names(self.of.receivers, &self.of.scene.field);
+        let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.of.report.rx_height_m));
+        pictures
+            .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
+        encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)
+    }
+}
+
+/// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
+pub(crate) fn written_at_once<'a>(
+    outputs: &'a [(PathBuf, Format)],
+    layers: &[Layer],
+    options: &SaveOptions,
+) -> Option<&'a Path> {
+    match (outputs, layers, options.tif_layout) {
+        ([(path, Format::GeoTiff)], [Layer::Los], Some(TiffLayout::Plain)) => Some(path),
+        _ => None,
+    }
+}
+
+/// A file that a mask is written to part by part. It is begun with the first part, so that until then an interrupt ends
+/// the program at once.
+pub(crate) struct MaskFile<'a> {
+    path: &'a Path,
+    values: MaskValues,
+    strips: Option<Result<MaskStrips>>,
+}
+
+impl<'a> MaskFile<'a> {
+    pub(crate) fn new(path: &'a Path, values: MaskValues) -> Self {
+        MaskFile { path, values, strips: None }
+    }
+
+    /// Writes some rows; stops the map after a failure or an interrupt.
+    pub(crate) fn push(&mut self, batch: &mut Batch, grid: &GeoRef, cells: &[u8], progress: &Progress) {
+        let strips = self.strips.get_or_insert_with(|| {
+            (progress.begin_writing)();
+            MaskStrips::begin(batch, self.path, grid, self.values)
+        });
+        if let Ok(open) = strips
+            && let Err(error) = (progress.check)().and_then(|()| open.push(cells))
+        {
+            *strips = Err(error);
+        }
+        if strips.is_err() {
+            progress.stop();
+        }
+    }
+
+    /// The file with all parts.
+    pub(crate) fn written(self) -> Result<Option<MaskStrips>> {
+        self.strips.transpose()
+    }
+}

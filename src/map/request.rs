@@ -1,0 +1,163 @@
+//! Asking for coverage.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use super::coverages::{Coverage, Coverages};
+use super::plan::{Held, MapPlan};
+use super::receivers::Receivers;
+use crate::error::Result;
+use crate::export::Layer;
+use crate::los::MethodChoice;
+use crate::progress::Progress;
+use crate::scene::Scene;
+use crate::uav::{Uav, UavsFound};
+
+impl Scene {
+    /// Asks what one UAV sees.
+    pub fn coverage(&self, uav: Uav) -> CoverageRequest<Coverage> {
+        CoverageRequest::new(self, vec![uav])
+    }
+
+    /// Asks what each of some UAVs sees, and all of them together.
+    ///
+    /// ```
+    /// use skyshed::{Height, Scene, Uav};
+    ///
+    /// let city = Scene::options().size_m(200.0).open("itu:urban")?;
+    /// let uavs = [40.0, 160.0].map(|x| Uav::new(x, 100.0, Height::agl(80.0)));
+    /// let seen = city.coverages(uavs).radius_m(150.0).run()?;
+    /// let best = seen.sites().iter().map(|site| site.tally.los).max().unwrap_or(0);
+    /// assert!(seen.union().los >= best);
+    /// # Ok::<(), skyshed::Error>(())
+    /// ```
+    pub fn coverages(&self, uavs: impl IntoIterator<Item = Uav>) -> CoverageRequest<Coverages> {
+        CoverageRequest::new(self, uavs.into_iter().collect())
+    }
+}
+
+/// What is asked of a map: for whom, how far, which layers. `Answer` is [`Coverage`] of one UAV, [`Coverages`] of many.
+#[derive(Debug, Clone)]
+#[must_use = "nothing is made before `run`"]
+pub struct CoverageRequest<Answer> {
+    scene: Scene,
+    uavs: Vec<Uav>,
+    plan: MapPlan,
+    keeps_masks: bool,
+    progress: Arc<Progress>,
+    answer: PhantomData<fn() -> Answer>,
+}
+
+impl<Answer> CoverageRequest<Answer> {
+    fn new(scene: &Scene, uavs: Vec<Uav>) -> Self {
+        CoverageRequest {
+            scene: scene.clone(),
+            uavs,
+            plan: MapPlan::default(),
+            keeps_masks: false,
+            progress: Arc::default(),
+            answer: PhantomData,
+        }
+    }
+
+    /// The largest horizontal distance from a UAV to a receiver \[m\]; unlimited.
+    pub fn radius_m(mut self, radius_m: f64) -> Self {
+        self.plan.radius_m = Some(radius_m);
+        self
+    }
+
+    /// The height of the receivers above ground or roof \[m\]; 1.5.
+    pub fn receiver_height_m(mut self, height_m: f64) -> Self {
+        self.plan.rx_height_m = height_m;
+        self
+    }
+
+    /// Which cells hold receivers; open ground.
+    pub fn receivers(mut self, receivers: Receivers) -> Self {
+        self.plan.receivers = receivers;
+        self
+    }
+
+    /// The layers to make; line of sight alone. Pictures show the first.
+    pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
+        self.plan.layers = layers.into_iter().collect();
+        self
+    }
+
+    /// The engine; the fastest exact one for the scene.
+    pub fn method(mut self, method: MethodChoice) -> Self {
+        self.plan.method = method;
+        self
+    }
+
+    /// How far P_LoS of any UAV may be off, above 0 and below 1: the map is made on the coarsest cells for which that is so
+    /// with 99 % confidence.
+    pub fn tolerance(mut self, p_los: f64) -> Self {
+        self.plan.tolerance = Some(p_los);
+        self
+    }
+
+    /// Counts by zone too, which cost as much as a map.
+    pub fn zones(mut self) -> Self {
+        self.plan.tells_zones = true;
+        self
+    }
+
+    /// A token that tells how far the map is, and can stop it from another thread.
+    pub fn progress(mut self, progress: &Arc<Progress>) -> Self {
+        self.progress = Arc::clone(progress);
+        self
+    }
+
+    fn make(self) -> Result<Coverages> {
+        let prepared = self.plan.prepare(self.scene, UavsFound::of(&self.uavs)?, None)?;
+        let held = Held { keeps_masks: self.keeps_masks, ..Held::default() };
+        prepared.run(held, &self.progress, |_| {}, |_| {})
+    }
+}
+
+impl CoverageRequest<Coverage> {
+    /// Makes the map.
+    ///
+    /// # Errors
+    /// E2xx if the UAV cannot be there (inside a building, below the ground, outside of what the engines can hold); E113 for
+    /// numbers out of range; E118 if the method cannot decide the scene; E501 if the map does not fit in memory.
+    pub fn run(mut self) -> Result<Coverage> {
+        self.keeps_masks = true;
+        self.make().map(Coverage)
+    }
+}
+
+impl CoverageRequest<Coverages> {
+    /// Keeps the mask of each UAV, a byte for each cell; else only counts and what all see together are held.
+    pub fn keep_masks(mut self) -> Self {
+        self.keeps_masks = true;
+        self
+    }
+
+    /// Makes the maps, several at once.
+    ///
+    /// # Errors
+    /// As that of one UAV; E207 if two UAVs have one name.
+    pub fn run(self) -> Result<Coverages> {
+        self.make()
+    }
+
+    /// Makes the maps and hands over each UAV's mask as it is made, with the UAV's index; none is kept.
+    ///
+    /// # Errors
+    /// As [`CoverageRequest::run`].
+    pub fn run_each(self, mut each: impl FnMut(usize, &[u8])) -> Result<Coverages> {
+        let prepared = self.plan.prepare(self.scene, UavsFound::of(&self.uavs)?, None)?;
+        let mut k = 0;
+        prepared.run(
+            Held::default(),
+            &self.progress,
+            |_| {},
+            |site| {
+                each(k, &site.mask);
+                k += 1;
+            },
+        )
+    }
+}

@@ -1,0 +1,157 @@
+//! In which form a map is written.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+
+use crate::coverage::class;
+use crate::error::{Error, Result};
+use crate::export::{Format, Layer, MaskValues};
+use crate::formats::TiffLayout;
+use crate::picture::PictureWords;
+use crate::quantity::counted;
+use crate::scene::Scene;
+
+/// Which cells become polygons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PolygonClasses {
+    /// Cells in line of sight
+    Los,
+    /// Receivers that are not
+    Nlos,
+    /// Both
+    All,
+}
+
+impl PolygonClasses {
+    /// The classes of a mask.
+    pub(crate) fn classes(self) -> Vec<u8> {
+        match self {
+            PolygonClasses::Los => vec![class::LOS],
+            PolygonClasses::Nlos => vec![class::NLOS],
+            PolygonClasses::All => vec![class::LOS, class::NLOS],
+        }
+    }
+}
+
+/// In which form a map is written, where the extension of a file leaves that open.
+#[derive(Debug, Clone, Default)]
+pub struct SaveOptions {
+    pub(crate) overwrite: bool,
+    pub(crate) bare: bool,
+    pub(crate) tif_layout: Option<TiffLayout>,
+    pub(crate) mask_values: MaskValues,
+    pub(crate) polygons: Option<PolygonClasses>,
+    pub(crate) simplify_m: Option<f64>,
+    pub(crate) csv_text: bool,
+    pub(crate) words: PictureWords,
+}
+
+impl SaveOptions {
+    /// Replaces files that exist.
+    #[must_use]
+    pub fn overwrite(self) -> Self {
+        SaveOptions { overwrite: true, ..self }
+    }
+
+    /// PNG with one pixel for each cell, a world file and a `.prj`, instead of a picture.
+    #[must_use]
+    pub fn bare(self) -> Self {
+        SaveOptions { bare: true, ..self }
+    }
+
+    /// Coverage as polygons in `.geojson` and `.fgb` files, one for each connected part of a class and UAV, holes kept.
+    #[must_use]
+    pub fn polygons(self, classes: PolygonClasses) -> Self {
+        SaveOptions { polygons: Some(classes), ..self }
+    }
+
+    /// The title of pictures.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.words.title = Some(title.into());
+        self
+    }
+
+    /// The width of pictures, 100 to 10000 \[px\].
+    #[must_use]
+    pub fn width_px(mut self, width: u32) -> Self {
+        self.words.size.width = Some(width);
+        self
+    }
+
+    /// Refuses forms of what is not written, before any work.
+    ///
+    /// # Errors
+    /// E116.
+    pub(crate) fn check_formats(&self, outputs: &[(PathBuf, Format)], curves: &[(PathBuf, Format)]) -> Result<()> {
+        let has = |wanted: Format| outputs.iter().any(|(_, format)| *format == wanted);
+        if self.bare && !has(Format::Png) {
+            return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
+        }
+        if self.tif_layout.is_some() && !has(Format::GeoTiff) {
+            return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
+        }
+        // A pixel of a bare file is a cell: it has neither words nor a size.
+        let is_drawn = |(_, format): &&(PathBuf, Format)| !(self.bare && *format == Format::Png);
+        let files: Vec<_> = outputs.iter().filter(is_drawn).chain(curves).cloned().collect();
+        self.words.refuse_without_picture(&files)
+    }
+
+    /// Refuses what the outputs and their forms cannot be, once the scene is known and before any map is made.
+    ///
+    /// # Errors
+    /// E109, E113, E116.
+    pub(crate) fn check(&self, scene: &Scene, outputs: &[(PathBuf, Format)]) -> Result<()> {
+        let has = |wanted: &[Format]| outputs.iter().any(|(_, format)| wanted.contains(format));
+        let has_no_meaning = |flag: &str, wanted: &str| {
+            Err(Error::usage(116, format!("`{flag}` has no meaning without a {wanted} output")))
+        };
+        if self.mask_values == MaskValues::Gdal && !has(&[Format::GeoTiff, Format::Bil]) {
+            return has_no_meaning("--gdal-values", ".tif or .bil");
+        }
+        if self.polygons.is_some() && !has(&[Format::GeoJson, Format::FlatGeobuf]) {
+            return has_no_meaning("--polygons", ".geojson or .fgb");
+        }
+        if let Some(tolerance) = self.simplify_m.filter(|m| *m <= 0.0) {
+            return Err(Error::usage(113, format!("`--simplify` is `{tolerance}`, wanted above 0 m")));
+        }
+        for (path, format) in outputs {
+            match format {
+                Format::FlatGeobuf if self.polygons.is_none() => {
+                    let text = format!("cannot write {}: it holds polygons", path.display());
+                    return Err(Error::usage(116, text).with_hint("`--polygons los` makes them"));
+                }
+                Format::Kmz if scene.grid().crs().is_none() => return Err(no_crs(path)),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses values of another program for what it does not make.
+    ///
+    /// # Errors
+    /// E107.
+    pub(crate) fn check_values(&self, layers: &[Layer], n_sites: usize) -> Result<()> {
+        if self.mask_values == MaskValues::Classes || layers == [Layer::Los] && n_sites == 1 {
+            return Ok(());
+        }
+        let names: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
+        let text = format!(
+            "`--gdal-values` writes line of sight of one UAV, found `--layers {}` of {}",
+            names.join(","),
+            counted(n_sites as u64, "UAV", "UAVs")
+        );
+        Err(Error::usage(107, text).with_hint("choose one UAV and `--layers los`"))
+    }
+}
+
+/// The error of an overlay of a scene that is nowhere on the globe.
+pub(crate) fn no_crs(path: &Path) -> Error {
+    let text = format!(
+        "cannot write {}: the scene has no coordinate reference system, wanted one that leads to longitude and latitude",
+        path.display()
+    );
+    Error::usage(109, text).with_hint("`--crs EPSG:N` names that of a file; a generated city has none")
+}

@@ -1,0 +1,77 @@
+//! How a run tells how far it is, and is told to stop.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::coverage::Control;
+use crate::error::Result;
+
+/// A token of a run: how far it is, and the wish that it stop. Shared by whoever waits and whoever works.
+pub struct Progress {
+    pub(crate) control: Control,
+    pub(crate) total: AtomicU64,
+    pub(crate) note: fn(&str),
+    /// Called before the first file of a run is begun.
+    pub(crate) begin_writing: fn(),
+    /// Asked between two files, or two parts of one, whether to go on.
+    pub(crate) check: fn() -> Result<()>,
+}
+
+impl Default for Progress {
+    /// Of a run that nobody watches.
+    fn default() -> Self {
+        Progress {
+            control: Control::default(),
+            total: AtomicU64::new(0),
+            note: |_| {},
+            begin_writing: || {},
+            check: || Ok(()),
+        }
+    }
+}
+
+impl fmt::Debug for Progress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Progress").field("share", &self.share()).finish_non_exhaustive()
+    }
+}
+
+impl Progress {
+    /// How much of the work at hand is done, 0 to 1; `None` before it has begun.
+    pub fn share(&self) -> Option<f64> {
+        let total = self.total.load(Ordering::Relaxed);
+        #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
+        (total > 0).then(|| (self.done() as f64 / total as f64).min(1.0))
+    }
+
+    /// Asks the run to stop; it answers with an error of the class `Interrupted`.
+    pub fn stop(&self) {
+        self.control.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// What counts the work, for the engines.
+    pub(crate) fn control(&self) -> &Control {
+        &self.control
+    }
+
+    /// Begins work of so many pieces.
+    pub(crate) fn begin(&self, total: u64) {
+        self.control.done.store(0, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+
+    /// The work at hand is done.
+    pub(crate) fn end(&self) {
+        self.total.store(0, Ordering::Relaxed);
+    }
+
+    /// Pieces of the work at hand that are done.
+    pub(crate) fn done(&self) -> u64 {
+        self.control.done.load(Ordering::Relaxed)
+    }
+
+    /// Pieces of the work at hand.
+    pub(crate) fn total(&self) -> u64 {
+        self.total.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,67 @@
+//! What limits the truth of a map: said in warnings, and in captions, as pictures travel without what was said beside them.
+
+use crate::city::HeightGap;
+use crate::coverage::Uav;
+use crate::error::Warning;
+use crate::height_field::HeightField;
+use crate::raster::GeoRef;
+
+/// The code of the warning of a flat earth.
+const FLAT_EARTH: &str = "W201";
+
+/// Mean radius of the Earth \[m\].
+const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// What limits the truth of a picture of a scene, in words.
+pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warnings: &[Warning]) -> Option<String> {
+    let mut limits: Vec<String> = Vec::new();
+    if let Some(gap) = gap {
+        let share = 100.0 * gap.area_share;
+        limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
+    }
+    if let Some(outside) = field.outside_data() {
+        #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
+        let share = 100.0 * outside.count() as f64 / field.grid().n_cells() as f64;
+        limits.push(format!("no data beyond the footprints ({share:.0} % of the extent)"));
+    }
+    if field.is_surface_only() {
+        limits.push("a surface model alone: receivers stand on roofs and trees too".into());
+    }
+    if warnings.iter().any(|warning| warning.code() == FLAT_EARTH) {
+        limits.push("the earth is taken as flat".into());
+    }
+    (!limits.is_empty()).then(|| crate::words::title_of(&limits.join("; ")))
+}
+
+/// Warns where the flat earth of every engine matters: the horizon's drop d²/2R exceeds a meter.
+pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64>, warnings: &mut Vec<Warning>) {
+    let unit = grid.meters_per_unit();
+    let farthest = uavs
+        .iter()
+        .map(|uav| {
+            let place = &uav.station.place;
+            let dx = (grid.x_max() - place.x).abs().max((grid.x_min() - place.x).abs());
+            let dy = (grid.y_max() - place.y).abs().max((grid.y_min() - place.y).abs());
+            dx.hypot(dy) * unit
+        })
+        .fold(0.0, f64::max)
+        .min(radius.map_or(f64::INFINITY, |r| r * unit));
+    warn_of_drop(farthest, warnings);
+}
+
+/// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters.
+pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, warnings: &mut Vec<Warning>) {
+    let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * grid.meters_per_unit();
+    warn_of_drop(across.min(most_m), warnings);
+}
+
+/// Warns likewise of receivers up to so far away \[m\].
+pub(crate) fn warn_of_drop(farthest: f64, warnings: &mut Vec<Warning>) {
+    let drop = farthest * farthest / (2.0 * EARTH_RADIUS_M);
+    if drop > 1.0 {
+        warnings.push(Warning::new(
+            201,
+            format!("the earth is taken as flat; at {farthest:.0} m, the farthest receiver, it drops by {drop:.1} m"),
+        ));
+    }
+}

@@ -1,0 +1,157 @@
+//! A scene made ready for rays, and how it is read.
+
+pub(crate) mod limits;
+mod options;
+pub(crate) mod outside;
+pub(crate) mod results;
+
+use std::ffi::OsStr;
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::city::{BuiltUp, City, HeightGap, Solids, Source};
+pub use options::SceneOptions;
+pub(crate) use options::{FoundRepairs, built_up, is_raster, is_raster_scene};
+
+use crate::error::{Result, Warning};
+use crate::height_field::HeightField;
+use crate::los::Method;
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::raster::GeoRef;
+use crate::report::{RunFacts, Timing};
+use crate::zones::ZoneMap;
+
+/// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
+///
+/// Copies share the city. All lengths are in meters, positions in the scene's reference system.
+///
+/// ```
+/// use skyshed::{Height, Scene, Uav};
+///
+/// let city = Scene::options().size_m(200.0).seed(7).open("itu:urban")?;
+/// let seen = city.coverage(Uav::new(100.0, 100.0, Height::agl(120.0))).run()?;
+/// assert!(seen.p_los().is_some_and(|p| p > 0.5));
+/// # Ok::<(), skyshed::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// As it was asked for: a path, or the word for a generated city.
+    pub(crate) word: String,
+    pub(crate) name: String,
+    pub(crate) field: Arc<HeightField>,
+    pub(crate) sources: Vec<Source>,
+    /// Whom pictures must credit.
+    pub(crate) attribution: Option<String>,
+    /// Footprints without heights, where there are any.
+    pub(crate) height_gap: Option<HeightGap>,
+    pub(crate) built_up: Option<BuiltUp>,
+    /// The seed of everything random about it.
+    pub(crate) seed: u64,
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) timing: Timing,
+}
+
+impl Scene {
+    /// Opens any scene that the program reads: see [`SceneOptions::open`].
+    ///
+    /// # Errors
+    /// As that.
+    pub fn open(word: impl AsRef<OsStr>) -> Result<Scene> {
+        Scene::options().open(word)
+    }
+
+    /// How scenes are read, to be changed before one is opened.
+    pub fn options() -> SceneOptions {
+        SceneOptions::default()
+    }
+
+    /// A scene that was read since `start`, with its height field.
+    pub(crate) fn built(
+        options: &SceneOptions,
+        (word, scene): (&OsStr, City),
+        mut warnings: Vec<Warning>,
+        start: Instant,
+    ) -> Result<Scene> {
+        let read_s = start.elapsed().as_secs_f64();
+        let City { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
+        // Heights of a raster are there already.
+        if matches!(solids, Solids::Vector { .. }) {
+            check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
+        }
+        let field = HeightField::build(&grid, solids, &mut warnings);
+        let build = start.elapsed().as_secs_f64() - read_s;
+        Ok(Scene {
+            word: word.display().to_string(),
+            name,
+            field: Arc::new(field),
+            sources,
+            attribution,
+            height_gap,
+            built_up,
+            seed: options.seed_of_all(),
+            warnings,
+            timing: Timing { read: read_s, build, ..Timing::default() },
+        })
+    }
+
+    /// A field alone, with what was said of it.
+    pub(crate) fn of_field(name: String, field: HeightField, warnings: Vec<Warning>) -> Scene {
+        Scene {
+            word: name.clone(),
+            name,
+            field: Arc::new(field),
+            sources: Vec::new(),
+            attribution: None,
+            height_gap: None,
+            built_up: None,
+            seed: 1,
+            warnings,
+            timing: Timing::default(),
+        }
+    }
+
+    /// What it is called in titles.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The cells: shape, extent, reference system.
+    pub fn grid(&self) -> &GeoRef {
+        self.field.grid()
+    }
+
+    /// What was odd about its files.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Its zones (streets, crossroads, courtyards, rooftops); `None` where no building is known.
+    pub fn zones(&self) -> Option<ZoneMap> {
+        ZoneMap::if_known(&self.field, self.built_up.as_ref())
+    }
+
+    /// What documents say of a run over it.
+    pub(crate) fn facts(&self, command: Vec<String>, method: Option<Method>) -> RunFacts {
+        RunFacts {
+            command,
+            method,
+            scene_name: self.name.clone(),
+            grid: self.grid().clone(),
+            meters_per_unit: self.grid().meters_per_unit(),
+            sources: self.sources.clone(),
+            seed: self.built_up.map(|_| self.seed),
+            warnings: self.warnings.clone(),
+            unit: None,
+        }
+    }
+
+    /// What limits the truth of a picture of it.
+    pub(crate) fn limits_in_words(&self) -> Option<String> {
+        limits::limits_in_words(self.height_gap.as_ref(), &self.field, &self.warnings)
+    }
+
+    /// A length in meters as CRS units.
+    pub(crate) fn crs_units(&self, meters: f64) -> f64 {
+        meters / self.grid().meters_per_unit()
+    }
+}

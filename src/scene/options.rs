@@ -1,0 +1,419 @@
+//! How a scene is read, and the reading.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use super::Scene;
+use super::results::results_in;
+use crate::city::{BuiltUp, BuiltUpCity, NodataAs};
+use crate::error::{Error, Result, Warning};
+use crate::formats::RasterFile;
+use crate::memory::{ANY_WORK, cells_of, check_bytes};
+use crate::raster::{Crs, GeoRef};
+use crate::read::{
+    BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, Projection, Repair,
+    SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
+    read_mesh, read_surface, vertical_of,
+};
+use crate::report::RunFacts;
+
+/// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an error.
+#[derive(Debug, Clone, Default)]
+pub struct SceneOptions {
+    pub(crate) terrain: Option<PathBuf>,
+    pub(crate) ground_m: Option<f64>,
+    pub(crate) building_threshold_m: Option<f64>,
+    pub(crate) height_field: Option<String>,
+    pub(crate) top_field: Option<String>,
+    pub(crate) height_unit: Option<HeightUnit>,
+    pub(crate) levels_field: Option<String>,
+    pub(crate) layer: Option<String>,
+    pub(crate) missing: Option<MissingHeight>,
+    pub(crate) base: Option<BaseRule>,
+    pub(crate) data_area: Option<DataAreaChoice>,
+    pub(crate) extent: Option<[f64; 4]>,
+    pub(crate) cell_m: Option<f64>,
+    pub(crate) crs: Option<Crs>,
+    pub(crate) project: Option<Projection>,
+    pub(crate) size_m: Option<f64>,
+    pub(crate) margin_m: f64,
+    pub(crate) seed: Option<u64>,
+    pub(crate) nodata_as: Option<NodataAs>,
+    pub(crate) hash: bool,
+    /// Where what was mended or left out is listed.
+    pub(crate) repairs: Option<Arc<OnceLock<FoundRepairs>>>,
+}
+
+/// The name of an option, and whether it is set.
+type Set = (&'static str, bool);
+
+impl SceneOptions {
+    /// A terrain model below the surface model or the footprints: a raster file, or a folder of tiles.
+    #[must_use]
+    pub fn terrain(self, path: impl Into<PathBuf>) -> Self {
+        SceneOptions { terrain: Some(path.into()), ..self }
+    }
+
+    /// Flat ground at this height above the datum \[m\]; 0 for footprints and generated cities.
+    #[must_use]
+    pub fn ground_m(self, height_m: f64) -> Self {
+        SceneOptions { ground_m: Some(height_m), ..self }
+    }
+
+    /// A cell whose surface is more than this above the ground is a building \[m\]; 0.25.
+    #[must_use]
+    pub fn building_threshold_m(self, height_m: f64) -> Self {
+        SceneOptions { building_threshold_m: Some(height_m), ..self }
+    }
+
+    /// The property that holds a footprint's height above ground; `height`, of CityJSON the highest point.
+    #[must_use]
+    pub fn height_field(self, name: impl Into<String>) -> Self {
+        SceneOptions { height_field: Some(name.into()), ..self }
+    }
+
+    /// The property that holds the height of a footprint's top above the datum, instead.
+    #[must_use]
+    pub fn top_field(self, name: impl Into<String>) -> Self {
+        SceneOptions { top_field: Some(name.into()), ..self }
+    }
+
+    /// The unit of heights of footprints that name none; meters.
+    #[must_use]
+    pub fn height_unit(self, unit: HeightUnit) -> Self {
+        SceneOptions { height_unit: Some(unit), ..self }
+    }
+
+    /// The property that holds the number of storeys, for [`MissingHeight::Levels`]; `building:levels`.
+    #[must_use]
+    pub fn levels_field(self, name: impl Into<String>) -> Self {
+        SceneOptions { levels_field: Some(name.into()), ..self }
+    }
+
+    /// The table of a GeoPackage; needed where it has several.
+    #[must_use]
+    pub fn layer(self, name: impl Into<String>) -> Self {
+        SceneOptions { layer: Some(name.into()), ..self }
+    }
+
+    /// What becomes of footprints without a usable height; left out where they are few, refused otherwise.
+    #[must_use]
+    pub fn missing(self, policy: MissingHeight) -> Self {
+        SceneOptions { missing: Some(policy), ..self }
+    }
+
+    /// Which of the terrain cells below a footprint its height is above; the lowest.
+    #[must_use]
+    pub fn base(self, rule: BaseRule) -> Self {
+        SceneOptions { base: Some(rule), ..self }
+    }
+
+    /// Where footprints tell of the ground; between them.
+    #[must_use]
+    pub fn data_area(self, choice: DataAreaChoice) -> Self {
+        SceneOptions { data_area: Some(choice), ..self }
+    }
+
+    /// The extent of the grid over footprints or a mesh \[CRS units\]; that of the data.
+    #[must_use]
+    pub fn extent(self, [west, south, east, north]: [f64; 4]) -> Self {
+        SceneOptions { extent: Some([west, south, east, north]), ..self }
+    }
+
+    /// The cell size of the grid over footprints, a mesh or a generated city \[m\]; 1, or that of the terrain.
+    #[must_use]
+    pub fn cell_m(self, size_m: f64) -> Self {
+        SceneOptions { cell_m: Some(size_m), ..self }
+    }
+
+    /// The reference system of the scene, where its files name none or a wrong one.
+    #[must_use]
+    pub fn crs(self, crs: Crs) -> Self {
+        SceneOptions { crs: Some(crs), ..self }
+    }
+
+    /// The reference system to bring footprints or a raster into.
+    #[must_use]
+    pub fn project(self, to: Projection) -> Self {
+        SceneOptions { project: Some(to), ..self }
+    }
+
+    /// The edge length of a generated city \[m\]; 1000.
+    #[must_use]
+    pub fn size_m(self, edge_m: f64) -> Self {
+        SceneOptions { size_m: Some(edge_m), ..self }
+    }
+
+    /// The seed of a generated city; 1.
+    #[must_use]
+    pub fn seed(self, seed: u64) -> Self {
+        SceneOptions { seed: Some(seed), ..self }
+    }
+
+    /// What nodata cells do to links; nothing.
+    #[must_use]
+    pub fn nodata_as(self, does: NodataAs) -> Self {
+        SceneOptions { nodata_as: Some(does), ..self }
+    }
+
+    /// Reads a scene and makes it ready for rays.
+    ///
+    /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or the word
+    /// for a generated city: `itu:urban`, `itu:0.3,500,15`.
+    ///
+    /// # Errors
+    /// E1xx for options that have no meaning for this kind of scene, or numbers out of range; E3xx for files that cannot be
+    /// used; E501 for what does not fit in memory.
+    pub fn open(&self, word: impl AsRef<OsStr>) -> Result<Scene> {
+        let start = Instant::now();
+        let mut warnings = Vec::new();
+        let read = self.read(word.as_ref(), &mut warnings)?;
+        Scene::built(self, (word.as_ref(), read), warnings, start)
+    }
+
+    /// Reads a scene without making it ready.
+    pub(crate) fn read(&self, word: &OsStr, warnings: &mut Vec<Warning>) -> Result<crate::city::City> {
+        if let Some(built_up) = built_up(word) {
+            return self.generate(word, built_up?);
+        }
+        if let Some((grid, bytes)) = self.size_of_raster(word) {
+            check_bytes(&word.display(), &cells_of(&grid), bytes.saturating_add(ANY_WORK))?;
+        }
+        let path = Path::new(word);
+        let read = self.read_file(path, warnings)?;
+        self.warn_of_raster(path, warnings)?;
+        Ok(read)
+    }
+
+    fn generate(&self, word: &OsStr, built_up: BuiltUp) -> Result<crate::city::City> {
+        let city = self.city(built_up);
+        self.refuse("a generated city", &self.of_footprints())?;
+        self.refuse(
+            "a generated city",
+            &[
+                ("terrain", self.terrain.is_some()),
+                ("extent", self.extent.is_some()),
+                ("crs", self.crs.is_some()),
+                ("project", self.project.is_some()),
+                ("building_threshold_m", self.building_threshold_m.is_some()),
+                ("nodata_as", self.nodata_as.is_some()),
+            ],
+        )?;
+        if let Some(bytes) = city.memory() {
+            check_bytes(&word.display(), "its buildings and cells", bytes)?;
+        }
+        city.city()
+    }
+
+    /// A generated city of these options.
+    pub(crate) fn city(&self, built_up: BuiltUp) -> BuiltUpCity {
+        BuiltUpCity {
+            built_up,
+            size_m: self.size_m.unwrap_or(1000.0),
+            margin_m: self.margin_m,
+            cell_m: self.cell_m.unwrap_or(1.0),
+            seed: self.seed_of_all(),
+            ground_m: self.ground_m.unwrap_or(0.0),
+        }
+    }
+
+    /// The seed of everything random.
+    pub(crate) fn seed_of_all(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
+    /// Reads the scene of a file.
+    fn read_file(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<crate::city::City> {
+        let extension = extension_of(path);
+        let Some(format) = VectorFormat::of_extension(&extension) else {
+            if is_raster(path) {
+                return read_surface(path, &self.of_raster()?, warnings);
+            }
+            self.refuse("a mesh", &[("size_m", self.size_m.is_some()), ("project", self.project.is_some())])?;
+            self.refuse("a mesh", &self.of_footprints())?;
+            let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
+            return read_mesh(path, &options, warnings);
+        };
+        if format != VectorFormat::GeoPackage {
+            self.refuse("a file that is no GeoPackage", &[("layer", self.layer.is_some())])?;
+        }
+        let options = self.of_vector()?;
+        let Some(list) = &self.repairs else { return read_footprints(path, &options, warnings) };
+        let (scene, repairs) = read_footprints_and_repairs(path, &options, warnings)?;
+        // A scene that is read twice is the same.
+        let _ = list.set(FoundRepairs { repairs, facts: facts_of(&scene, warnings) });
+        Ok(scene)
+    }
+
+    /// Warns of what else a raster says of its values than that they are heights, and of what these are above.
+    pub(crate) fn warn_of_raster(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<()> {
+        if !is_raster(path) {
+            return Ok(());
+        }
+        if let Some(schema) = results_in(path) {
+            let text = format!(
+                "{}: it holds results of this program ({schema}), not heights; its values are read as heights (`skyshed \
+                 info` tells what it is)",
+                path.display()
+            );
+            warnings.push(Warning::new(373, text));
+        }
+        let Some(terrain) = &self.terrain else { return Ok(()) };
+        let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
+        let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
+        compare_vertical((path, of_scene.as_ref()), (terrain, of_terrain.as_ref()), said, warnings)
+    }
+
+    /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is
+    /// wrong with the file is told where it is read.
+    ///
+    /// These are 5 for each cell, its height and what zone it may be of; what a terrain takes; and an unpacked strip or tile.
+    pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
+        // What is brought into another system is put together in memory.
+        if !is_raster_scene(word) || self.project.is_some() {
+            return None;
+        }
+        let file = RasterFile::open(Path::new(word), &mut Vec::new()).ok()?;
+        if file.is_empty() {
+            return None;
+        }
+        let (grid, n_cells) = (file.georef(), file.georef().n_cells() as u64);
+        // All of a terrain is read, and if it is on another grid brought to that of the surface.
+        let below = self.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
+        let of_terrain = below.map_or(0, |below| {
+            let n_below = below.georef().n_cells() as u64;
+            let n_brought = if n_below == n_cells { 0 } else { n_cells };
+            n_below.saturating_add(n_brought).saturating_mul(4).saturating_add(below.block_bytes())
+        });
+        let bytes = n_cells.saturating_mul(5).saturating_add(of_terrain).saturating_add(file.block_bytes());
+        Some((grid.clone(), bytes))
+    }
+
+    /// How a raster is read.
+    pub(crate) fn of_raster(&self) -> Result<SurfaceOptions> {
+        self.refuse("a raster", &[("extent", self.extent.is_some()), ("size_m", self.size_m.is_some())])?;
+        self.refuse("a raster", &self.of_footprints())?;
+        if self.project.is_none() {
+            self.refuse("a raster without `project`", &[("cell_m", self.cell_m.is_some())])?;
+        }
+        Ok(SurfaceOptions { project: self.project.clone(), cell_m: self.cell_m, ..self.of_surface()? })
+    }
+
+    /// How any surface is read.
+    fn of_surface(&self) -> Result<SurfaceOptions> {
+        let defaults = SurfaceOptions::default();
+        if self.terrain.is_none() && self.ground_m.is_none() {
+            let threshold = [("building_threshold_m", self.building_threshold_m.is_some())];
+            self.refuse("a surface without `terrain` or `ground_m`", &threshold)?;
+        }
+        Ok(SurfaceOptions {
+            terrain: self.terrain.clone(),
+            ground_m: self.ground_m,
+            building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
+            nodata_as: self.nodata_as.unwrap_or_default(),
+            crs: self.crs.clone(),
+            always_hash: self.hash,
+            ..defaults
+        })
+    }
+
+    /// How footprints are read.
+    fn of_vector(&self) -> Result<FootprintOptions> {
+        let threshold = ("building_threshold_m", self.building_threshold_m.is_some());
+        self.refuse("footprints", &[("size_m", self.size_m.is_some()), threshold])?;
+        if self.terrain.is_none() {
+            let of_terrain = [("nodata_as", self.nodata_as.is_some()), ("base", self.base.is_some())];
+            self.refuse("footprints without `terrain`", &of_terrain)?;
+        }
+        if self.missing != Some(MissingHeight::Levels) {
+            let levels = [("levels_field", self.levels_field.is_some())];
+            self.refuse("footprints without `missing levels`", &levels)?;
+        }
+        let defaults = FootprintOptions::default();
+        Ok(FootprintOptions {
+            height_field: self.height_field.clone(),
+            top_field: self.top_field.clone(),
+            height_unit: self.height_unit.unwrap_or_default(),
+            levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
+            missing: self.missing.unwrap_or_default(),
+            layer: self.layer.clone(),
+            terrain: self.terrain.clone(),
+            ground_m: self.ground_m,
+            extent: self.extent,
+            cell_m: self.cell_m,
+            crs: self.crs.clone(),
+            project: self.project.clone(),
+            nodata_as: self.nodata_as.unwrap_or_default(),
+            base: self.base.unwrap_or_default(),
+            data_area: self.data_area.clone().unwrap_or_default(),
+            always_hash: self.hash,
+        })
+    }
+
+    /// What only footprints can use.
+    fn of_footprints(&self) -> [Set; 8] {
+        [
+            ("height_field", self.height_field.is_some()),
+            ("top_field", self.top_field.is_some()),
+            ("height_unit", self.height_unit.is_some()),
+            ("levels_field", self.levels_field.is_some()),
+            ("missing", self.missing.is_some()),
+            ("layer", self.layer.is_some()),
+            ("base", self.base.is_some()),
+            ("data_area", self.data_area.is_some()),
+        ]
+    }
+
+    /// An ignored input is an error, never silence.
+    fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
+        match without_meaning.iter().find(|(_, is_set)| *is_set) {
+            Some((name, _)) => Err(Error::usage(116, format!("`{name}` has no meaning for {what}"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What was mended or left out of footprints, and what documents say of these.
+#[derive(Debug, Clone)]
+pub(crate) struct FoundRepairs {
+    pub(crate) repairs: Vec<Repair>,
+    pub(crate) facts: RunFacts,
+}
+
+/// What documents say of a scene that was read, whatever is done with it.
+fn facts_of(scene: &crate::city::City, warnings: &[Warning]) -> RunFacts {
+    RunFacts {
+        command: Vec::new(),
+        method: None,
+        scene_name: scene.name.clone(),
+        grid: scene.grid.clone(),
+        meters_per_unit: scene.grid.meters_per_unit(),
+        sources: scene.sources.clone(),
+        seed: None,
+        warnings: warnings.to_vec(),
+        unit: None,
+    }
+}
+
+/// The parameters of the generated city that a word stands for; `None` of a file.
+pub(crate) fn built_up(word: &OsStr) -> Option<Result<BuiltUp>> {
+    BuiltUpCity::parse_built_up(word.to_str()?)
+}
+
+/// The extension of a path in lower case.
+fn extension_of(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Whether a scene of this name is read as a raster: any file that is neither footprints nor a mesh.
+pub(crate) fn is_raster(path: &Path) -> bool {
+    let extension = extension_of(path);
+    VectorFormat::of_extension(&extension).is_none() && !["obj", "ply"].contains(&extension.as_str())
+}
+
+/// Whether a word stands for a raster.
+pub(crate) fn is_raster_scene(word: &OsStr) -> bool {
+    built_up(word).is_none() && is_raster(Path::new(word))
+}

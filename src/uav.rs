@@ -1,0 +1,133 @@
+//! UAVs as they are asked for.
+
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+use crate::city::{GivenSite, Site, Source};
+use crate::error::{Error, Result, Warning};
+use crate::quantity::Height;
+use crate::raster::GeoRef;
+use crate::read::{BadRows, read_sites, source_of};
+
+/// A UAV: a position in the scene's reference system and a height.
+///
+/// ```
+/// use skyshed::{Height, Uav};
+///
+/// let uav = Uav::new(691_549.7, 5_334_762.2, Height::agl(120.0)).named("north tower");
+/// assert_eq!(uav.id(), Some("north tower"));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uav {
+    id: Option<String>,
+    x: f64,
+    y: f64,
+    height: Height,
+    lonlat: Option<[f64; 2]>,
+}
+
+impl Uav {
+    /// A UAV at x (east) and y (north) in the scene's reference system. Several without a name are numbered from 1.
+    pub fn new(x: f64, y: f64, height: Height) -> Uav {
+        Uav { id: None, x, y, height, lonlat: None }
+    }
+
+    /// With a name, which stands in tables and pictures.
+    #[must_use]
+    pub fn named(self, id: impl Into<String>) -> Uav {
+        Uav { id: Some(id.into()), ..self }
+    }
+
+    /// Its name, if it has one.
+    pub fn id(&self) -> Option<&str> {
+        self.id.as_deref()
+    }
+
+    /// East and north \[CRS units\].
+    pub fn position(&self) -> (f64, f64) {
+        (self.x, self.y)
+    }
+
+    /// Its height, and what that is above.
+    pub fn height(&self) -> Height {
+        self.height
+    }
+
+    /// The site that stands for the `k`-th of several, counted from 0.
+    pub(crate) fn site(&self, k: usize) -> GivenSite {
+        let id = self.id.clone().unwrap_or_else(|| (k + 1).to_string());
+        GivenSite { site: Site { id, x: self.x, y: self.y, height: self.height }, lonlat: self.lonlat }
+    }
+}
+
+impl From<GivenSite> for Uav {
+    fn from(given: GivenSite) -> Uav {
+        let GivenSite { site: Site { id, x, y, height }, lonlat } = given;
+        Uav { id: Some(id), x, y, height, lonlat }
+    }
+}
+
+/// The UAVs of a run, with the table that they are from and what was said of it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct UavsFound {
+    pub(crate) sites: Vec<GivenSite>,
+    pub(crate) sources: Vec<Source>,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl UavsFound {
+    /// Those of a list.
+    ///
+    /// # Errors
+    /// E207 if two have one name.
+    pub(crate) fn of(uavs: &[Uav]) -> Result<UavsFound> {
+        let sites = uavs.iter().enumerate().map(|(k, uav)| uav.site(k)).collect();
+        UavsFound { sites, ..UavsFound::default() }.checked()
+    }
+
+    /// Refuses two of one name.
+    ///
+    /// # Errors
+    /// E207.
+    pub(crate) fn checked(self) -> Result<UavsFound> {
+        let mut seen = HashSet::new();
+        match self.sites.iter().find(|site| !seen.insert(site.id.as_str())) {
+            Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
+            None => Ok(self),
+        }
+    }
+}
+
+/// Where the UAVs of a run are told.
+#[derive(Debug, Clone)]
+pub(crate) struct UavsAsked {
+    /// One by one.
+    pub(crate) typed: Vec<Site>,
+    pub(crate) table: Option<PathBuf>,
+    /// Whether rows of the table that cannot be read are left out.
+    pub(crate) skips_bad: bool,
+    /// Whether the table is hashed whatever its size.
+    pub(crate) hash: bool,
+}
+
+impl UavsAsked {
+    /// Typed ones, then those of the table; ids must differ.
+    ///
+    /// # Errors
+    /// E207; those of the table.
+    pub(crate) fn read(&self, grid: &GeoRef) -> Result<UavsFound> {
+        let typed = self.typed.iter().cloned().map(GivenSite::from);
+        let mut found = UavsFound { sites: typed.collect(), ..UavsFound::default() };
+        if let Some(path) = &self.table {
+            let first = found.sites.len() + 1;
+            found.sites.extend(read_sites(path, grid, first, bad_rows(self.skips_bad, &mut found.warnings))?);
+            found.sources.push(source_of(path, self.hash)?);
+        }
+        found.checked()
+    }
+}
+
+/// What becomes of bad rows of a table.
+pub(crate) fn bad_rows(skips: bool, warnings: &mut Vec<Warning>) -> BadRows<'_> {
+    if skips { BadRows::LeaveOut(warnings) } else { BadRows::Refuse }
+}
