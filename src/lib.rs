@@ -21,21 +21,42 @@
 //! The crates below hold what only experts need: `skyshed_core` the engines, `skyshed_study` P_LoS, placement and accuracy,
 //! `skyshed_io` formats and readers, `skyshed_render` pictures.
 
+mod answer;
+mod chart;
 #[doc(hidden)]
 pub mod cli;
+mod comparison;
+mod conversion;
+mod expected;
+mod limits;
+mod link;
 mod map;
 mod memory;
+mod method_looks;
 mod os_words;
 mod picture;
+mod placements;
+mod plos;
 mod progress;
-mod report;
+mod repairs;
+mod sample;
 mod scene;
+mod sight;
+mod stress;
+mod survey;
+mod threads;
+mod track;
 mod uav;
 mod words;
+mod zone_files;
 
-pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, Receivers, SaveOptions};
+pub use link::{Link, LinkObstruction};
+pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, SaveOptions, SiteFacts};
+pub use placements::{Placements, PlacementsRequest};
+pub use plos::{PLos, PLosRequest, PLosValue};
 pub use progress::Progress;
 pub use scene::{Scene, SceneOptions};
+pub use sight::Receivers;
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;

@@ -1,86 +1,69 @@
 //! What pictures say beside what they show, and how large they are.
 
-use std::path::PathBuf;
+use serde_json::Value;
 
-use clap::Args;
-
+use crate::answer::version;
 use crate::error::{Error, Result};
 use crate::export::Format;
-use crate::raster::{CellWindow, GeoRef};
+use crate::raster::{CellWindow, Crs, GeoRef};
 use crate::render::{Mark, PictureForm, PictureFormat};
+use crate::scene::Scene;
 
-/// What a picture says beside what it shows.
-#[derive(Debug, Clone, Default, Args)]
-pub struct PictureWords {
-    /// Title of the picture, or of the page
-    #[arg(long, value_name = "TEXT")]
+/// How files look, where their extension leaves that open.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Look {
+    /// Title of pictures and pages.
     pub(crate) title: Option<String>,
-    /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
-    #[arg(long, value_name = "TEXT")]
+    /// Whom captions credit, instead of whom the data ask for.
     pub(crate) attribution: Option<String>,
-    #[command(flatten)]
-    pub(crate) size: PictureSize,
-}
-
-/// How large a picture is.
-#[derive(Debug, Clone, Copy, Default, Args)]
-pub struct PictureSize {
-    /// Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
-    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(100..=10_000))]
-    pub(crate) width: Option<u32>,
-    /// Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=2400))]
+    /// Width of pictures \[px\].
+    pub(crate) width_px: Option<u32>,
+    /// Pixels per inch of paper.
     pub(crate) dpi: Option<u32>,
+    /// Whether cells of tables that a spreadsheet would run are written as text.
+    pub(crate) csv_text: bool,
 }
 
-impl PictureSize {
+impl Look {
+    /// The title that was asked for, or another.
+    pub(crate) fn title_or(&self, other: impl FnOnce() -> String) -> String {
+        self.title.clone().unwrap_or_else(other)
+    }
+
+    /// Whom to credit: as asked for, or as the data ask.
+    pub(crate) fn credit(&self, of_data: Option<&String>) -> Option<String> {
+        self.attribution.as_ref().or(of_data).cloned()
+    }
+
+    /// The last lines of a caption: what limits the truth of a picture of a scene, and whom to credit.
+    pub(crate) fn last_lines(&self, scene: &Scene) -> Vec<String> {
+        scene.limits_in_words().into_iter().chain(self.credit(scene.attribution.as_ref())).collect()
+    }
+
     /// How a picture of a format is written.
-    pub(crate) fn form(self, format: Format) -> PictureForm {
+    pub(crate) fn form(&self, format: Format) -> PictureForm {
         let format = match format {
             Format::Svg => PictureFormat::Svg,
             Format::Pdf => PictureFormat::Pdf,
             _ => PictureFormat::Png,
         };
-        PictureForm { format, width_px: self.width, dpi: self.dpi }
-    }
-
-    /// Where no picture is made, its size would be lost in silence.
-    pub(crate) fn refuse_without_picture(self, outputs: &[(PathBuf, Format)]) -> Result<()> {
-        if outputs.iter().any(|(_, format)| format.is_picture()) {
-            return Ok(());
-        }
-        match [("--width", self.width), ("--dpi", self.dpi)].iter().find(|(_, size)| size.is_some()) {
-            Some((flag, _)) => Err(no_picture(flag)),
-            None => Ok(()),
-        }
+        PictureForm { format, width_px: self.width_px, dpi: self.dpi }
     }
 }
 
-/// A flag of pictures without a picture.
-fn no_picture(flag: &str) -> Error {
-    Error::usage(116, format!("`{flag}` has no meaning without a .png, .svg or .pdf output"))
+/// What a picture says of where it comes from: the program, and a document as one text.
+pub(crate) fn picture_provenance(document: &Value) -> [(String, String); 2] {
+    [("Software".into(), program()), ("skyshed".into(), document.to_string())]
 }
 
-impl PictureWords {
-    /// The title that was typed, or another.
-    pub(crate) fn title_or(&self, other: impl FnOnce() -> String) -> String {
-        self.title.clone().unwrap_or_else(other)
-    }
+/// The program and its version, as captions name it.
+pub(crate) fn program() -> String {
+    format!("skyshed {}", version())
+}
 
-    /// Whom to credit: as typed, or as the scene asks for.
-    pub(crate) fn credit(&self, of_scene: Option<&String>) -> Option<String> {
-        self.attribution.as_ref().or(of_scene).cloned()
-    }
-
-    /// A title, an attribution or a size is that of a picture; where none is made, it would be lost in silence.
-    pub(crate) fn refuse_without_picture(&self, outputs: &[(PathBuf, Format)]) -> Result<()> {
-        let has_picture = outputs.iter().any(|(_, format)| format.is_picture() || *format == Format::Html);
-        let typed = [("--title", &self.title), ("--attribution", &self.attribution)];
-        match typed.iter().find(|(_, words)| words.is_some()) {
-            Some((flag, _)) if !has_picture => Err(no_picture(flag)),
-            _ => self.size.refuse_without_picture(outputs),
-        }
-    }
+/// The reference system of a grid, as captions name it.
+pub(crate) fn crs_words(grid: &GeoRef) -> String {
+    grid.crs().map_or("local coordinates".to_string(), Crs::label)
 }
 
 /// The cells of a window, row by row.
@@ -95,6 +78,10 @@ pub(crate) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, heigh
     Mark { label, height, col, row }
 }
 
-pub(crate) fn undrawable(cause: String) -> Error {
-    Error::internal(403, format!("cannot draw the picture: {cause}"))
+/// A drawn picture, or why there is none.
+///
+/// # Errors
+/// E403.
+pub(crate) fn drawn(picture: std::result::Result<Vec<u8>, String>) -> Result<Vec<u8>> {
+    picture.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
 }

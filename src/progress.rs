@@ -11,6 +11,8 @@ pub struct Progress {
     pub(crate) control: Control,
     pub(crate) total: AtomicU64,
     pub(crate) note: fn(&str),
+    /// Called before work in pieces is begun, which stops between two of them.
+    pub(crate) begin_pieces: fn(),
     /// Called before the first file of a run is begun.
     pub(crate) begin_writing: fn(),
     /// Asked between two files, or two parts of one, whether to go on.
@@ -24,6 +26,7 @@ impl Default for Progress {
             control: Control::default(),
             total: AtomicU64::new(0),
             note: |_| {},
+            begin_pieces: || {},
             begin_writing: || {},
             check: || Ok(()),
         }
@@ -47,6 +50,16 @@ impl Progress {
     /// Asks the run to stop; it answers with an error of the class `Interrupted`.
     pub fn stop(&self) {
         self.control.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether no further piece of work is wanted.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.control.stop.load(Ordering::Relaxed) || (self.check)().is_err()
+    }
+
+    /// A piece of the work at hand is done.
+    pub(crate) fn advance(&self) {
+        self.control.done.fetch_add(1, Ordering::Relaxed);
     }
 
     /// What counts the work, for the engines.

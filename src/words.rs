@@ -1,6 +1,7 @@
 //! Text that several commands share: documents, titles.
 
 use crate::coverage::IdleFootprints;
+use crate::quantity::tidy;
 use crate::render::grouped;
 
 /// A document as indented text with a final line break.
@@ -8,17 +9,9 @@ pub(crate) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")
 }
 
-/// What a picture says of where it comes from: the program, and a document as one text.
-pub(crate) fn picture_provenance(document: &serde_json::Value) -> [(String, String); 2] {
-    let software = format!("skyshed {}", env!("CARGO_PKG_VERSION"));
-    [("Software".into(), software), ("skyshed".into(), document.to_string())]
-}
-
 /// A name as a title: capitalized, and no line break inside `β = 500/km²`.
 pub(crate) fn title_of(name: &str) -> String {
-    let mut letters = name.chars();
-    let name: String = letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect());
-    unbreakable(&name)
+    unbreakable(&capitalized(name))
 }
 
 /// Text whose equations and lengths are not broken across lines.
@@ -35,6 +28,25 @@ pub(crate) fn unbreakable(text: &str) -> String {
         rest = after;
     }
     joined + rest
+}
+
+/// A name with a capital.
+pub(crate) fn capitalized(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The height of a UAV in words.
+pub(crate) fn height_words(agl_m: Option<f64>, amsl_m: f64) -> String {
+    match agl_m {
+        Some(agl) => format!("{} m above ground", tidy(agl)),
+        None => format!("{} m above the datum", tidy(amsl_m)),
+    }
+}
+
+/// P_LoS with four digits, or that it is undefined.
+pub(crate) fn p_los_words(p_los: Option<f64>) -> String {
+    p_los.map_or("undefined".to_string(), |p| format!("{p:.4}"))
 }
 
 /// Which footprints were dropped before work started.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use super::messages;
+use super::say;
 use crate::error::{Error, ErrorClass, Result};
 use crate::export::abandon_files;
 use crate::progress::Progress;
@@ -62,7 +62,7 @@ pub(super) fn listen() {
         let is_first = !STOP.swap(true, Ordering::AcqRel);
         match *phase {
             Phase::InPieces if is_first => {
-                messages::note(
+                say::note(
                     "interrupted: what is done will be written if the piece at hand ends soon; again: nothing",
                 );
                 after_grace(|| {
@@ -98,7 +98,7 @@ pub(super) fn give_up(error: &Error) -> ! {
 /// Ends the program with an error, without a temporary file.
 fn end(error: &Error) -> ! {
     abandon_files();
-    messages::error(error);
+    say::error(error);
     std::process::exit(i32::from(error.class().exit_code()));
 }
 
@@ -145,6 +145,6 @@ pub(super) fn check() -> Result<()> {
 
 /// A run that tells what it does, and is asked whether to go on.
 pub(super) fn progress(quiet: bool) -> Progress {
-    let note: fn(&str) = if quiet { |_| {} } else { messages::note };
-    Progress { note, begin_writing, check, ..Progress::default() }
+    let note: fn(&str) = if quiet { |_| {} } else { say::note };
+    Progress { note, begin_pieces, begin_writing, check, ..Progress::default() }
 }

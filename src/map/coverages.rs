@@ -1,15 +1,15 @@
 //! What UAVs see: the answer of a map.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::files::Writer;
-use super::receivers::Receivers;
+use super::report::{MapReport, SiteFacts};
 use super::save::SaveOptions;
+use crate::answer::{Spent, add_outputs};
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, check_layers, check_outputs};
 use crate::raster::GeoRef;
-use crate::report::{MapReport, SiteFacts};
 use crate::scene::Scene;
 
 /// What each of some UAVs sees of a scene, and all of them together.
@@ -23,7 +23,6 @@ pub struct Coverages {
     pub(crate) overlay: Option<Overlay>,
     /// The layers that were asked for; pictures show the first.
     pub(crate) layers: Vec<Layer>,
-    pub(crate) receivers: Receivers,
     pub(crate) report: MapReport,
     /// Why the method was chosen.
     pub(crate) why: &'static str,
@@ -93,16 +92,16 @@ impl Coverages {
     /// # Errors
     /// As [`Coverages::save`].
     pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
-        let path = path.as_ref();
         let rules =
             OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
-        let outputs = check_outputs(&[PathBuf::from(path)], rules)?;
+        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
+        options.check_formats(&outputs)?;
         options.check(&self.scene, &outputs)?;
-        let mut batch = Batch::new(options.overwrite);
         for (path, format) in &outputs {
             check_layers(&self.layers, self.sites.len(), path, *format)?;
-            Writer { of: self, options }.add(&mut batch, path, *format)?;
         }
+        let mut batch = Batch::new(options.overwrite);
+        add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&options.look, Spent::default()))?;
         batch.commit().map(|_| ())
     }
 

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use serde_json::Value;
+
 use super::coverages::Coverages;
-use super::plan::receiver_height;
-use super::save::SaveOptions;
+use super::curve_report::{CurveFacts, HeightCurveReport};
+use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::HeightCurve;
 use crate::error::{Error, Result, Warning};
-use crate::export::{Format, OutputRules, as_text, check_outputs, encode_table, with_suffix};
-use crate::los::Method;
-use crate::picture::{PictureWords, undrawable};
+use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
 use crate::progress::Progress;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
-use crate::raster::Crs;
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
-use crate::report::{CurveFacts, HeightCurveReport};
 use crate::scene::Scene;
-use crate::words::{picture_provenance, pretty, unbreakable};
+use crate::sight::Receivers;
+use crate::words::unbreakable;
 
 /// Formats of a curve.
 const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json];
@@ -41,18 +41,15 @@ pub(crate) struct CurvePlan {
 
 impl CurvePlan {
     /// Checks what was asked before any work, and tells the files with their formats; `others` are the files of the map.
-    pub(crate) fn checked(&self, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<(PathBuf, Format)>> {
+    pub(crate) fn checked(&self, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<Output>> {
         let outputs = check_outputs(&self.outputs, OutputRules { allowed: &FORMATS, bare: false, ..rules })?;
         // No file may be an output of both kinds.
         let all: Vec<PathBuf> = others.iter().chain(&self.outputs).cloned().collect();
         check_outputs(&all, OutputRules { bare: false, ..rules })?;
         if let Some([from, to, step]) = self.heights {
             let refuse = |wanted: &str| {
-                Err(Error::usage(113, format!("`--curve-heights` is `{from}:{to}:{step}`, wanted {wanted}")))
+                Err(Error::usage(113, format!("the heights of the curve are `{from}:{to}:{step}`, wanted {wanted}")))
             };
-            if outputs.is_empty() {
-                return Err(Error::usage(116, "`--curve-heights` has no meaning without `--height-curve`"));
-            }
             if from > to {
                 return refuse("A:B:S with A not above B");
             }
@@ -86,16 +83,16 @@ impl CurvePlan {
         }
         let start = Instant::now();
         let (field, report) = (&map.scene.field, &map.report);
-        let rx_height = receiver_height(report.rx_height_m)?;
+        let rx_height = report.sight.rx_height();
         progress.begin(field.grid().n_cells() as u64 * map.sites.len() as u64);
         let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
-        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<Result<_>>()?;
+        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
         let range = self.heights.unwrap_or_else(|| default_range(&curves, field.max_top()));
         let heights = heights_in(range);
         let mut warnings = Vec::new();
         let mut sites = Vec::new();
-        for (curve, site) in curves.iter().zip(&report.sites) {
+        for (curve, site) in curves.into_iter().zip(&report.sites) {
             let base = curve.ground().unwrap_or(0);
             let on_lattice =
                 |h: &f64| height_steps(*h).map(|steps| base + steps).filter(|z| meters(*z) <= MAX_HEIGHT_M);
@@ -104,7 +101,7 @@ impl CurvePlan {
             if self.heights.is_none() {
                 heights.drain(..n_below);
             } else if n_below > 0 {
-                let lowest = above_base(curve, curve.lowest_height());
+                let lowest = above_base(&curve, curve.lowest_height());
                 let text = format!(
                     "UAV `{}` cannot be below {lowest}: lower heights of its curve, {n_below} of {}, have no P_LoS",
                     site.id,
@@ -112,83 +109,79 @@ impl CurvePlan {
                 );
                 warnings.push(Warning::new(203, text));
             }
-            sites.push(CurveFacts::of(curve, site, &heights));
+            sites.push(CurveFacts { site: site.clone(), curve, heights });
         }
-        let mut report = HeightCurveReport::of(report, &curves, sites);
-        // Least heights take a walk for each receiver, whichever engine made the map.
-        report.facts.method = Some(Method::Ray);
+        let mut report = HeightCurveReport::of(report, sites);
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Some(Curves { curves, report, range, warnings, seconds }))
+        Ok(Some(Curves { scene: map.scene.clone(), report, range, warnings, seconds }))
     }
 }
 
 /// The curves of a run, ready for files.
 #[derive(Debug)]
 pub(crate) struct Curves {
-    curves: Vec<HeightCurve>,
+    scene: Scene,
     report: HeightCurveReport,
     range: [f64; 3],
     warnings: Vec<Warning>,
     seconds: f64,
 }
 
-impl Curves {
-    /// The files of one output.
-    pub(crate) fn encode(
-        &self,
-        scene: &Scene,
-        (path, format): (&Path, Format),
-        options: &SaveOptions,
-    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
-        match format {
-            Format::Json => one(pretty(&self.report.document()).into_bytes()),
-            Format::Csv => {
-                let rows = self.report.table();
-                let bytes = encode_table(&if options.csv_text { as_text(&rows) } else { rows })?;
-                let sidecar = pretty(&self.report.provenance()).into_bytes();
-                Ok(vec![(path.to_path_buf(), bytes), (with_suffix(path, ".json"), sidecar)])
-            }
-            Format::Png | Format::Svg | Format::Pdf => one(self.plot(scene, &options.words, format)?),
-            _ => Err(Error::internal(902, "a curve was asked for in the format of a map")),
-        }
+impl Answer for Curves {
+    fn document(&self, _spent: Option<Spent>) -> Value {
+        self.report.document(true)
     }
 
-    /// What is odd about the curves.
-    pub(crate) fn warnings(&self) -> &[Warning] {
+    fn provenance(&self) -> Value {
+        self.report.document(false)
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    /// What is odd about the curves alone.
+    fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// What was found, in words.
-    pub(crate) fn in_words(&self) -> Vec<String> {
-        let curves = self.curves.iter().filter(|curve| curve.receivers() > 0);
+    fn notes(&self, _spent: Spent) -> Vec<String> {
+        let curves = self.curves().filter(|curve| curve.receivers() > 0);
         let found = curves.map(|curve| format!("UAV {}: {}", curve.uav().id, reaches(curve)));
         found.chain([format!("height curve, method ray (exact): {:.2} s", self.seconds)]).collect()
     }
 
-    fn plot(&self, scene: &Scene, words: &PictureWords, format: Format) -> Result<Vec<u8>> {
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        batch.add(path, &self.plot(look, format)?)
+    }
+}
+
+impl Curves {
+    fn curves(&self) -> impl Iterator<Item = &HeightCurve> + Clone {
+        self.report.sites.iter().map(|site| &site.curve)
+    }
+
+    fn plot(&self, look: &Look, format: Format) -> Result<Vec<u8>> {
         // One axis for all: above ground, unless a UAV is where no ground is known.
-        let is_agl = self.curves.iter().all(|c| c.ground().is_some());
+        let is_agl = self.curves().all(|c| c.ground().is_some());
         let base = |curve: &HeightCurve| if is_agl { curve.ground().unwrap_or(0) } else { 0 };
         let above = |curve: &HeightCurve, z: i32| meters(z) - meters(base(curve));
         let asked = |curve: &HeightCurve| curve.uav().height_amsl_m() - meters(base(curve));
         let [from, to, _] = self.range;
         // The range is above each UAV's ground; on a common datum it covers all of them.
         let shift = |curve: &HeightCurve| meters(curve.ground().unwrap_or(0)) - meters(base(curve));
-        let low = self.curves.iter().map(|c| (from + shift(c)).min(asked(c))).fold(f64::INFINITY, f64::min);
-        let high = self.curves.iter().map(|c| (to + shift(c)).max(asked(c))).fold(f64::NEG_INFINITY, f64::max);
+        let low = self.curves().map(|c| (from + shift(c)).min(asked(c))).fold(f64::INFINITY, f64::min);
+        let high = self.curves().map(|c| (to + shift(c)).max(asked(c))).fold(f64::NEG_INFINITY, f64::max);
         let heights_m = if low < high { [low, high] } else { [low - 1.0, low + 1.0] };
 
         let steps: Vec<Vec<(f64, f64)>> = self
-            .curves
-            .iter()
+            .curves()
             .map(|c| c.steps().iter().filter_map(|(z, _)| Some((above(c, *z), c.p_los_at(*z)?))).collect())
             .collect();
-        let labels: Vec<String> = self.curves.iter().map(|c| format!("UAV {}", c.uav().id)).collect();
+        let labels: Vec<String> = self.curves().map(|c| format!("UAV {}", c.uav().id)).collect();
         let lines: Vec<HeightCurveLine<'_>> = self
-            .curves
-            .iter()
+            .curves()
             .zip(steps.iter().zip(&labels))
             .map(|(curve, (steps, label))| HeightCurveLine {
                 label,
@@ -197,10 +190,10 @@ impl Curves {
                 marked_m: asked(curve),
             })
             .collect();
-        let title = words.title_or(|| {
-            unbreakable(&format!("P_LoS against the height of {} over {}", whom(&self.curves), scene.name))
+        let title = look.title_or(|| {
+            unbreakable(&format!("P_LoS against the height of {} over {}", whom(self.report.sites.len()), self.scene.name))
         });
-        let caption = self.caption(scene, words);
+        let caption = self.caption(look);
         let plot = HeightCurvePlot {
             title: &title,
             caption: &caption,
@@ -208,21 +201,20 @@ impl Curves {
             heights_m,
             curves: &lines,
         };
-        let provenance = picture_provenance(&self.report.provenance());
-        let drawn = render::draw_height_curve(&plot, &words.size.form(format), &provenance);
-        drawn.map_err(undrawable)
+        let provenance = picture_provenance(&self.provenance());
+        drawn(render::draw_height_curve(&plot, &look.form(format), &provenance))
     }
 
-    fn caption(&self, scene: &Scene, words: &PictureWords) -> Vec<String> {
+    fn caption(&self, look: &Look) -> Vec<String> {
         const MOST_SITES: usize = 4;
         let mut lines: Vec<String> = Vec::new();
-        for (curve, site) in self.curves.iter().zip(&self.report.sites).take(MOST_SITES) {
+        for CurveFacts { site, curve, .. } in self.report.sites.iter().take(MOST_SITES) {
             let asked = curve.uav().height_amsl_m() - meters(curve.ground().unwrap_or(0));
             let base = if curve.ground().is_some() { "ground" } else { "the datum" };
-            let place = site.site.position().in_words();
-            let p_los = match site.site.tally.p_los() {
+            let place = site.position().in_words();
+            let p_los = match site.tally.p_los() {
                 Some(p) => format!("P_LoS = {p:.4} at {} m above {base}; {}", tidy(asked), reaches(curve)),
-                None => format!("P_LoS undefined: {}", site.site.tally.reason()),
+                None => format!("P_LoS undefined: {}", site.tally.reason()),
             };
             let is_above_ground = curve.ground().is_some_and(|ground| curve.lowest_height() > ground);
             let roof = if is_above_ground {
@@ -230,37 +222,36 @@ impl Curves {
             } else {
                 String::new()
             };
-            lines.push(format!("UAV {} at {place}: {p_los}{roof}", site.site.id));
+            lines.push(format!("UAV {} at {place}: {p_los}{roof}", site.id));
         }
-        if self.curves.len() > MOST_SITES {
-            lines.push(format!("and {} more UAVs", self.curves.len() - MOST_SITES));
+        if self.report.sites.len() > MOST_SITES {
+            lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));
         }
-        let grid = scene.field.grid();
-        let stands = match self.report.receivers {
-            _ if scene.field.is_surface_only() => "the surface",
-            "roof" => "roofs",
-            "all" => "ground and roofs",
-            "street" => "the ground of streets",
-            "crossroad" => "the ground of crossroads",
-            "courtyard" => "the ground of courtyards",
-            _ => "ground",
+        let sight = &self.report.sight;
+        let stands = match sight.receivers() {
+            _ if self.scene.field.is_surface_only() => "the surface",
+            Receivers::Roof => "roofs",
+            Receivers::All => "ground and roofs",
+            Receivers::Street => "the ground of streets",
+            Receivers::Crossroad => "the ground of crossroads",
+            Receivers::Courtyard => "the ground of courtyards",
+            Receivers::Ground => "ground",
         };
-        let range = self.report.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
-        let crs = grid.crs().map_or("local coordinates".to_string(), Crs::label);
+        let range = sight.radius_m().map_or(String::new(), |r| format!(", range {} m", tidy(r)));
         lines.push(format!(
-            "Receivers {} m above {stands}{range}; method {} (exact at every height); {crs}; skyshed {}",
-            tidy(self.report.rx_height_m),
+            "Receivers {} m above {stands}{range}; method {} (exact at every height); {}; {}",
+            tidy(sight.rx_height_m()),
             self.report.facts.method_name(),
-            env!("CARGO_PKG_VERSION")
+            crs_words(self.scene.grid()),
+            program()
         ));
-        lines.extend(scene.limits_in_words());
-        lines.extend(words.credit(scene.attribution.as_ref()));
+        lines.extend(look.last_lines(&self.scene));
         lines
     }
 }
 
-fn whom(curves: &[HeightCurve]) -> &'static str {
-    if curves.len() == 1 { "a UAV" } else { "UAVs" }
+fn whom(n: usize) -> &'static str {
+    if n == 1 { "a UAV" } else { "UAVs" }
 }
 
 /// A height in words, rounded up to a centimeter: what is written must be high enough.

@@ -2,22 +2,21 @@
 
 use super::classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
 use super::coverages::Coverages;
-use super::receivers::{cell_names, setting_line_on};
+use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::{Format, Layer};
-use crate::picture::{PictureWords, crop, mark, undrawable};
+use crate::picture::{Look, crop, drawn, mark};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::report::SiteFacts;
 use crate::words::unbreakable;
 
 /// A map to draw.
 pub(crate) struct MapDrawing<'a> {
     pub(crate) of: &'a Coverages,
-    pub(crate) words: &'a PictureWords,
+    pub(crate) look: &'a Look,
     /// The counts of the legend, where they are not those of what is drawn.
     pub(crate) counts: Option<Tally>,
     /// What else must be said of the picture.
@@ -96,7 +95,7 @@ impl MapDrawing<'_> {
         let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
 
         let part = grid.part(window);
-        let heights: Vec<String> = self.of.report.sites.iter().map(height_words).collect();
+        let heights: Vec<String> = self.of.report.sites.iter().map(SiteFacts::height_words).collect();
         let labels: Vec<String> = self.of.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
         let words = heights.iter().zip(&labels);
         let marks: Vec<Mark<'_>> = self
@@ -108,13 +107,13 @@ impl MapDrawing<'_> {
             .map(|(site, (height, label))| mark(&part, (site.x, site.y), label, height))
             .collect();
         let surface = crop(&self.of.scene.field.above_ground_m(), n_cols, window);
-        let (receivers_name, others_name) = cell_names(self.of.receivers, &self.of.scene.field);
+        let (receivers_name, others_name) = self.of.report.sight.receivers().cell_names(&self.of.scene.field);
         let title =
-            self.words.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.of.scene.name)));
+            self.look.title_or(|| unbreakable(&format!("{} {}", self.subject_words(subject), self.of.scene.name)));
         let caption = self.caption(subject, receivers_name);
         let unit = grid.meters_per_unit();
         let cell_m = (grid.cell_width() * unit, grid.cell_height() * unit);
-        let form = self.words.size.form(format);
+        let form = self.look.form(format);
         let CellWindow { n_cols, n_rows, .. } = window;
         let (title, caption, surface_m) = (title.as_str(), caption.as_slice(), Some(surface.as_slice()));
         if subject == Subject::Each {
@@ -133,7 +132,7 @@ impl MapDrawing<'_> {
                 })
                 .collect();
             let sheet = MapPanels { title, caption, n_cols, n_rows, cell_m, maps: &maps, surface_m, others_name };
-            return render::draw_map_panels(&sheet, &form, provenance).map_err(undrawable);
+            return drawn(render::draw_map_panels(&sheet, &form, provenance));
         }
         let picture = MapPicture {
             title,
@@ -148,7 +147,7 @@ impl MapDrawing<'_> {
             others_name,
             counts: self.counts,
         };
-        render::draw_map(&picture, &form, provenance).map_err(undrawable)
+        drawn(render::draw_map(&picture, &form, provenance))
     }
 
     /// The layer that is drawn: the first that was asked for.
@@ -180,7 +179,7 @@ impl MapDrawing<'_> {
     /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.
     fn window_in_range(&self) -> CellWindow {
         let grid = self.of.scene.field.grid();
-        let Some(radius) = self.of.report.radius_m.map(|r| self.of.scene.crs_units(r) * 1.1) else {
+        let Some(radius) = self.of.report.sight.radius_on(grid).map(|r| r * 1.1) else {
             return grid.window();
         };
         // Rows count from the north, positions from the south.
@@ -286,7 +285,7 @@ impl MapDrawing<'_> {
     }
 
     fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
-        let in_range = if self.of.report.radius_m.is_some() { " in range" } else { "" };
+        let in_range = if self.of.report.sight.radius_m().is_some() { " in range" } else { "" };
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
                 "P_LoS = {p:.4} ({} of {} {receivers_name}{in_range})",
@@ -301,7 +300,7 @@ impl MapDrawing<'_> {
             lines.push(format!(
                 "UAV {}: {} at {}, {}",
                 s.id,
-                height_words(s),
+                s.height_words(),
                 s.position().in_words(),
                 share(&s.tally)
             ));
@@ -318,13 +317,12 @@ impl MapDrawing<'_> {
         {
             lines.push(stability.in_words());
         }
-        let heights = (self.of.report.rx_height_m, self.of.report.radius_m);
         let facts = &self.of.report.facts;
-        lines.push(setting_line_on(&facts.grid, &self.of.scene, self.of.receivers, heights, facts.method));
+        lines.push(self.of.report.sight.in_words(&facts.grid, &self.of.scene, facts.method));
         lines.extend(self.of.scene.limits_in_words());
         lines.extend(self.note.clone());
         lines.extend(self.of.report.tolerance.as_ref().map(tolerance_in_words));
-        lines.extend(self.words.credit(self.of.scene.attribution.as_ref()));
+        lines.extend(self.look.credit(self.of.scene.attribution.as_ref()));
         lines
     }
 }
@@ -332,12 +330,4 @@ impl MapDrawing<'_> {
 /// The height that heights are told above \[m above the datum\], and what it is.
 fn ground_below(uav: &Uav) -> (f64, &'static str) {
     uav.height_agl_m.map_or((0.0, "the datum"), |agl| (uav.height_amsl_m() - agl, "ground"))
-}
-
-/// The height of a UAV in words.
-pub(crate) fn height_words(site: &SiteFacts) -> String {
-    match site.height_agl_m {
-        Some(agl) => format!("{} m above ground", tidy(agl)),
-        None => format!("{} m above the datum", tidy(site.height_amsl_m)),
-    }
 }

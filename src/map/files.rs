@@ -4,29 +4,24 @@ use std::path::{Path, PathBuf};
 
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
-use super::receivers::cell_names;
+use super::kml::{KmlOverlay, kml};
+use super::report::{MapReport, MaskDigest};
 use super::save::{PolygonClasses, SaveOptions, no_crs};
+use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_polygons};
 use crate::crs::wkt_of;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Warning};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, as_text, bare_name,
-    encode_kmz, encode_table, with_suffix,
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name, encode_kmz,
+    with_suffix,
 };
 use crate::formats::{LonLatGrid, TiffLayout, world_file};
-use crate::picture::undrawable;
+use crate::picture::{Look, drawn, picture_provenance, program};
 use crate::progress::Progress;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
 use crate::render;
-use crate::report::{KmlOverlay, MapReport, digest, kml};
-use crate::words::{picture_provenance, pretty};
-
-/// The table of a map; as text where a spreadsheet would run its cells.
-pub(crate) fn table(report: &MapReport, is_text: bool) -> Result<Vec<u8>> {
-    let rows = report.table();
-    encode_table(&if is_text { as_text(&rows) } else { rows })
-}
+use crate::words::{p_los_words, pretty};
 
 /// Everything that outputs are made from.
 pub(crate) struct Writer<'a> {
@@ -34,9 +29,20 @@ pub(crate) struct Writer<'a> {
     pub(crate) options: &'a SaveOptions,
 }
 
-impl Writer<'_> {
-    /// Adds the files of one output to a batch.
-    pub(crate) fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
+impl Answer for Writer<'_> {
+    fn document(&self, spent: Option<Spent>) -> serde_json::Value {
+        self.of.report.document(spent.map(|spent| self.of.scene.timing.with(spent)))
+    }
+
+    fn table(&self) -> Rows {
+        self.of.report.table()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.of.report.facts.warnings
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         match format {
             Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => {
                 let provenance = self.of.report.document(None).to_string();
@@ -54,6 +60,7 @@ impl Writer<'_> {
             Format::GeoJson if self.options.polygons.is_some() => {
                 batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())
             }
+            Format::GeoJson => batch.add(path, pretty(&self.of.report.geojson()).as_bytes()),
             Format::FlatGeobuf => {
                 let file = PolygonFile {
                     georef: self.of.scene.field.grid(),
@@ -63,29 +70,19 @@ impl Writer<'_> {
                 };
                 add_flatgeobuf(batch, &file, path)
             }
-            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes)),
-        }
-    }
-
-    /// The files of an output that is no raster of values.
-    fn encode(&self, path: &Path, format: Format) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let one = |bytes: Vec<u8>| Ok(vec![(path.to_path_buf(), bytes)]);
-        match format {
-            Format::Png if self.options.bare => self.bare(path),
-            Format::Png | Format::Svg | Format::Pdf => one(self.picture(format)?),
-            // The time of writing is not known before the file is written.
-            Format::Json => one(pretty(&self.of.report.document(Some(self.of.scene.timing))).into_bytes()),
-            Format::GeoJson => one(pretty(&self.of.report.geojson()).into_bytes()),
-            Format::Csv => {
-                let bytes = table(&self.of.report, self.options.csv_text)?;
-                let sidecar = with_suffix(path, ".json");
-                Ok(vec![(path.to_path_buf(), bytes), (sidecar, pretty(&self.of.report.document(None)).into_bytes())])
+            Format::Png if self.options.bare => {
+                self.bare(path)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
             }
-            _ => Ok(Vec::new()),
+            _ => {
+                let drawing = MapDrawing { of: self.of, look, counts: None, note: None };
+                batch.add(path, &drawing.draw(format, &self.provenance_words())?)
+            }
         }
     }
+}
 
-    fn provenance(&self) -> [(String, String); 2] {
+impl Writer<'_> {
+    fn provenance_words(&self) -> [(String, String); 2] {
         picture_provenance(&self.of.report.document(None))
     }
 
@@ -99,7 +96,7 @@ impl Writer<'_> {
             files.push((with_suffix(path, ".json"), format!("{document}\n").into_bytes()));
             files
         };
-        let software = || ("Software".to_string(), format!("skyshed {}", env!("CARGO_PKG_VERSION")));
+        let software = || ("Software".to_string(), program());
         let all = document(&self.of.report);
         let provenance = [software(), ("skyshed".to_string(), all.clone())];
         let mut files = Vec::new();
@@ -107,28 +104,23 @@ impl Writer<'_> {
             let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
             let (count, union) = self.of.overlay.as_ref().map_or((&[][..], &[][..]), |o| (o.count(), o.union()));
             let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), count, union, n_sites, &provenance);
-            files.push((path.to_path_buf(), png.map_err(undrawable)?));
+            files.push((path.to_path_buf(), drawn(png)?));
             files.extend(beside(path, &all));
             for (site, facts) in self.of.sites.iter().zip(&self.of.report.sites) {
                 // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
-                let own = document(&self.of.report.of_site(facts, digest(grid, std::iter::once(site.mask.as_slice()))));
+                let own = document(&self.of.report.of_site(facts, MaskDigest::of(grid, std::iter::once(site.mask.as_slice()))));
                 let path = bare_name(path, &site.uav.id);
                 let provenance = [software(), ("skyshed".to_string(), own.clone())];
                 let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &site.mask, &provenance);
-                files.push((path.clone(), png.map_err(undrawable)?));
+                files.push((path.clone(), drawn(png)?));
                 files.extend(beside(&path, &own));
             }
             return Ok(files);
         };
-        let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &only.mask, &provenance).map_err(undrawable)?;
+        let png = drawn(render::draw_bare(grid.n_cols(), grid.n_rows(), &only.mask, &provenance))?;
         files.push((path.to_path_buf(), png));
         files.extend(beside(path, &all));
         Ok(files)
-    }
-
-    fn picture(&self, format: Format) -> Result<Vec<u8>> {
-        let drawing = MapDrawing { of: self.of, words: &self.options.words, counts: None, note: None };
-        drawing.draw(format, &self.provenance())
     }
 
     /// The polygons that were asked for.
@@ -151,7 +143,7 @@ impl Writer<'_> {
         );
         let sites = self.of.sites.iter().zip(&self.of.report.sites);
         shown.extend(sites.map(|(site, facts)| (format!("Seen by UAV {}", site.uav.id), &*site.mask, facts.tally)));
-        let provenance = self.provenance();
+        let provenance = self.provenance_words();
         let mut overlays = Vec::new();
         let mut pictures = Vec::new();
         for (k, (name, mask, tally)) in shown.iter().enumerate() {
@@ -159,8 +151,8 @@ impl Writer<'_> {
             // Buildings are left to the globe.
             let mask: Vec<u8> = mask.iter().map(|c| if *c > class::LOS { class::NODATA } else { *c }).collect();
             let (n_cols, n_rows) = (degrees.georef().n_cols(), degrees.georef().n_rows());
-            let png = render::draw_bare(n_cols, n_rows, &mask, &provenance).map_err(undrawable)?;
-            let share = tally.p_los().map_or_else(|| "undefined".to_string(), |p| format!("{p:.4}"));
+            let png = drawn(render::draw_bare(n_cols, n_rows, &mask, &provenance))?;
+            let share = p_los_words(tally.p_los());
             let file = format!("overlay-{}.png", k + 1);
             overlays.push(KmlOverlay {
                 name: format!("{name}: P_LoS {share}"),
@@ -174,17 +166,17 @@ impl Writer<'_> {
             [only] => format!("of UAV {}", only.uav.id),
             _ => "of at least one UAV, or of the one whose overlay is shown".to_string(),
         };
-        let (receivers, _) = cell_names(self.of.receivers, &self.of.scene.field);
-        let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.of.report.rx_height_m));
-        pictures
-            .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
+        let sight = &self.of.report.sight;
+        let (receivers, _) = sight.receivers().cell_names(&self.of.scene.field);
+        let receivers = format!("Receivers: {receivers}, {} m high", tidy(sight.rx_height_m()));
+        pictures.push((LEGEND.into(), drawn(render::draw_overlay_legend(&uavs, &receivers, &provenance))?));
         encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)
     }
 }
 
 /// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
 pub(crate) fn written_at_once<'a>(
-    outputs: &'a [(PathBuf, Format)],
+    outputs: &'a [Output],
     layers: &[Layer],
     options: &SaveOptions,
 ) -> Option<&'a Path> {

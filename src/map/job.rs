@@ -9,20 +9,22 @@ use super::curve::{CurvePlan, Curves};
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::plan::{Held, MapPlan};
+use super::report::MapReport;
 use super::save::SaveOptions;
 use super::strips::{StripsRun, reason_for_strips};
 use super::tolerance::in_words as tolerance_in_words;
+use crate::answer::{Answer, Output, Rows, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
+use crate::picture::Look;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
-use crate::report::{MapReport, Timing};
 use crate::scene::{Scene, SceneOptions};
 use crate::uav::{UavsAsked, UavsFound};
-use crate::words::idle_in_words;
+use crate::words::{idle_in_words, p_los_words};
 
 /// What is asked of which scene, for which UAVs, into which files.
 #[derive(Debug, Clone)]
@@ -80,22 +82,44 @@ pub(crate) struct Done {
     pub(crate) why: &'static str,
     pub(crate) curves: Option<Curves>,
     pub(crate) written: Vec<PathBuf>,
+    /// All that was odd.
+    pub(crate) warnings: Vec<Warning>,
 }
 
 impl Done {
-    /// All that was odd.
-    pub(crate) fn warnings(&self) -> Vec<Warning> {
-        let of_curves = self.curves.as_ref().map_or(&[][..], Curves::warnings);
-        [&self.report.facts.warnings, of_curves].concat()
+    pub(super) fn of(
+        report: MapReport,
+        timing: Timing,
+        why: &'static str,
+        curves: Option<Curves>,
+        written: Vec<PathBuf>,
+    ) -> Done {
+        let of_curves = curves.as_ref().map_or(&[][..], |curves| curves.warnings());
+        let warnings = [&report.facts.warnings, of_curves].concat();
+        Done { report, timing, why, curves, written, warnings }
+    }
+}
+
+/// What is told of a map whose files are there.
+impl Answer for Done {
+    fn document(&self, _: Option<Spent>) -> serde_json::Value {
+        self.report.document(Some(self.timing))
     }
 
-    /// What was found, and how.
-    pub(crate) fn in_words(&self) -> Vec<String> {
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    fn notes(&self, spent: Spent) -> Vec<String> {
         let report = &self.report;
         let dropped = report.idle.iter().filter(|idle| idle.dropped() > 0).map(idle_in_words);
         let mut notes: Vec<String> = dropped.chain(report.tolerance.iter().map(tolerance_in_words)).collect();
         notes.extend(report.sites.iter().map(|site| {
-            let share = site.tally.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
+            let share = p_los_words(site.tally.p_los());
             format!("UAV {}: P_LoS {share}, {} of {} receivers", site.id, site.tally.los, site.tally.receivers)
         }));
         notes.push(format!(
@@ -106,7 +130,12 @@ impl Done {
             self.timing.los,
             self.timing.total
         ));
+        notes.extend(self.curves.iter().flat_map(|curves| curves.notes(spent)));
         notes
+    }
+
+    fn add(&self, _: &mut Batch, _: &Path, _: Format, _: &Look) -> Result<()> {
+        Ok(())
     }
 }
 
@@ -137,14 +166,13 @@ impl MapJob {
         let (uav_id, n_sites) =
             (found.sites.first().map(|site| site.id.clone()).unwrap_or_default(), found.sites.len());
 
-        let has_zones = |(_, format): &(PathBuf, Format)| {
-            matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
-        };
+        let has_zones =
+            |(_, format): &Output| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
         let tells_zones = self.is_told
             || outputs.iter().any(has_zones)
             || curve_outputs.iter().any(|(_, format)| *format == Format::Json);
-        let prepared = MapPlan { tells_zones, ..self.plan.clone() }.prepare(scene, found, whole)?;
-        let is_by_zone = tells_zones || self.plan.receivers.zone().is_some();
+        let prepared = MapPlan { tells_zones, ..self.plan.clone() }.prepare(scene, &found, whole)?;
+        let is_by_zone = tells_zones || self.plan.sight.receivers().zone().is_some();
         let direct = written_at_once(&outputs, &self.plan.layers, &self.save)
             .filter(|_| n_sites == 1 && !is_by_zone && !self.curve.is_wanted());
         let shows_masks = |format: Format| {
@@ -174,7 +202,8 @@ impl MapJob {
         (map.report.facts.command, map.report.facts.unit) = (self.command.clone(), unit);
         let curves = self.curve.make(&map, progress)?;
         let before_write = Instant::now();
-        map.scene.timing.total = start.elapsed().as_secs_f64();
+        // The time of writing is not known before the files are written.
+        let (look, spent) = (&self.save.look, Spent { write: 0.0, total: start.elapsed().as_secs_f64() });
         (progress.begin_writing)();
         match file {
             Some(strips) => {
@@ -184,19 +213,16 @@ impl MapJob {
             }
             None => {
                 let writer = Writer { of: &map, options: &self.save };
-                outputs.iter().try_for_each(|(path, format)| writer.add(&mut batch, path, *format))?;
+                add_outputs(&writer, &mut batch, &outputs, (look, spent))?;
             }
         }
-        for (path, format) in &curve_outputs {
-            let encode = |curves: &Curves| curves.encode(&map.scene, (path, *format), &self.save);
-            for (file, bytes) in curves.iter().map(encode).collect::<Result<Vec<_>>>()?.concat() {
-                batch.add(&file, &bytes)?;
-            }
+        if let Some(curves) = &curves {
+            add_outputs(curves, &mut batch, &curve_outputs, (look, spent))?;
         }
         let written = batch.commit()?;
         let write = before_write.elapsed().as_secs_f64();
         let timing = Timing { write, total: start.elapsed().as_secs_f64(), ..map.scene.timing };
-        Ok(Done { report: map.report, timing, why: map.why, curves, written })
+        Ok(Done::of(map.report, timing, map.why, curves, written))
     }
 
     /// The path of a scene that is a file.
@@ -205,18 +231,18 @@ impl MapJob {
     }
 
     /// The files of the map and those of its curves with their formats, checked before any work.
-    fn checked_outputs(&self) -> Result<(Vec<(PathBuf, Format)>, Vec<(PathBuf, Format)>)> {
+    fn checked_outputs(&self) -> Result<(Vec<Output>, Vec<Output>)> {
         let inputs: Vec<PathBuf> = self.inputs.iter().chain(&self.uavs.table).cloned().collect();
         let (overwrite, bare) = (self.save.overwrite, self.save.bare);
         let rules = OutputRules { allowed: &super::FORMATS, inputs: &inputs, overwrite, bare };
         let outputs = check_outputs(&self.outputs, rules)?;
         let curve_outputs = self.curve.checked(&self.outputs, rules)?;
-        self.save.check_formats(&outputs, &curve_outputs)?;
+        self.save.check_formats(&outputs)?;
         Ok((outputs, curve_outputs))
     }
 
     /// Refuses what the files cannot be for these UAVs of this scene.
-    fn check_of_sites(&self, scene: &Scene, sites: &[GivenSite], outputs: &[(PathBuf, Format)]) -> Result<()> {
+    fn check_of_sites(&self, scene: &Scene, sites: &[GivenSite], outputs: &[Output]) -> Result<()> {
         if self.save.bare {
             check_bare_names(sites, outputs, self.save.overwrite)?;
         }
@@ -229,7 +255,7 @@ impl MapJob {
 }
 
 /// Refuses bare pictures of several sites that would share a name or replace a file, before any work.
-fn check_bare_names(sites: &[GivenSite], outputs: &[(PathBuf, Format)], overwrite: bool) -> Result<()> {
+fn check_bare_names(sites: &[GivenSite], outputs: &[Output], overwrite: bool) -> Result<()> {
     let mut names = std::collections::HashMap::new();
     for (path, _) in outputs.iter().filter(|(_, f)| *f == Format::Png && sites.len() > 1) {
         for site in sites {
@@ -250,7 +276,7 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[(PathBuf, Format)], overwrit
 }
 
 /// What the largest of the outputs takes for each cell while it is made, of maps of `n_sites` UAVs.
-pub(super) fn encoding_bytes_per_cell(outputs: &[(PathBuf, Format)], layers: &[Layer], n_sites: usize) -> usize {
+pub(super) fn encoding_bytes_per_cell(outputs: &[Output], layers: &[Layer], n_sites: usize) -> usize {
     /// Of a picture: heights, relief, colors.
     const PICTURE: usize = 9;
     /// Of the layers that hold all UAVs together.

@@ -3,31 +3,32 @@
 mod classes;
 mod coverages;
 mod curve;
+mod curve_report;
 mod drawing;
-mod expected;
 mod files;
 mod job;
+mod kml;
 mod plan;
-mod receivers;
+mod report;
 mod request;
 mod save;
 mod sites;
+mod stability;
 mod strips;
 mod tolerance;
 
 pub use coverages::{Coverage, Coverages};
 pub(crate) use curve::CurvePlan;
-pub(crate) use drawing::{MapDrawing, height_words};
-pub(crate) use expected::Expected;
-pub(crate) use files::table as file_table;
+pub(crate) use curve_report::HeightCurveDocument;
+pub(crate) use drawing::MapDrawing;
 pub(crate) use job::{Done, Given, MapJob};
-pub(crate) use plan::{Held, MapPlan, checked_radius, receiver_height};
-pub use receivers::Receivers;
-pub(crate) use receivers::{Asked, cell_names, check_receivers, setting_line};
+pub(crate) use plan::{Held, MapPlan};
+pub use report::SiteFacts;
+pub(crate) use report::{IdleDocument, MapDocument, MapReport, MaskDigest};
 pub use request::CoverageRequest;
 pub use save::{PolygonClasses, SaveOptions};
 pub(crate) use sites::{Outcome, SITE, SiteRuns};
-pub(crate) use tolerance::check_tolerance;
+pub(crate) use tolerance::{FormDocument, check_tolerance};
 
 use crate::export::Format;
 

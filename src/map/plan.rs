@@ -3,55 +3,30 @@
 use std::time::Instant;
 
 use super::coverages::Coverages;
-use super::expected::Expected;
-use super::receivers::{Asked, Receivers, check_receivers, warn_of_no_receivers};
-use super::tolerance::{check_tolerance, simplify};
+use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
+use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
 use crate::coverage::{HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Uav, maps_at_once};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::expected::Expected;
 use crate::export::Layer;
-use crate::height_field::HeightField;
-use crate::los::{Method, MethodChoice};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
-use crate::quantity::height_steps;
 use crate::raster::GeoRef;
-use crate::report::{MapReport, MaskDigest, SiteFacts, ToleranceFacts, zone_tallies};
 use crate::scene::Scene;
-use crate::scene::limits::warn_of_flat_earth;
-use crate::scene::outside::{place_uav, warn_of_uavs_outside};
+use crate::sight::{Sight, warn_of_no_receivers};
 use crate::uav::UavsFound;
 use crate::zones::ZoneMap;
 
 /// What is asked of a map, with all defaults filled in.
 #[derive(Debug, Clone)]
 pub(crate) struct MapPlan {
-    /// Which cells hold receivers.
-    pub(crate) receivers: Receivers,
-    /// Their height above ground or roof \[m\].
-    pub(crate) rx_height_m: f64,
-    /// Range \[m\], if it is limited.
-    pub(crate) radius_m: Option<f64>,
-    pub(crate) method: MethodChoice,
+    /// For whom it is.
+    pub(crate) sight: Sight,
     pub(crate) layers: Vec<Layer>,
     /// How far P_LoS may be off.
     pub(crate) tolerance: Option<f64>,
     /// Whether counts are told by zone.
     pub(crate) tells_zones: bool,
-}
-
-impl Default for MapPlan {
-    /// Receivers 1.5 m above open ground at any distance, by the fastest exact engine; the mask alone.
-    fn default() -> Self {
-        MapPlan {
-            receivers: Receivers::Ground,
-            rx_height_m: 1.5,
-            radius_m: None,
-            method: MethodChoice::Auto,
-            layers: vec![Layer::Los],
-            tolerance: None,
-            tells_zones: false,
-        }
-    }
 }
 
 /// How much of a run of many UAVs is held, beside the counts.
@@ -76,67 +51,33 @@ impl MapPlan {
         }
     }
 
-    /// The receivers' height on the lattice \[1/1024 m\].
-    ///
-    /// # Errors
-    /// E113 for a height out of range.
-    pub(crate) fn rx_height(&self) -> Result<i32> {
-        receiver_height(self.rx_height_m)
-    }
-
     /// Checks the numbers, before any work.
     ///
     /// # Errors
     /// E113, E116.
     pub(crate) fn check(&self) -> Result<()> {
-        self.rx_height()?;
-        checked_radius(self.radius_m)?;
-        check_tolerance(self.tolerance, self.method)
+        check_tolerance(self.tolerance, self.sight.method())
     }
 
     /// Makes all ready but the engine. `whole` is the grid that the scene is a part of.
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E113, E116, E117 for what cannot be asked; those of a tolerance.
-    pub(crate) fn prepare(self, mut scene: Scene, found: UavsFound, whole: Option<&GeoRef>) -> Result<Prepared> {
+    pub(crate) fn prepare(self, mut scene: Scene, found: &UavsFound, whole: Option<&GeoRef>) -> Result<Prepared> {
         self.check()?;
-        let rx_height = self.rx_height()?;
-        let UavsFound { sites, sources, warnings } = found;
-        scene.sources.extend(sources);
-        scene.warnings.extend(warnings);
-        let whole = whole.unwrap_or(scene.grid()).clone();
-        warn_of_uavs_outside(&sites, &whole, &mut scene.warnings);
         let began = Instant::now();
-        let radius = self.radius_m.map(|r| scene.crs_units(r));
-        let place = |site| place_uav(site, &scene.field, &whole, radius);
-        let mut uavs: Vec<Uav> = sites.iter().map(|site| place(&site.site)).collect::<Result<_>>()?;
-        check_receivers(self.receivers, &scene.field)?;
-        let asked = Asked { receivers: self.receivers, rx_height, radius, method: self.method };
+        let mut uavs = scene.place(found, whole, &self.sight)?;
         let tolerance = match self.tolerance {
-            Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &asked, tolerance)?),
+            Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &self.sight, tolerance)?),
             None => None,
         };
         // Zones cost as much as a map: they are found where they are told, or hold the receivers.
-        let zones = if self.tells_zones || self.receivers.zone().is_some() { scene.zones() } else { None };
-        warn_of_flat_earth(&uavs, scene.field.grid(), radius, &mut scene.warnings);
-        let options = MapOptions { layers: self.height_layers(), ..asked.options(scene.grid(), zones.as_ref()) };
-        let lonlats = sites.iter().map(|site| site.lonlat).collect();
+        let needs_zones = self.tells_zones || self.sight.receivers().zone().is_some();
+        let zones = if needs_zones { scene.zones() } else { None };
+        let options = self.sight.options(scene.grid(), zones.as_ref());
+        let options = MapOptions { layers: self.height_layers(), ..options };
+        let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
         Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, began })
-    }
-}
-
-/// A receiver height on the lattice.
-pub(crate) fn receiver_height(meters: f64) -> Result<i32> {
-    height_steps(meters)
-        .filter(|h| *h >= 0)
-        .ok_or_else(|| Error::usage(113, format!("`--rx-height` is `{meters}`, wanted 0 m to 32768 m")))
-}
-
-/// A range in meters: above zero.
-pub(crate) fn checked_radius(radius: Option<f64>) -> Result<Option<f64>> {
-    match radius {
-        Some(r) if r <= 0.0 => Err(Error::usage(113, format!("`--radius` is `{r}`, wanted above 0 m"))),
-        other => Ok(other),
     }
 }
 
@@ -188,7 +129,7 @@ impl Prepared {
         let mut mapper = Mapper::new(&field, &options)?;
         let idle = mapper.drop_idle(&uavs);
         let (method, why) = mapper.method();
-        let expected = expected((&field, method), plan.radius_m, (uavs.len(), n_measures), bytes_per_cell);
+        let expected = Expected::over(&field, method, options.radius, (uavs.len(), n_measures), bytes_per_cell);
         expected.words().iter().for_each(|words| (progress.note)(words));
         scene.timing.build += began.elapsed().as_secs_f64();
         let before_los = Instant::now();
@@ -210,10 +151,8 @@ impl Prepared {
         let only = facts.first().filter(|_| overlay.is_none());
         let of_union = |zones: &ZoneMap| overlay.as_ref().map(|overlay| zone_tallies(zones, overlay.union()));
         let report = MapReport {
-            facts: scene.facts(Vec::new(), Some(method)),
-            rx_height_m: plan.rx_height_m,
-            receivers: plan.receivers.name(),
-            radius_m: plan.radius_m,
+            facts: scene.facts(Some(method)),
+            sight: plan.sight,
             union_zones: only.map_or_else(|| zones.as_ref().and_then(of_union), |only| only.zones),
             union: match (only, &overlay) {
                 (Some(only), _) => only.tally,
@@ -225,22 +164,6 @@ impl Prepared {
             digest: digest.finish(),
         };
         drop(mapper);
-        let (layers, receivers) = (plan.layers, plan.receivers);
-        Ok(Coverages { scene, sites, overlay, layers, receivers, report, why, options })
+        Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options })
     }
-}
-
-/// What a map will take.
-fn expected(
-    (field, method): (&HeightField, Method),
-    radius_m: Option<f64>,
-    numbers: (usize, usize),
-    bytes_per_cell: usize,
-) -> Expected {
-    let grid = field.grid();
-    let radius = radius_m.map_or(f64::INFINITY, |r| r / grid.meters_per_unit());
-    let disc = std::f64::consts::PI * radius * radius;
-    #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-    let n_in_range = (disc / (grid.cell_width() * grid.cell_height())).min(grid.n_cells() as f64);
-    Expected::of((method, rayon::current_num_threads()), (grid.n_cells(), n_in_range), numbers, bytes_per_cell)
 }

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::coverages::{Coverage, Coverages};
 use super::plan::{Held, MapPlan};
-use super::receivers::Receivers;
+use crate::coverage::SiteCoverage;
 use crate::error::Result;
 use crate::export::Layer;
 use crate::los::MethodChoice;
 use crate::progress::Progress;
 use crate::scene::Scene;
+use crate::sight::{AskedSight, Receivers};
 use crate::uav::{Uav, UavsFound};
 
 impl Scene {
@@ -42,7 +43,10 @@ impl Scene {
 pub struct CoverageRequest<Answer> {
     scene: Scene,
     uavs: Vec<Uav>,
-    plan: MapPlan,
+    asked: AskedSight,
+    layers: Vec<Layer>,
+    tolerance: Option<f64>,
+    tells_zones: bool,
     keeps_masks: bool,
     progress: Arc<Progress>,
     answer: PhantomData<fn() -> Answer>,
@@ -53,7 +57,10 @@ impl<Answer> CoverageRequest<Answer> {
         CoverageRequest {
             scene: scene.clone(),
             uavs,
-            plan: MapPlan::default(),
+            asked: AskedSight::default(),
+            layers: vec![Layer::Los],
+            tolerance: None,
+            tells_zones: false,
             keeps_masks: false,
             progress: Arc::default(),
             answer: PhantomData,
@@ -62,44 +69,44 @@ impl<Answer> CoverageRequest<Answer> {
 
     /// The largest horizontal distance from a UAV to a receiver \[m\]; unlimited.
     pub fn radius_m(mut self, radius_m: f64) -> Self {
-        self.plan.radius_m = Some(radius_m);
+        self.asked.radius_m = Some(radius_m);
         self
     }
 
     /// The height of the receivers above ground or roof \[m\]; 1.5.
     pub fn receiver_height_m(mut self, height_m: f64) -> Self {
-        self.plan.rx_height_m = height_m;
+        self.asked.rx_height_m = height_m;
         self
     }
 
     /// Which cells hold receivers; open ground.
     pub fn receivers(mut self, receivers: Receivers) -> Self {
-        self.plan.receivers = receivers;
+        self.asked.receivers = receivers;
         self
     }
 
     /// The layers to make; line of sight alone. Pictures show the first.
     pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
-        self.plan.layers = layers.into_iter().collect();
+        self.layers = layers.into_iter().collect();
         self
     }
 
     /// The engine; the fastest exact one for the scene.
     pub fn method(mut self, method: MethodChoice) -> Self {
-        self.plan.method = method;
+        self.asked.method = method;
         self
     }
 
     /// How far P_LoS of any UAV may be off, above 0 and below 1: the map is made on the coarsest cells for which that is so
     /// with 99 % confidence.
     pub fn tolerance(mut self, p_los: f64) -> Self {
-        self.plan.tolerance = Some(p_los);
+        self.tolerance = Some(p_los);
         self
     }
 
     /// Counts by zone too, which cost as much as a map.
     pub fn zones(mut self) -> Self {
-        self.plan.tells_zones = true;
+        self.tells_zones = true;
         self
     }
 
@@ -109,10 +116,12 @@ impl<Answer> CoverageRequest<Answer> {
         self
     }
 
-    fn make(self) -> Result<Coverages> {
-        let prepared = self.plan.prepare(self.scene, UavsFound::of(&self.uavs)?, None)?;
+    fn make(self, each: impl FnMut(&SiteCoverage)) -> Result<Coverages> {
+        let CoverageRequest { asked, layers, tolerance, tells_zones, .. } = self;
+        let plan = MapPlan { sight: asked.checked()?, layers, tolerance, tells_zones };
+        let prepared = plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, None)?;
         let held = Held { keeps_masks: self.keeps_masks, ..Held::default() };
-        prepared.run(held, &self.progress, |_| {}, |_| {})
+        prepared.run(held, &self.progress, |_| {}, each)
     }
 }
 
@@ -124,7 +133,7 @@ impl CoverageRequest<Coverage> {
     /// numbers out of range; E118 if the method cannot decide the scene; E501 if the map does not fit in memory.
     pub fn run(mut self) -> Result<Coverage> {
         self.keeps_masks = true;
-        self.make().map(Coverage)
+        self.make(|_| {}).map(Coverage)
     }
 }
 
@@ -140,7 +149,7 @@ impl CoverageRequest<Coverages> {
     /// # Errors
     /// As that of one UAV; E207 if two UAVs have one name.
     pub fn run(self) -> Result<Coverages> {
-        self.make()
+        self.make(|_| {})
     }
 
     /// Makes the maps and hands over each UAV's mask as it is made, with the UAV's index; none is kept.
@@ -148,16 +157,10 @@ impl CoverageRequest<Coverages> {
     /// # Errors
     /// As [`CoverageRequest::run`].
     pub fn run_each(self, mut each: impl FnMut(usize, &[u8])) -> Result<Coverages> {
-        let prepared = self.plan.prepare(self.scene, UavsFound::of(&self.uavs)?, None)?;
         let mut k = 0;
-        prepared.run(
-            Held::default(),
-            &self.progress,
-            |_| {},
-            |site| {
-                each(k, &site.mask);
-                k += 1;
-            },
-        )
+        self.make(|site| {
+            each(k, &site.mask);
+            k += 1;
+        })
     }
 }

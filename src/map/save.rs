@@ -1,25 +1,24 @@
 //! In which form a map is written.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::ValueEnum;
-
+use crate::answer::Output;
 use crate::coverage::class;
 use crate::error::{Error, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::formats::TiffLayout;
-use crate::picture::PictureWords;
+use crate::picture::Look;
 use crate::quantity::counted;
 use crate::scene::Scene;
 
 /// Which cells become polygons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PolygonClasses {
-    /// Cells in line of sight
+    /// Cells in line of sight.
     Los,
-    /// Receivers that are not
+    /// Receivers that are not.
     Nlos,
-    /// Both
+    /// Both.
     All,
 }
 
@@ -43,8 +42,7 @@ pub struct SaveOptions {
     pub(crate) mask_values: MaskValues,
     pub(crate) polygons: Option<PolygonClasses>,
     pub(crate) simplify_m: Option<f64>,
-    pub(crate) csv_text: bool,
-    pub(crate) words: PictureWords,
+    pub(crate) look: Look,
 }
 
 impl SaveOptions {
@@ -69,14 +67,14 @@ impl SaveOptions {
     /// The title of pictures.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.words.title = Some(title.into());
+        self.look.title = Some(title.into());
         self
     }
 
     /// The width of pictures, 100 to 10000 \[px\].
     #[must_use]
     pub fn width_px(mut self, width: u32) -> Self {
-        self.words.size.width = Some(width);
+        self.look.width_px = Some(width);
         self
     }
 
@@ -84,7 +82,7 @@ impl SaveOptions {
     ///
     /// # Errors
     /// E116.
-    pub(crate) fn check_formats(&self, outputs: &[(PathBuf, Format)], curves: &[(PathBuf, Format)]) -> Result<()> {
+    pub(crate) fn check_formats(&self, outputs: &[Output]) -> Result<()> {
         let has = |wanted: Format| outputs.iter().any(|(_, format)| *format == wanted);
         if self.bare && !has(Format::Png) {
             return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
@@ -92,17 +90,14 @@ impl SaveOptions {
         if self.tif_layout.is_some() && !has(Format::GeoTiff) {
             return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
         }
-        // A pixel of a bare file is a cell: it has neither words nor a size.
-        let is_drawn = |(_, format): &&(PathBuf, Format)| !(self.bare && *format == Format::Png);
-        let files: Vec<_> = outputs.iter().filter(is_drawn).chain(curves).cloned().collect();
-        self.words.refuse_without_picture(&files)
+        Ok(())
     }
 
     /// Refuses what the outputs and their forms cannot be, once the scene is known and before any map is made.
     ///
     /// # Errors
     /// E109, E113, E116.
-    pub(crate) fn check(&self, scene: &Scene, outputs: &[(PathBuf, Format)]) -> Result<()> {
+    pub(crate) fn check(&self, scene: &Scene, outputs: &[Output]) -> Result<()> {
         let has = |wanted: &[Format]| outputs.iter().any(|(_, format)| wanted.contains(format));
         let has_no_meaning = |flag: &str, wanted: &str| {
             Err(Error::usage(116, format!("`{flag}` has no meaning without a {wanted} output")))

@@ -13,6 +13,7 @@ use super::curve::CurvePlan;
 use super::job::{Done, Given, GivenScene, MapJob};
 use super::save::SaveOptions;
 use super::strips::{check_strips, on_disk, reason_for_strips};
+use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
@@ -23,7 +24,6 @@ use crate::os_words::split;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::read::{StreamedSurface, SurfaceOptions, read_surface, source_of, surface_grid};
-use crate::report::digest_words;
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::UavsFound;
 
@@ -175,7 +175,7 @@ impl<'a> SiteRuns<'a> {
     fn scenes(&self) -> Result<SiteScenes> {
         let job = self.job;
         let mut warnings = Vec::new();
-        if job.plan.radius_m.is_some() && is_raster_scene(&job.word) && job.scene.project.is_none() {
+        if job.plan.sight.radius_m().is_some() && is_raster_scene(&job.word) && job.scene.project.is_none() {
             if job.strips {
                 let text =
                     "`--strips` has no meaning with `--radius` and a file for each UAV: only what is in range is read";
@@ -258,7 +258,7 @@ impl<'a> SiteRuns<'a> {
     fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Scene> {
         let start = Instant::now();
         let job = self.job;
-        let radius = job.plan.radius_m.unwrap_or(f64::INFINITY) / grid.meters_per_unit();
+        let radius = job.plan.sight.radius_on(grid).unwrap_or(f64::INFINITY);
         let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
         let window = grid.window_within(around);
         check_memory(&job.word.display(), &grid.part(window), FIELD_BYTES_PER_CELL)?;

@@ -1,31 +1,32 @@
 //! A map of a raster that does not fit in memory: the same numbers, strip by strip.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
-use super::files::table;
 use super::job::{Done, MapJob, encoding_bytes_per_cell};
-use super::receivers::{Asked, Receivers, check_surface_receivers, warn_of_no_receivers};
+use super::report::{MapReport, MaskDigest, SiteFacts};
+use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{Error, Result, Warning};
-use crate::export::{Batch, Format, Layer, add_mask_geotiff, with_suffix};
+use crate::export::{Batch, Format, Layer, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
 use crate::los::{Method, StreamLimits};
 use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, left, memory_words};
+use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
-use crate::report::{MapReport, MaskDigest, RunFacts, SiteFacts, Timing};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_flat_earth;
-use crate::scene::outside::warn_of_uavs_outside;
+use crate::scene::placing::warn_of_uavs_outside;
+use crate::sight::{Receivers, warn_of_no_receivers};
 use crate::uav::UavsFound;
-use crate::words::{picture_provenance, pretty};
+use crate::words::pretty;
 
 /// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
 /// `--max-memory` allows. `None` if it is.
@@ -84,7 +85,7 @@ impl Shown {
 pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
     let scratch = job.scratch.clone().unwrap_or_else(std::env::temp_dir);
     if !scratch.is_dir() {
-        let text = format!("cannot use `--scratch {}`: it is no folder", scratch.display());
+        let text = format!("cannot use {} for a copy of the raster: it is no folder", scratch.display());
         return Err(Error::usage(105, text).with_hint("it holds 4 bytes a cell while the map is made"));
     }
     let options = job.scene.of_raster()?;
@@ -121,7 +122,7 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
         ("--polygons", job.save.polygons.is_some()),
         ("--bare", job.save.bare),
         ("--tif-layout plain", job.save.tif_layout == Some(TiffLayout::Plain)),
-        ("--receivers of a zone", job.plan.receivers.zone().is_some()),
+        ("--receivers of a zone", job.plan.sight.receivers().zone().is_some()),
     ];
     if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
         return refuse(format!("`{flag}` is not at hand"));
@@ -147,8 +148,8 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
         return Err(Error::limit(501, text)
             .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
     }
-    let n_kinds = if job.plan.receivers == Receivers::All { 2 } else { 1 };
-    let n_sets = n_kinds * if job.plan.radius_m.is_some() { 3 } else { 2 };
+    let n_kinds = if job.plan.sight.receivers() == Receivers::All { 2 } else { 1 };
+    let n_sets = n_kinds * if job.plan.sight.radius_m().is_some() { 3 } else { 2 };
     // Cells of a terrain below one of the surface.
     let finer = match terrain_file(job)? {
         Some(terrain) => {
@@ -179,7 +180,7 @@ fn limits(job: &MapJob) -> Result<StreamLimits> {
 /// What was asked for, checked.
 pub(crate) struct StripsRun<'a> {
     pub(crate) job: &'a MapJob,
-    pub(crate) outputs: &'a [(PathBuf, Format)],
+    pub(crate) outputs: &'a [Output],
     pub(crate) start: Instant,
     /// What the run is one of.
     pub(crate) unit: Option<String>,
@@ -205,19 +206,16 @@ impl StripsRun<'_> {
         let (plan, progress) = (&self.job.plan, self.progress);
         let grid = scene.grid();
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
-        let radius = plan.radius_m.map(|m| m / grid.meters_per_unit());
+        let radius = plan.sight.radius_on(grid);
         let found = uavs(grid)?;
         warnings.extend(found.warnings);
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
         let uav = self.uav(scene, &found.sites, radius)?;
-        if scene.base() == WindowedBase::Surface {
-            check_surface_receivers(plan.receivers)?;
-        }
+        plan.sight.receivers().check(scene.base() == WindowedBase::Surface)?;
         warn_of_flat_earth(std::slice::from_ref(&uav), grid, radius, &mut warnings);
 
-        let asked = Asked { receivers: plan.receivers, rx_height: plan.rx_height()?, radius, method: plan.method };
-        let options = asked.options(grid, None);
-        let n_kinds = if plan.receivers == Receivers::All { 2 } else { 1 };
+        let options = plan.sight.options(grid, None);
+        let n_kinds = if plan.sight.receivers() == Receivers::All { 2 } else { 1 };
         progress.begin(grid.n_cells() as u64 * n_kinds);
         let before_los = Instant::now();
         let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
@@ -243,15 +241,12 @@ impl StripsRun<'_> {
                 method: Some(Method::Sweep),
                 scene_name: scene.name.clone(),
                 grid: grid.clone(),
-                meters_per_unit: grid.meters_per_unit(),
                 sources: [scene.sources.clone(), found.sources].concat(),
                 seed: None,
                 warnings,
                 unit: self.unit.clone(),
             },
-            rx_height_m: plan.rx_height_m,
-            receivers: plan.receivers.name(),
-            radius_m: plan.radius_m,
+            sight: plan.sight,
             union_zones: None,
             sites: vec![SiteFacts { lonlat: found.sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
@@ -260,72 +255,19 @@ impl StripsRun<'_> {
             digest: digest.finish(),
         };
         let before_write = Instant::now();
-        timing.total = self.start.elapsed().as_secs_f64();
         (progress.begin_writing)();
         let mut batch = Batch::new(self.job.save.overwrite).asking(progress.check);
-        let document = |timing| pretty(&report.document(timing));
-        for (path, format) in self.outputs {
-            match format {
-                Format::GeoTiff => {
-                    let provenance = report.document(None).to_string();
-                    let of = (grid, uav.id.as_str(), provenance.as_str());
-                    add_mask_geotiff(&mut batch, path, &pyramid, of, mask_values)?;
-                }
-                Format::Csv => {
-                    batch.add(path, &table(&report, self.job.save.csv_text)?)?;
-                    batch.add(&with_suffix(path, ".json"), document(None).as_bytes())?;
-                }
-                Format::Png | Format::Svg | Format::Pdf => {
-                    if let Some(shown) = &shown {
-                        let picture = self.picture(scene, (&report, &coverage), shown, *format)?;
-                        batch.add(path, &picture)?;
-                    }
-                }
-                Format::Json => batch.add(path, document(Some(timing)).as_bytes())?,
-                Format::GeoJson => batch.add(path, pretty(&report.geojson()).as_bytes())?,
-                _ => {}
-            }
-        }
+        let spent = Spent { write: 0.0, total: self.start.elapsed().as_secs_f64() };
+        let files = StripFiles { run: &self, scene, report: &report, timing, coverage: &coverage, pyramid, shown };
+        add_outputs(&files, &mut batch, self.outputs, (&self.job.save.look, spent))?;
         let written = batch.commit()?;
         timing.write = before_write.elapsed().as_secs_f64();
         timing.total = self.start.elapsed().as_secs_f64();
-        Ok(Done { report, timing, why: WHY, curves: None, written })
+        Ok(Done::of(report, timing, WHY, None, written))
     }
 
     fn has_picture(&self) -> bool {
         self.outputs.iter().any(|(_, format)| format.is_picture())
-    }
-
-    /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
-    fn picture(
-        &self,
-        surface: &StreamedSurface,
-        (report, coverage): (&MapReport, &SiteCoverage),
-        shown: &Shown,
-        format: Format,
-    ) -> Result<Vec<u8>> {
-        let factor = shown.factor;
-        let grid = surface.grid().coarser(factor);
-        let field = HeightField::build(&grid, surface.highest(factor)?, &mut Vec::new());
-        let map = Coverages {
-            scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
-            sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],
-            overlay: None,
-            layers: vec![Layer::Los],
-            receivers: self.job.plan.receivers,
-            report: report.clone(),
-            why: WHY,
-            options: MapOptions::default(),
-        };
-        let drawing = MapDrawing {
-            of: &map,
-            words: &self.job.save.words,
-            counts: Some(coverage.tally),
-            note: (factor > 1).then(|| {
-                format!("Drawn smaller: a pixel shows one of {factor} × {factor} cells, the counts are those of all")
-            }),
-        };
-        drawing.draw(format, &picture_provenance(&report.document(None)))
     }
 
     /// The one UAV of the run.
@@ -344,3 +286,65 @@ impl StripsRun<'_> {
 
 /// Why the method of strips was chosen.
 const WHY: &str = "strip by strip";
+
+/// What the files of a map made strip by strip are made from.
+struct StripFiles<'a> {
+    run: &'a StripsRun<'a>,
+    scene: &'a StreamedSurface,
+    report: &'a MapReport,
+    timing: Timing,
+    coverage: &'a SiteCoverage,
+    pyramid: ClassPyramid,
+    shown: Option<Shown>,
+}
+
+impl Answer for StripFiles<'_> {
+    fn document(&self, spent: Option<Spent>) -> serde_json::Value {
+        self.report.document(spent.map(|spent| self.timing.with(spent)))
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        match (format, &self.shown) {
+            (Format::GeoTiff, _) => {
+                let provenance = self.provenance().to_string();
+                let of = (self.scene.grid(), self.coverage.uav.id.as_str(), provenance.as_str());
+                Ok(add_mask_geotiff(batch, path, &self.pyramid, of, self.run.job.save.mask_values)?)
+            }
+            (Format::GeoJson, _) => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
+            (_, Some(shown)) if format.is_picture() => batch.add(path, &self.picture(shown, format, look)?),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl StripFiles<'_> {
+    /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
+    fn picture(&self, shown: &Shown, format: Format, look: &Look) -> Result<Vec<u8>> {
+        let StripFiles { scene: surface, report, coverage, .. } = *self;
+        let factor = shown.factor;
+        let grid = surface.grid().coarser(factor);
+        let field = HeightField::build(&grid, surface.highest(factor)?, &mut Vec::new());
+        let map = Coverages {
+            scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
+            sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],
+            overlay: None,
+            layers: vec![Layer::Los],
+            report: report.clone(),
+            why: WHY,
+            options: MapOptions::default(),
+        };
+        let drawing = MapDrawing {
+            of: &map,
+            look,
+            counts: Some(coverage.tally),
+            note: (factor > 1).then(|| {
+                format!("Drawn smaller: a pixel shows one of {factor} × {factor} cells, the counts are those of all")
+            }),
+        };
+        drawing.draw(format, &picture_provenance(&report.document(None)))
+    }
+}

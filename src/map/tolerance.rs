@@ -1,15 +1,17 @@
 //! A scene made as coarse as its P_LoS allows, as measured.
 
-use super::receivers::Asked;
-use crate::accuracy::{CONFIDENCE, Question, coarsest_within};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::accuracy::{CONFIDENCE, Choice, Measured, Question, Simpler, Tried, coarsest_within};
 use crate::coverage::Uav;
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;
 use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::render::grouped;
-use crate::report::ToleranceFacts;
 use crate::scene::Scene;
+use crate::sight::Sight;
 use crate::zones::ZoneMap;
 
 /// A share of P_LoS that may be wrong.
@@ -19,27 +21,139 @@ use crate::zones::ZoneMap;
 pub(crate) fn check_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<()> {
     let Some(tolerance) = tolerance else { return Ok(()) };
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        let text = format!("`--tolerance` is `{tolerance}`, wanted a P_LoS above 0 and below 1");
+        let text = format!("the tolerance is `{tolerance}`, wanted a P_LoS above 0 and below 1");
         return Err(Error::usage(113, text).with_hint("`--tolerance 0.005` is half a percentage point"));
     }
     if matches!(method, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
-        let text = "`--tolerance` has no meaning beside an approximate `--method`: it chooses itself";
+        let text = "a tolerance has no meaning beside an approximate method: it chooses itself";
         return Err(Error::usage(116, text).with_hint("leave `--method` out"));
     }
     Ok(())
+}
+
+/// What a tolerance led to.
+#[derive(Debug, Clone)]
+pub(crate) struct ToleranceFacts {
+    /// How far P_LoS may be off.
+    tolerance: f64,
+    /// Width of a cell of the scene itself \[m\].
+    cell_m: f64,
+    /// The form that was taken; the scene itself if no simpler one would do.
+    pub(crate) taken: Simpler,
+    /// All that were tried, the coarsest first.
+    tried: Vec<Tried>,
+}
+
+/// What a tolerance led to.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct ToleranceDocument {
+    /// How far P_LoS may be off.
+    tolerance: f64,
+    /// How sure the bound is.
+    confidence: f64,
+    /// The form of the scene that was taken.
+    taken: FormDocument,
+    /// The forms that were tried, the coarsest first.
+    tried: Vec<TriedDocument>,
+}
+
+/// A form of a scene, on its own cells or on larger ones.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct FormDocument {
+    /// Width of its cells [m].
+    cell_m: f64,
+    /// How many times wider they are than those of the scene.
+    factor: usize,
+    /// Height of a larger cell among those of the cells in it; null of footprints.
+    pooling: Option<&'static str>,
+}
+
+/// A form that was tried.
+#[derive(Debug, Serialize, JsonSchema)]
+struct TriedDocument {
+    #[serde(flatten)]
+    form: FormDocument,
+    /// How far P_LoS of any UAV is off at most; null where that is not known.
+    bound: Option<f64>,
+    /// What was measured, by UAV.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sites: Option<Vec<MeasuredDocument>>,
+    /// Why nothing was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
+}
+
+/// What was measured of a UAV.
+#[derive(Debug, Serialize, JsonSchema)]
+struct MeasuredDocument {
+    /// P_LoS over the form.
+    p_los: f64,
+    /// Mean difference to the scene itself.
+    difference: f64,
+    /// How far P_LoS is off at most.
+    bound: f64,
+    /// Receivers that were compared.
+    sample: u64,
+    /// All receivers.
+    receivers: u64,
+}
+
+impl FormDocument {
+    /// Of a form of a scene whose cells are so wide \[m\].
+    pub(crate) fn of(form: Simpler, cell_m: f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "a small factor")]
+        let cell_m = cell_m * form.factor as f64;
+        FormDocument { cell_m, factor: form.factor, pooling: form.pooling.map(|p| p.name()) }
+    }
+}
+
+impl ToleranceFacts {
+    /// What a choice comes to, over a scene whose cells are so wide \[m\].
+    fn of(choice: &Choice, tolerance: f64, cell_m: f64) -> Self {
+        let taken = choice.taken.as_ref().map_or(Simpler::SAME, |(form, ..)| *form);
+        ToleranceFacts { tolerance, cell_m, taken, tried: choice.tried.clone() }
+    }
+
+    /// What was measured for the UAV of the form taken whose bound is the largest; `None` where no simpler form would do.
+    fn worst(&self) -> Option<&Measured> {
+        let taken = self.tried.last().filter(|tried| tried.form == self.taken)?;
+        taken.measured.as_ref().ok()?.iter().max_by(|a, b| a.bound.total_cmp(&b.bound))
+    }
+
+    pub(crate) fn document(&self) -> ToleranceDocument {
+        let measured = |m: &Measured| MeasuredDocument {
+            p_los: m.p_los,
+            difference: m.difference,
+            bound: m.bound,
+            sample: m.sample,
+            receivers: m.receivers,
+        };
+        let tried = |t: &Tried| TriedDocument {
+            form: FormDocument::of(t.form, self.cell_m),
+            bound: t.bound(),
+            sites: t.measured.as_ref().ok().map(|all| all.iter().map(measured).collect()),
+            reason: t.measured.as_ref().err().cloned(),
+        };
+        ToleranceDocument {
+            tolerance: self.tolerance,
+            confidence: CONFIDENCE,
+            taken: FormDocument::of(self.taken, self.cell_m),
+            tried: self.tried.iter().map(tried).collect(),
+        }
+    }
 }
 
 /// Replaces a scene by the coarsest form within a tolerance, and its UAVs by the same over that form.
 pub(crate) fn simplify(
     scene: &mut Scene,
     uavs: &mut Vec<Uav>,
-    asked: &Asked,
+    sight: &Sight,
     tolerance: f64,
 ) -> Result<ToleranceFacts> {
     let (built_up, seed) = (scene.built_up, scene.seed);
     let options = |field: &HeightField| {
-        let zones = asked.receivers.zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
-        asked.options(field.grid(), zones.as_ref())
+        let zones = sight.receivers().zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
+        sight.options(field.grid(), zones.as_ref())
     };
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();
@@ -52,7 +166,7 @@ pub(crate) fn simplify(
 }
 
 /// What was chosen and what was measured, in a sentence.
-pub(crate) fn in_words(facts: &ToleranceFacts) -> String {
+pub(super) fn in_words(facts: &ToleranceFacts) -> String {
     let scene = format!("{} m", tidy(facts.cell_m));
     let Some(m) = facts.worst() else {
         let tried: Vec<String> = facts.tried.iter().map(|t| t.form.in_words(facts.cell_m)).collect();

@@ -2,7 +2,7 @@
 
 pub(crate) mod limits;
 mod options;
-pub(crate) mod outside;
+pub(crate) mod placing;
 pub(crate) mod results;
 
 use std::ffi::OsStr;
@@ -18,7 +18,7 @@ use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::raster::GeoRef;
-use crate::report::{RunFacts, Timing};
+use crate::answer::{RunFacts, Timing};
 use crate::zones::ZoneMap;
 
 /// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
@@ -131,13 +131,12 @@ impl Scene {
     }
 
     /// What documents say of a run over it.
-    pub(crate) fn facts(&self, command: Vec<String>, method: Option<Method>) -> RunFacts {
+    pub(crate) fn facts(&self, method: Option<Method>) -> RunFacts {
         RunFacts {
-            command,
+            command: Vec::new(),
             method,
             scene_name: self.name.clone(),
             grid: self.grid().clone(),
-            meters_per_unit: self.grid().meters_per_unit(),
             sources: self.sources.clone(),
             seed: self.built_up.map(|_| self.seed),
             warnings: self.warnings.clone(),
@@ -148,10 +147,5 @@ impl Scene {
     /// What limits the truth of a picture of it.
     pub(crate) fn limits_in_words(&self) -> Option<String> {
         limits::limits_in_words(self.height_gap.as_ref(), &self.field, &self.warnings)
-    }
-
-    /// A length in meters as CRS units.
-    pub(crate) fn crs_units(&self, meters: f64) -> f64 {
-        meters / self.grid().meters_per_unit()
     }
 }

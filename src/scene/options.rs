@@ -17,7 +17,7 @@ use crate::read::{
     SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
     read_mesh, read_surface, vertical_of,
 };
-use crate::report::RunFacts;
+use crate::answer::RunFacts;
 
 /// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an error.
 #[derive(Debug, Clone, Default)]
@@ -42,6 +42,8 @@ pub struct SceneOptions {
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
     pub(crate) hash: bool,
+    /// Whether what is wrong with footprints is told where the program would refuse them.
+    pub(crate) tells_faults: bool,
     /// Where what was mended or left out is listed.
     pub(crate) repairs: Option<Arc<OnceLock<FoundRepairs>>>,
 }
@@ -337,7 +339,11 @@ impl SceneOptions {
             top_field: self.top_field.clone(),
             height_unit: self.height_unit.unwrap_or_default(),
             levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
-            missing: self.missing.unwrap_or_default(),
+            missing: self.missing.unwrap_or(if self.tells_faults {
+                MissingHeight::Drop
+            } else {
+                MissingHeight::default()
+            }),
             layer: self.layer.clone(),
             terrain: self.terrain.clone(),
             ground_m: self.ground_m,
@@ -389,7 +395,6 @@ fn facts_of(scene: &crate::city::City, warnings: &[Warning]) -> RunFacts {
         method: None,
         scene_name: scene.name.clone(),
         grid: scene.grid.clone(),
-        meters_per_unit: scene.grid.meters_per_unit(),
         sources: scene.sources.clone(),
         seed: None,
         warnings: warnings.to_vec(),

@@ -1,0 +1,68 @@
+//! Tables from rows that are types of serde.
+
+use schemars::{JsonSchema, schema_for};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::error::Result;
+use crate::export::{as_text, encode_table};
+
+/// Cells of a table, row by row, the names of the columns first.
+pub(crate) type Rows = Vec<Vec<String>>;
+
+/// The table of some rows: its columns are the fields of `R` in their order, without those that no row has.
+pub(crate) fn rows<R: Serialize + JsonSchema>(rows: impl IntoIterator<Item = R>) -> Rows {
+    let objects: Vec<Map<String, Value>> = rows.into_iter().filter_map(|row| object(&row)).collect();
+    let schema = schema_for!(R);
+    let fields = schema.get("properties").and_then(Value::as_object);
+    let is_there = |name: &&String| objects.is_empty() || objects.iter().any(|row| row.contains_key(*name));
+    let header: Vec<String> = fields.into_iter().flat_map(Map::keys).filter(is_there).cloned().collect();
+    let cells = objects.iter().map(|row| header.iter().map(|name| row.get(name).map_or(String::new(), cell)).collect());
+    std::iter::once(header.clone()).chain(cells).collect()
+}
+
+fn object(row: &impl Serialize) -> Option<Map<String, Value>> {
+    match serde_json::to_value(row) {
+        Ok(Value::Object(object)) => Some(object),
+        _ => None,
+    }
+}
+
+/// A value as a cell; what does not exist is empty.
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or(String::new(), |v| v.to_string()),
+        other => other.to_string(),
+    }
+}
+
+/// The bytes of a table; with `is_text` cells that a spreadsheet would run are text.
+///
+/// # Errors
+/// If it cannot be encoded.
+pub(crate) fn encoded(rows: &Rows, is_text: bool) -> Result<Vec<u8>> {
+    if is_text { encode_table(&as_text(rows)) } else { encode_table(rows) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Serialize, JsonSchema)]
+    struct Row {
+        name: &'static str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        only_sometimes: Option<u32>,
+        length_m: Option<f64>,
+    }
+
+    #[test]
+    fn columns_are_those_that_any_row_has() {
+        let row = |only_sometimes| Row { name: "a", only_sometimes, length_m: Some(2.0) };
+        assert_eq!(rows([row(None)]), [["name", "length_m"], ["a", "2"]]);
+        assert_eq!(rows([row(None), row(Some(3))]).concat(), ["name", "only_sometimes", "length_m", "a", "", "2", "a", "3", "2"]);
+        assert_eq!(rows::<Row>([])[0].len(), 3);
+    }
+}

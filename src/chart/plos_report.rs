@@ -1,0 +1,284 @@
+//! Effort against accuracy of P_LoS as reported: `skyshed/chart/1` of a generated city, and its table.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::report::{CHART_SCHEMA, Cost, CostDocument, MEANING, Meaning};
+use crate::accuracy::front::pareto_front;
+use crate::accuracy::plos_cost::{PlosAnswer, PlosWay};
+use crate::answer::{Rows, WarningFacts, document_of, rows, version, warnings_of};
+use crate::error::Warning;
+use crate::los_probability::estimate::Estimate;
+use crate::los_probability::setting::Setting;
+
+/// One way to P_LoS with its result.
+#[derive(Debug, Clone)]
+pub(super) struct PlosChartRow {
+    /// The way.
+    pub(super) way: PlosWay,
+    /// What it costs and what it says, or why it says nothing.
+    pub(super) result: Result<(Cost, PlosAnswer), String>,
+}
+
+/// A chart of the ways to P_LoS as reported.
+#[derive(Debug, Clone)]
+pub(super) struct PlosChartReport {
+    /// The words of the command line.
+    pub(super) command: Vec<String>,
+    /// The city as typed.
+    pub(super) city: String,
+    /// What is asked.
+    pub(super) setting: Setting,
+    /// Seed of everything random.
+    pub(super) seed: u64,
+    /// Threads of the timed runs.
+    pub(super) threads: u16,
+    /// The converged product.
+    pub(super) reference: Estimate,
+    /// The ways that had their turn.
+    pub(super) rows: Vec<PlosChartRow>,
+    /// How many were to have it.
+    pub(super) planned: usize,
+    /// Warnings.
+    pub(super) warnings: Vec<Warning>,
+}
+
+impl PlosChartReport {
+    /// Whether the user ended the run before all ways had their turn.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.rows.len() < self.planned
+    }
+
+    /// P_LoS of a row less that of the converged product.
+    pub(super) fn p_los_error(&self, row: &PlosChartRow) -> Option<f64> {
+        Some(row.result.as_ref().ok()?.1.p_los()? - self.reference.p_los?)
+    }
+
+    /// How far a row errs: its standard error, or the size of a model's bias.
+    pub(super) fn error(&self, row: &PlosChartRow) -> Option<f64> {
+        match &row.result.as_ref().ok()?.1 {
+            PlosAnswer::Estimate(estimate) => estimate.std_error,
+            PlosAnswer::Model(_) => self.p_los_error(row).map(f64::abs),
+        }
+    }
+
+    /// CPU time \[s\] and error of a row; `None` where one of them is missing.
+    pub(super) fn place(&self, row: &PlosChartRow) -> Option<(f64, f64)> {
+        let cpu_s = row.result.as_ref().ok()?.0.cpu_s?;
+        Some((cpu_s, self.error(row)?)).filter(|(cpu_s, _)| *cpu_s > 0.0)
+    }
+
+    /// Rows on the Pareto front of CPU time and error, by rising CPU time.
+    pub(super) fn front(&self) -> Vec<usize> {
+        let places = self.rows.iter().map(|row| self.place(row).unwrap_or((f64::NAN, f64::NAN)));
+        pareto_front(&places.collect::<Vec<_>>())
+    }
+
+    /// The document; without contestants and times it is stored in pictures and beside tables.
+    pub(super) fn document(&self, with_rows: bool) -> Value {
+        let (setting, city) = (&self.setting, self.setting.built_up);
+        let front = self.front();
+        let row = |(k, row): (usize, &PlosChartRow)| self.row_document(row, front.contains(&k));
+        document_of(&PlosChartDocument {
+            schema: CHART_SCHEMA,
+            version: version(),
+            command: self.command.clone(),
+            kind: "p_los",
+            city: self.city.clone(),
+            built_up: ParametersDocument {
+                alpha: city.built_up_ratio,
+                beta_per_km2: city.buildings_per_km2,
+                gamma_m: city.height_scale,
+            },
+            seed: self.seed,
+            height_m: setting.uav_height_m,
+            rx_height_m: setting.rx_height_m,
+            theta_deg: setting.theta_deg(),
+            users: setting.users.name(),
+            placement: setting.placement.name(),
+            threads: self.threads,
+            interrupted: self.is_interrupted(),
+            reference: ReferenceDocument {
+                method: "product",
+                p_los: self.reference.p_los,
+                std_error: self.reference.std_error,
+                samples: self.reference.samples,
+            },
+            meaning: MEANING,
+            contestants: with_rows.then(|| self.rows.iter().enumerate().map(row).collect()),
+            warnings: warnings_of(&self.warnings),
+        })
+    }
+
+    fn row_document(&self, row: &PlosChartRow, pareto: bool) -> WayDocument {
+        let (cost, answer) = row.result.as_ref().map_or((None, None), |(cost, answer)| (Some(cost), Some(answer)));
+        let estimate = answer.and_then(estimate_of);
+        WayDocument {
+            method: row.way.method(),
+            parameters: row.way.parameters(),
+            cost: cost.map_or_else(CostDocument::default, Cost::document),
+            p_los: answer.and_then(PlosAnswer::p_los),
+            std_error: estimate.and_then(|e| e.std_error),
+            std_error_reason: (answer.is_some() && estimate.is_none()).then_some("a model tells no error"),
+            p_los_error: self.p_los_error(row),
+            samples: estimate.map(|e| e.samples),
+            clusters: estimate.map(|e| e.clusters),
+            reason: row.result.as_ref().err().cloned(),
+            pareto,
+        }
+    }
+
+    /// The table: one row per way.
+    pub(super) fn table(&self) -> Rows {
+        rows(self.rows.iter().map(|row| {
+            let (cost, answer) = row.result.as_ref().map_or((None, None), |(cost, answer)| (Some(cost), Some(answer)));
+            let estimate = answer.and_then(estimate_of);
+            PlosChartTableRow {
+                method: row.way.method(),
+                parameters: row.way.parameters(),
+                cpu_s: cost.and_then(|cost| cost.cpu_s),
+                wall_s: cost.map(|cost| cost.wall_s),
+                peak_mb: cost.and_then(|cost| cost.peak_mb),
+                std_error: estimate.and_then(|e| e.std_error),
+                p_los: answer.and_then(PlosAnswer::p_los),
+                p_los_error: self.p_los_error(row),
+                samples: estimate.map(|e| e.samples),
+                clusters: estimate.map(|e| e.clusters),
+                runs: cost.map(|cost| cost.runs),
+                reason: row.result.as_ref().err().cloned(),
+            }
+        }))
+    }
+}
+
+fn estimate_of(answer: &PlosAnswer) -> Option<&Estimate> {
+    match answer {
+        PlosAnswer::Estimate(estimate) => Some(estimate),
+        PlosAnswer::Model(_) => None,
+    }
+}
+
+/// Effort against accuracy of P_LoS of a generated city; it holds times of the machine.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct PlosChartDocument {
+    /// Kind of document and its version.
+    schema: &'static str,
+    /// Version of the program.
+    version: &'static str,
+    /// Words of the command line after the program's name.
+    command: Vec<String>,
+    /// p_los, or scene for contestants on a scene.
+    kind: &'static str,
+    /// The city as it was named.
+    city: String,
+    /// Its parameters.
+    built_up: ParametersDocument,
+    /// Seed of everything random.
+    seed: u64,
+    /// Height of the UAV above ground [m].
+    height_m: f64,
+    /// Height of the receivers above ground [m].
+    rx_height_m: f64,
+    /// Elevation angle of the UAV [deg].
+    theta_deg: Option<f64>,
+    /// Which users are counted.
+    users: &'static str,
+    /// Where the UAV hovers.
+    placement: &'static str,
+    /// Threads of the timed runs.
+    threads: u16,
+    /// Whether the run ended before all ways had their turn.
+    interrupted: bool,
+    /// The converged product.
+    reference: ReferenceDocument,
+    /// What the numbers mean.
+    meaning: Meaning,
+    /// The ways; not in what is stored in pictures and beside tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contestants: Option<Vec<WayDocument>>,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+}
+
+/// Parameters of ITU-R P.1410.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ParametersDocument {
+    /// Share of the ground that is built on.
+    alpha: f64,
+    /// Buildings per km².
+    beta_per_km2: f64,
+    /// Scale of the Rayleigh distribution of heights [m].
+    gamma_m: f64,
+}
+
+/// The converged product.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ReferenceDocument {
+    /// product.
+    method: &'static str,
+    /// Its value.
+    p_los: Option<f64>,
+    /// Its standard error.
+    std_error: Option<f64>,
+    /// Links behind it.
+    samples: u64,
+}
+
+/// A way to P_LoS.
+#[derive(Debug, Serialize, JsonSchema)]
+struct WayDocument {
+    /// The method.
+    method: &'static str,
+    /// Its effort.
+    parameters: String,
+    #[serde(flatten)]
+    cost: CostDocument,
+    /// Its value.
+    p_los: Option<f64>,
+    /// Its standard error.
+    std_error: Option<f64>,
+    /// Why there is no standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    std_error_reason: Option<&'static str>,
+    /// Its value less that of the converged product.
+    p_los_error: Option<f64>,
+    /// Links behind it.
+    samples: Option<u64>,
+    /// Independent groups of links.
+    clusters: Option<u64>,
+    /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
+    /// Whether nothing beats it in both.
+    pareto: bool,
+}
+
+/// A row of the table of ways to P_LoS.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct PlosChartTableRow {
+    /// The method.
+    method: &'static str,
+    /// Its effort.
+    parameters: String,
+    /// User CPU time of one run [s].
+    cpu_s: Option<f64>,
+    /// Time on the clock for the same [s].
+    wall_s: Option<f64>,
+    /// Largest resident set of the process meanwhile [MB].
+    peak_mb: Option<f64>,
+    /// Its standard error; empty for models.
+    std_error: Option<f64>,
+    /// Its value.
+    p_los: Option<f64>,
+    /// Its value less that of the converged product.
+    p_los_error: Option<f64>,
+    /// Links behind it.
+    samples: Option<u64>,
+    /// Independent groups of links.
+    clusters: Option<u64>,
+    /// Runs that were timed.
+    runs: Option<u32>,
+    /// Why there is no value.
+    reason: Option<String>,
+}

@@ -1,0 +1,189 @@
+//! The scene of a command, and how its files are read.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use clap::Args;
+
+use super::words::{Words, extent, number, one_of, projection};
+use crate::city::NodataAs;
+use crate::crs;
+use crate::error::{Error, Result};
+use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};
+use crate::scene::{FoundRepairs, Scene, SceneOptions};
+
+const MISSING: Words<MissingHeight> = &[
+    ("fail", "Refuse the file", MissingHeight::Fail),
+    ("drop", "Leave the footprint out and say so", MissingHeight::Drop),
+    ("levels", "3 m for each storey", MissingHeight::Levels),
+    ("median", "The median of the known heights", MissingHeight::Median),
+];
+
+const BASE: Words<BaseRule> = &[
+    ("lowest", "The lowest, as OpenStreetMap defines heights", BaseRule::Lowest),
+    ("mean", "Their mean, by the area that is overlapped", BaseRule::Mean),
+    ("highest", "The highest", BaseRule::Highest),
+];
+
+const HEIGHT_UNITS: Words<HeightUnit> =
+    &[("m", "Meters", HeightUnit::Meters), ("ft", "International feet", HeightUnit::Feet)];
+
+const NODATA: Words<NodataAs> = &[
+    ("block", "They block everything", NodataAs::Block),
+    ("clear", "They block nothing", NodataAs::Clear),
+];
+
+/// The scene and how it is read.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SceneArgs {
+    /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
+    /// .city.json) or mesh (.obj, .ply)
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: OsString,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+}
+
+impl SceneArgs {
+    /// Reads the scene and makes it ready.
+    pub(crate) fn open(&self) -> Result<Scene> {
+        self.reading.options()?.open(&self.scene)
+    }
+
+    /// The files that it names.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        self.reading.files(&self.scene)
+    }
+}
+
+/// How a scene is read.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Scene")]
+pub(crate) struct ReadingArgs {
+    /// Terrain model below the surface model or the footprints [raster file, or folder of tiles]
+    ///
+    /// With `--project` it may be in any reference system.
+    #[arg(long, value_name = "FILE")]
+    terrain: Option<PathBuf>,
+    /// Flat ground at this height above the datum [m]; footprints and generated cities: 0
+    #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, conflicts_with = "terrain")]
+    ground: Option<f64>,
+    /// A cell whose surface is more than this above the ground is a building [m]; default 0.25
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, hide_short_help = true)]
+    building_threshold: Option<f64>,
+    /// Property that holds a footprint's height above ground; default `height`
+    ///
+    /// Of CityJSON the default is the highest point. Text may name its unit: 12.5 m, 40 ft, 39'4".
+    #[arg(long, value_name = "NAME")]
+    height_field: Option<String>,
+    /// Property that holds the height of a footprint's top above the datum, instead
+    #[arg(long, value_name = "NAME", conflicts_with = "height_field", hide_short_help = true)]
+    top_field: Option<String>,
+    /// Unit of heights of footprints that name none; default m
+    #[arg(long, value_name = "UNIT", value_parser = one_of(HEIGHT_UNITS), hide_short_help = true)]
+    height_unit: Option<HeightUnit>,
+    /// Property that holds a footprint's number of storeys, for `--missing levels`; default `building:levels`
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    levels_field: Option<String>,
+    /// Table of a GeoPackage, where it has several
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    layer: Option<String>,
+    /// What to do with footprints without a usable height; default: leave them out where they cover at most 2 % of the
+    /// footprint area, refuse the file otherwise
+    #[arg(long, value_name = "WHAT", value_parser = one_of(MISSING), hide_short_help = true)]
+    missing: Option<MissingHeight>,
+    /// Which of the terrain cells that a footprint overlaps its height is above; default lowest
+    #[arg(long, value_name = "RULE", value_parser = one_of(BASE), hide_short_help = true)]
+    base: Option<BaseRule>,
+    /// Where footprints tell of the ground: `auto` is between them (what no disc of 100 m reaches without meeting one), and
+    /// everywhere with `--extent`; `all`; or the polygons of a file. Cells elsewhere hold no data
+    #[arg(long, value_name = "auto|all|FILE", hide_short_help = true)]
+    data_area: Option<PathBuf>,
+    /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
+    #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true, hide_short_help = true)]
+    extent: Option<[f64; 4]>,
+    /// Cell size of the grid over footprints, a mesh or a generated city [m]; default 1, or the terrain's own
+    ///
+    /// With `--project` that of a raster too; default as many cells diagonally as the file has.
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    cell: Option<f64>,
+    /// Coordinate reference system of the scene, where its files name none or a wrong one
+    #[arg(long, value_name = "EPSG:N")]
+    crs: Option<String>,
+    /// Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees; EPSG:n, or as
+    /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
+    #[arg(long, value_name = "auto|EPSG:N", value_parser = projection, hide_short_help = true)]
+    project: Option<Projection>,
+    /// Edge length of a generated city [m]; default 1000
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    pub(crate) size: Option<f64>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1, hide_short_help = true)]
+    pub(crate) seed: u64,
+    /// What nodata cells do to links; default clear
+    #[arg(long, value_name = "WHAT", value_parser = one_of(NODATA), hide_short_help = true)]
+    nodata_as: Option<NodataAs>,
+    /// Hash inputs above 64 MB too
+    #[arg(long, hide_short_help = true)]
+    pub(crate) hash: bool,
+    /// Table (.csv) or points (.geojson) of everything that was mended or left out while reading footprints: feature, what
+    /// was wrong, what was done, where
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    pub(crate) repairs: Option<PathBuf>,
+    /// What was mended or left out, once footprints are read for a list of that; copies share it.
+    #[arg(skip)]
+    pub(crate) found_repairs: Arc<OnceLock<FoundRepairs>>,
+}
+
+impl ReadingArgs {
+    /// The same for the library.
+    pub(crate) fn options(&self) -> Result<SceneOptions> {
+        let data_area = self.data_area.as_ref().map(|word| match word.to_str() {
+            Some("auto") => DataAreaChoice::Auto,
+            Some("all") => DataAreaChoice::All,
+            _ => DataAreaChoice::Within(word.clone()),
+        });
+        Ok(SceneOptions {
+            terrain: self.terrain.clone(),
+            ground_m: self.ground,
+            building_threshold_m: self.building_threshold,
+            height_field: self.height_field.clone(),
+            top_field: self.top_field.clone(),
+            height_unit: self.height_unit,
+            levels_field: self.levels_field.clone(),
+            layer: self.layer.clone(),
+            missing: self.missing,
+            base: self.base,
+            data_area,
+            extent: self.extent,
+            cell_m: self.cell,
+            crs: self.crs()?,
+            project: self.project.clone(),
+            size_m: self.size,
+            margin_m: 0.0,
+            seed: Some(self.seed),
+            nodata_as: self.nodata_as,
+            hash: self.hash,
+            tells_faults: false,
+            repairs: self.repairs.is_some().then(|| Arc::clone(&self.found_repairs)),
+        })
+    }
+
+    /// The reference system that was typed.
+    pub(crate) fn crs(&self) -> Result<Option<crate::raster::Crs>> {
+        self.crs.as_deref().map(crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))
+    }
+
+    /// The files that a scene names, for the refusal to overwrite them.
+    pub(crate) fn files(&self, scene: &OsString) -> Vec<PathBuf> {
+        let area = self.data_area.clone().filter(|word| !["auto", "all"].map(Path::new).contains(&word.as_path()));
+        [Some(PathBuf::from(scene)), self.terrain.clone(), area].into_iter().flatten().collect()
+    }
+
+    /// The layer that was read: as typed, else the file's own name, which stands for its only one.
+    pub(crate) fn layer_of(&self, scene: &OsString) -> String {
+        let stem = || Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        self.layer.clone().unwrap_or_else(stem)
+    }
+}

@@ -1,0 +1,129 @@
+//! Where UAVs are, and how line of sight is asked for.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::words::{RECEIVERS, length, number, one_of};
+use crate::city::Site;
+use crate::error::{Error, Result};
+use crate::los::MethodChoice;
+use crate::quantity::{Height, parse_number};
+use crate::sight::{AskedSight, Receivers, Sight};
+use crate::uav::UavsAsked;
+
+/// Some UAVs.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct UavsArgs {
+    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
+    pub(crate) uav: Vec<String>,
+    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson); `-` is standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) uavs: Option<PathBuf>,
+    /// Leave out rows of the table that cannot be read, with a warning that names them
+    #[arg(long, requires = "uavs", hide_short_help = true)]
+    skip_bad: bool,
+}
+
+impl UavsArgs {
+    /// Where they are told; those of the command line are well-formed.
+    pub(crate) fn asked(&self, hash: bool) -> Result<UavsAsked> {
+        let typed = self.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string()));
+        let typed = typed.collect::<Result<_>>()?;
+        Ok(UavsAsked { typed, table: self.uavs.clone(), skips_bad: self.skip_bad, hash })
+    }
+
+    /// The same of at least one.
+    pub(crate) fn some(&self, hash: bool) -> Result<UavsAsked> {
+        if self.uav.is_empty() && self.uavs.is_none() {
+            return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
+        }
+        self.asked(hash)
+    }
+}
+
+/// A UAV as typed: `X,Y,H`.
+pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
+    let wrong = |found: String| {
+        Error::usage(102, format!("cannot read `--uav {text}`: {found}"))
+            .with_hint("write X,Y,H, for example 500,500,100 or 691549.7,5334762.2,30roof")
+    };
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, h] = parts[..] else { return Err(wrong(format!("found {} values, wanted X,Y,H", parts.len()))) };
+    let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
+    let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
+    Ok(Site { id, x, y, height: h.parse().map_err(wrong)? })
+}
+
+/// A receiver as typed: `X,Y[,H]`.
+pub(crate) fn parse_receiver(text: &str, rx_height_m: f64) -> Result<((f64, f64), Height)> {
+    let wrong = |found: String| {
+        Error::usage(103, format!("cannot read `--rx {text}`: {found}"))
+            .with_hint("write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof")
+    };
+    let parts: Vec<&str> = text.split(',').collect();
+    let (x, y, h) = match parts[..] {
+        [x, y] => (x, y, None),
+        [x, y, h] => (x, y, Some(h)),
+        _ => return Err(wrong(format!("found {} values, wanted X,Y or X,Y,H", parts.len()))),
+    };
+    let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
+    let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
+    let height = h.map_or(Ok(Height::AboveGround(rx_height_m)), str::parse).map_err(wrong)?;
+    Ok(((x, y), height))
+}
+
+/// The height of receivers.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct RxHeightArgs {
+    /// Height of the receivers above ground or roof [m]
+    #[arg(long = "rx-height", value_name = "M", value_parser = length, default_value = "1.5", allow_hyphen_values = true)]
+    pub(crate) rx_height: f64,
+}
+
+impl RxHeightArgs {
+    /// Receivers of this height on open ground, at any distance, by the fastest exact engine.
+    pub(crate) fn sight(&self) -> Result<Sight> {
+        AskedSight { rx_height_m: self.rx_height, ..AskedSight::default() }.checked()
+    }
+}
+
+/// How line of sight is asked for.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SightArgs {
+    #[command(flatten)]
+    rx: RxHeightArgs,
+    /// Which cells hold receivers
+    #[arg(long, value_name = "WHERE", value_parser = one_of(RECEIVERS), default_value = "ground")]
+    receivers: Receivers,
+    /// Largest horizontal distance from the UAV to a receiver [m]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
+    radius: Option<f64>,
+    /// Engine: auto takes the fastest exact one for the scene and says so
+    ///
+    /// ray (one ray per receiver), sweep (rasters) and shadow (footprints, rasters of flat blocks) are exact; step:K (a
+    /// sample every K cells), xdraw and r2 (rasters) are approximate.
+    #[arg(long, value_name = "METHOD", default_value = "auto")]
+    method: MethodChoice,
+}
+
+impl SightArgs {
+    /// The same with numbers in range.
+    pub(crate) fn checked(&self) -> Result<Sight> {
+        let SightArgs { rx, receivers, radius, method } = self;
+        let asked =
+            AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
+        asked.checked()
+    }
+
+    /// Height of the receivers \[m\].
+    pub(crate) fn rx_height_m(&self) -> f64 {
+        self.rx.rx_height
+    }
+
+    /// The engine.
+    pub(crate) fn method(&self) -> MethodChoice {
+        self.method
+    }
+}

@@ -1,0 +1,157 @@
+//! `skyshed map`: coverage of one or many UAVs.
+
+use super::map_args::MapArgs;
+use crate::answer::{Answer, Spent};
+use crate::cli::run::Run;
+use crate::cli::say::{self, WarningsOfRuns};
+use crate::cli::interrupt;
+use crate::error::{Error, ErrorClass, Result};
+use crate::export::{Format, Layer, MaskValues};
+use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
+use crate::picture::Look;
+use crate::quantity::counted;
+use crate::scene::is_raster_scene;
+use crate::words::pretty;
+
+impl MapArgs {
+    pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        let names_sites = |path: &std::path::PathBuf| path.to_string_lossy().contains(SITE);
+        let job = self.job(run)?;
+        if self.strips && (!is_raster_scene(&job.word) || job.scene.project.is_some()) {
+            return Err(Error::usage(116, "`--strips` has no meaning but for a raster in its own system"));
+        }
+        let runs = SiteRuns::of(&job, &run.progress)?;
+        if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_sites) {
+            let text = "`--json` has no meaning beside files with `{site}` in their names";
+            return Err(Error::usage(116, text).with_hint("`-o NAME-{site}.json` writes a document for each UAV"));
+        }
+        match &runs {
+            Some(runs) => self.run_sites(run, runs),
+            None => self.tell(run, &job.run(Given::default(), &run.progress)?),
+        }
+    }
+
+    /// What was typed, as a job.
+    fn job(&self, run: &Run) -> Result<MapJob> {
+        let mut layers: Vec<Layer> = Vec::new();
+        self.layers.iter().for_each(|layer| {
+            if !layers.contains(layer) {
+                layers.push(*layer)
+            }
+        });
+        Ok(MapJob {
+            word: self.scene.scene.clone(),
+            scene: self.scene.reading.options()?,
+            inputs: self.scene.files(),
+            uavs: self.uavs.some(self.scene.reading.hash)?,
+            plan: MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: false },
+            save: SaveOptions {
+                overwrite: self.out.overwrite,
+                bare: self.bare,
+                tif_layout: self.tif_layout,
+                mask_values: if self.gdal_values { MaskValues::Gdal } else { MaskValues::Classes },
+                polygons: self.polygons,
+                simplify_m: self.simplify,
+                look: self.look()?,
+            },
+            outputs: self.out.output.clone(),
+            curve: CurvePlan { outputs: self.height_curve.clone(), heights: self.curve_heights },
+            is_told: self.out.json || (self.out.output.is_empty() && self.height_curve.is_empty()),
+            strips: self.strips,
+            scratch: self.scratch.clone(),
+            resume: self.resume,
+            command: run.words(),
+        })
+    }
+
+
+    /// How files look; those of the curve are pictures, too. Names that are no files are refused later.
+    fn look(&self) -> Result<Look> {
+        let files = self.out.output.iter().chain(&self.height_curve);
+        let outputs: Vec<_> = files.filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect();
+        self.picture.look(&self.out, &outputs)
+    }
+
+    /// Tells what was found and written.
+    fn tell(&self, run: &Run, done: &Done) -> Result<()> {
+        run.tell(done, Spent::default());
+        say::wrote(&done.written, run.is_quiet);
+        if self.out.is_told() {
+            return say::answer(&pretty(&done.document(None)));
+        }
+        if self.out.output.is_empty() && self.height_curve.is_empty() {
+            return say::answer(&done.text(&self.out.look())?);
+        }
+        Ok(())
+    }
+
+    /// A run for each UAV; what several have in common is told once, at the end.
+    fn run_sites(&self, run: &Run, runs: &SiteRuns<'_>) -> Result<()> {
+        let mut sites = Sites { args: self, run, warnings: Vec::new(), said: WarningsOfRuns::default(), n: [0; 3], is_by_site: true };
+        let outcome = runs.run(&mut |outcome| sites.add(outcome));
+        let is_interrupted = outcome.as_ref().is_err_and(|e| e.class() == ErrorClass::Interrupted);
+        sites.tell(is_interrupted);
+        outcome
+    }
+}
+
+/// What became of the runs for each UAV so far.
+struct Sites<'a> {
+    args: &'a MapArgs,
+    run: &'a Run,
+    /// What was said of all UAVs.
+    warnings: Vec<crate::error::Warning>,
+    /// What was said of single ones.
+    said: WarningsOfRuns,
+    /// UAVs that were mapped, that were there, that were not mapped.
+    n: [u64; 3],
+    is_by_site: bool,
+}
+
+impl Sites<'_> {
+    fn add(&mut self, outcome: Outcome<'_>) -> Result<()> {
+        match outcome {
+            Outcome::Warnings(found) => self.warnings = found.to_vec(),
+            Outcome::Done(uav, done) => {
+                self.n[0] += 1;
+                self.said.add(uav, done.warnings());
+                if !self.run.is_quiet {
+                    done.notes(Spent::default()).iter().for_each(|note| say::note(note));
+                }
+                say::wrote(&done.written, self.run.is_quiet);
+                interrupt::end_writing()?;
+            }
+            Outcome::There => self.n[1] += 1,
+            Outcome::Abandoned => {
+                self.n[2] += 1;
+                interrupt::give_up_writing()?;
+            }
+            Outcome::Failed(error) => say::error(error),
+            Outcome::Together(done) => {
+                self.is_by_site = false;
+                self.args.tell(self.run, done)?;
+            }
+            Outcome::AllThere => {
+                self.is_by_site = false;
+                if !self.run.is_quiet {
+                    say::note("nothing to do: the files are there, made by the same run");
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn tell(&self, is_interrupted: bool) {
+        if self.run.is_quiet || !self.is_by_site {
+            return;
+        }
+        if !is_interrupted {
+            let [n_done, n_there, n_not] = self.n;
+            let skipped = if n_there > 0 { format!(", {n_there} there already") } else { String::new() };
+            let others = if n_not > 0 { format!(", {n_not} not") } else { String::new() };
+            say::note(&format!("{} mapped{skipped}{others}", counted(n_done, "UAV", "UAVs")));
+        }
+        say::warnings(&self.warnings);
+        self.said.say();
+    }
+}

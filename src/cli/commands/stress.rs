@@ -1,0 +1,77 @@
+//! `skyshed stress`: where methods fail, on families of scenes; and where the answers of a scene hang by a step.
+
+use std::ffi::OsString;
+
+use clap::Args;
+
+use crate::accuracy::stress::{FAMILIES, Family};
+use crate::cli::args::output::{OutputArgs, PictureArgs};
+use crate::cli::args::scene::ReadingArgs;
+use crate::cli::args::sight::{SightArgs, parse_uav};
+use crate::cli::run::Run;
+use crate::error::Result;
+use crate::stress::{FORMATS, Stress, StressScene};
+use crate::uav::UavsFound;
+
+#[derive(Debug, Args)]
+#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (failure rates by family and method; of \
+SCENE a map of what turns), .csv, .json, `-` for JSON on standard output; repeat for more. Without any the table goes to \
+standard output")))]
+#[command(after_help = "Example: skyshed stress --scenes 4 -o failures.png")]
+pub(in crate::cli) struct StressArgs {
+    /// A scene whose stability is asked for, with `--uav`: generated city, raster, footprints or mesh. Without one, all methods
+    /// are tried on families of small scenes where methods fail
+    #[arg(value_name = "SCENE", requires = "uav")]
+    pub(in crate::cli) scene: Option<OsString>,
+    /// Only these families of scenes, separated by commas, such as cell-slits,prism-walls; default all
+    #[arg(long, value_name = "NAME,…", value_parser = family, value_delimiter = ',', help_heading = "Families",
+          conflicts_with = "scene")]
+    families: Vec<&'static str>,
+    /// Scenes of each family
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000),
+          help_heading = "Families", conflicts_with = "scene")]
+    scenes: u32,
+    /// The UAV over SCENE: x, y in its CRS and height (120, 120agl, 30roof, 150amsl, 400ft)
+    #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, help_heading = "Map", requires = "scene")]
+    uav: Option<String>,
+    #[command(flatten, next_help_heading = "Map")]
+    sight: SightArgs,
+    #[command(flatten)]
+    pub(in crate::cli) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(in crate::cli) out: OutputArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+/// What families of scenes can use.
+const OF_FAMILIES: [&str; 15] = [
+    "families", "scenes", "seed", "method", "title", "width", "dpi", "output", "json", "overwrite", "csv_text", "threads",
+    "max_memory", "quiet", "repairs",
+];
+
+impl StressArgs {
+    pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        let files = self.scene.as_ref().map_or_else(Vec::new, |scene| self.reading.files(scene));
+        let outputs = self.out.checked(&FORMATS, &files)?;
+        let look = self.picture.look(&self.out, &outputs)?;
+        let (Some(word), Some(uav)) = (&self.scene, &self.uav) else {
+            run.typed.refuse_others(&OF_FAMILIES, "without a scene")?;
+            let effort = (self.scenes, self.reading.seed);
+            let stress = Stress::run(&self.families, self.sight.method(), effort, run.words())?;
+            run.emit(&stress, &outputs, (&self.out, &look))?;
+            return stress.check();
+        };
+        let sites = vec![parse_uav(uav, "1".into())?.into()];
+        let found = UavsFound { sites, ..UavsFound::default() };
+        let sight = self.sight.checked()?;
+        let scene = self.reading.options()?.open(word)?;
+        let stability = StressScene::run(scene, &found, sight, run.words(), &run.progress)?;
+        run.emit(&stability, &outputs, (&self.out, &look))
+    }
+}
+
+fn family(name: &str) -> std::result::Result<&'static str, String> {
+    let known = || FAMILIES.iter().map(|family| family.name).collect::<Vec<_>>().join(", ");
+    Family::named(name.trim()).map(|family| family.name).ok_or_else(|| format!("wanted one of {}", known()))
+}

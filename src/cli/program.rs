@@ -1,0 +1,185 @@
+//! The program and its commands, as they are typed.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use super::args::output::OutputArgs;
+use super::args::scene::ReadingArgs;
+use super::args::words::is_standard_input;
+use super::commands::{
+    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, LimitsArgs, LinkArgs, MapArgs, PlaceArgs, PlosArgs,
+    SampleArgs, StressArgs, TrackArgs, ZonesArgs,
+};
+use super::run::Run;
+use crate::error::{Error, Result};
+
+/// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
+#[derive(Debug, Parser)]
+#[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
+#[command(after_help = "\
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .vrt, or a folder of
+tiles), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
+Heights are above ground unless written 150amsl or 30roof; all lengths are in meters, heights of UAVs
+and receivers also in feet: 400ft, 400ft amsl. Without `-o` the answer goes to standard output.
+
+Examples:
+  skyshed map itu:urban --uav 500,500,100 -o coverage.png
+  skyshed map dsm.tif --terrain dtm.tif --uav 691549.7,5334762.2,60 -o coverage.tif
+  skyshed info buildings.geojson
+  skyshed place itu:urban --height 60,100 --step 50 -o hover.png
+
+Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input or output file, 4 bad site or zone, 5 over
+a limit, 6 a check failed, 130 interrupted.")]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Coverage of one or many UAVs over every cell of a scene
+    Map(Box<MapArgs>),
+    /// One link: line of sight, or the obstacle in its way
+    Link(Box<LinkArgs>),
+    /// Line of sight along a user's track, and how long the stretches without are
+    Track(Box<TrackArgs>),
+    /// Make or convert a city, and draw it
+    City(Box<CityArgs>),
+    /// What a file is: size, CRS, heights and faults of a scene; what UAVs, a track, or an output of this program hold
+    Info(Box<InfoArgs>),
+    /// Streets, crossroads, courtyards and rooftops of a scene: counts, a map, a raster, polygons
+    Zones(Box<ZonesArgs>),
+    /// What limits the P_LoS of a map, and what it needs: cells, terrain, footprints, positions, heights
+    Limits(Box<LimitsArgs>),
+    /// Probability of line of sight: curves by exact products, simulators, published models, and over real cities
+    Plos(Box<PlosArgs>),
+    /// Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed
+    Place(Box<PlaceArgs>),
+    /// P_LoS from placements over each zone, averaged, with intervals, by zone of the receivers
+    Sample(Box<SampleArgs>),
+    /// Placements side by side: maps, differences and a table with intervals, as a picture or a page to swipe over
+    Compare(Box<CompareArgs>),
+    /// Speed against accuracy of every method on a scene, timed with one thread unless `-j` says otherwise
+    Chart(Box<ChartArgs>),
+    /// Where methods fail: all of them on small scenes full of ties, or what in one scene hangs by a lattice step
+    Stress(Box<StressArgs>),
+    /// Words for a shell that completes what is typed, or a man page
+    Completions(CompletionsArgs),
+}
+
+/// What was typed, as opposed to left at its default.
+#[derive(Debug, Default)]
+pub(super) struct Typed {
+    /// The names of the arguments.
+    names: Vec<String>,
+    /// The files that they name, other than the scene and that of repairs.
+    pub(super) files: Vec<PathBuf>,
+}
+
+impl Typed {
+    fn of(matches: &ArgMatches) -> Typed {
+        let ids = || matches.ids().map(|id| id.as_str());
+        let is_typed = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
+        let files_of = |id| matches.try_get_many::<PathBuf>(id).ok().flatten();
+        Typed {
+            names: ids().filter(is_typed).map(str::to_string).collect(),
+            files: ids().filter(|id| *id != "repairs").filter_map(files_of).flatten().cloned().collect(),
+        }
+    }
+
+    /// Whether an argument was typed.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|typed| typed == name)
+    }
+
+    /// Refuses those of some arguments that were typed.
+    ///
+    /// # Errors
+    /// E116, with `why` they have no meaning.
+    pub(super) fn refuse(&self, names: &[&str], why: &str) -> Result<()> {
+        self.refuse_if(|name| names.contains(&name), why)
+    }
+
+    /// Refuses all but some.
+    ///
+    /// # Errors
+    /// E116.
+    pub(super) fn refuse_others(&self, names: &[&str], why: &str) -> Result<()> {
+        self.refuse_if(|name| !names.contains(&name), why)
+    }
+
+    fn refuse_if(&self, is_refused: impl Fn(&str) -> bool, why: &str) -> Result<()> {
+        // Groups of arguments have names too, which begin with a capital.
+        let is_flag = |name: &&String| name.starts_with(char::is_lowercase);
+        match self.names.iter().filter(is_flag).find(|name| is_refused(name)) {
+            Some(name) => Err(Error::usage(116, format!("`--{}` has no meaning {why}", name.replace('_', "-")))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// How many tables are to be read from standard input.
+fn standard_inputs(matches: &ArgMatches) -> usize {
+    let tables = ["uavs", "candidates", "track"].into_iter();
+    let tables = tables.filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten());
+    let tables = tables.map(|path| path.clone().into_os_string());
+    let curves = matches.try_get_many::<OsString>("curve").ok().flatten().into_iter().flatten().cloned();
+    tables.chain(curves).filter(is_standard_input).count()
+}
+
+impl Cli {
+    /// Parses the words of a command line, the program's name first.
+    pub(super) fn from_words(words: &[OsString]) -> std::result::Result<(Cli, Typed), clap::Error> {
+        let mut command = Cli::command();
+        let matches = command.try_get_matches_from_mut(words)?;
+        let typed = matches.subcommand().map_or_else(Typed::default, |(_, matches)| Typed::of(matches));
+        if matches.subcommand().is_some_and(|(_, matches)| standard_inputs(matches) > 1) {
+            let text = "`-` is given for two tables, wanted one: standard input can be read once";
+            return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
+        }
+        Ok((Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?, typed))
+    }
+
+    /// The scenes, how they are read, and where results go; nothing of a command that has none.
+    pub(super) fn shared(&self) -> Option<(Vec<&OsString>, &ReadingArgs, &OutputArgs)> {
+        Some(match &self.command {
+            Command::Map(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Link(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Track(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::City(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Info(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Zones(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Limits(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Plos(a) => (a.scenes.iter().collect(), &a.reading, &a.out),
+            Command::Place(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Sample(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Compare(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Chart(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Stress(a) => (a.scene.iter().collect(), &a.reading, &a.out),
+            Command::Completions(_) => return None,
+        })
+    }
+
+    /// Does what was asked for.
+    pub(super) fn run(&self, run: &Run) -> Result<()> {
+        match &self.command {
+            Command::Map(args) => args.run(run),
+            Command::Link(args) => args.run(run),
+            Command::Track(args) => args.run(run),
+            Command::City(args) => args.run(run),
+            Command::Info(args) => args.run(run),
+            Command::Zones(args) => args.run(run),
+            Command::Limits(args) => args.run(run),
+            Command::Plos(args) => args.run(run),
+            Command::Place(args) => args.run(run),
+            Command::Sample(args) => args.run(run),
+            Command::Compare(args) => args.run(run),
+            Command::Chart(args) => args.run(run),
+            Command::Stress(args) => args.run(run),
+            Command::Completions(args) => args.run(Cli::command()),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! What the parser of the command line refuses, in the words of all other errors.
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+use super::say;
+use crate::error::{Error, MOST_FOUND, Result, shortened};
+
+/// Answers for help and version, on standard output; gives back any other error.
+///
+/// # Errors
+/// E101; E401 if standard output cannot be written.
+pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
+    let mut text = refusal.to_string();
+    for kind in [ContextKind::InvalidValue, ContextKind::InvalidArg, ContextKind::InvalidSubcommand] {
+        if let Some(ContextValue::String(found)) = refusal.get(kind) {
+            text = text.replace(found.as_str(), &shortened(found, MOST_FOUND));
+        }
+    }
+    match refusal.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            let has_colors = say::has_colors(&std::io::stdout());
+            say::plain_answer(if has_colors { refusal.render().ansi().to_string() } else { text }.as_bytes())
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let text = "no command, wanted one such as `map`, `link`, `info`, `plos` or `place`";
+            Err(Error::usage(101, text).with_hint("skyshed --help"))
+        }
+        _ => Err(in_words(text.strip_prefix("error: ").unwrap_or(&text))),
+    }
+}
+
+fn in_words(text: &str) -> Error {
+    let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
+    // Missing arguments are listed on lines of their own; an error is one line.
+    let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
+    let error = Error::usage(101, first);
+    // Of the parser's tips only those that name what was probably meant; its usage line names the command.
+    let similar = rest.lines().map(str::trim).find(|l| l.starts_with("tip: a similar"));
+    let command = rest.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
+    let help = command.map(|usage| {
+        let words: Vec<&str> = usage.split(' ').take_while(|w| !w.starts_with(['[', '<', '-'])).collect();
+        format!("{} --help", words.join(" "))
+    });
+    let hints: Vec<String> = [similar.map(|tip| tip.replace("tip: ", "")), help].into_iter().flatten().collect();
+    if hints.is_empty() { error } else { error.with_hint(hints.join("; ")) }
+}

@@ -1,0 +1,181 @@
+//! A run of a command: what all have in common, from the typed words to the files and the last line that is said.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::args::output::OutputArgs;
+use super::args::scene::ReadingArgs;
+use super::program::Typed;
+use super::{interrupt, say};
+use crate::answer::{Answer, Output, Spent, add_outputs};
+use crate::error::{Error, ErrorClass, Result};
+use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::picture::Look;
+use crate::progress::Progress;
+use crate::read::VectorFormat;
+use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
+use crate::scene::{FoundRepairs, built_up};
+use crate::words::pretty;
+
+/// A run.
+pub(super) struct Run {
+    /// The words of the command line after the program's name, for documents.
+    pub(super) command: Vec<String>,
+    pub(super) typed: Typed,
+    pub(super) start: Instant,
+    pub(super) progress: Progress,
+    pub(super) is_quiet: bool,
+}
+
+impl Run {
+    /// The words of the command line, for a document.
+    pub(super) fn words(&self) -> Vec<String> {
+        self.command.clone()
+    }
+
+    /// Writes the files of an answer, which appear together, says what came out, and answers on standard output.
+    ///
+    /// # Errors
+    /// If a file cannot be made or written, or the user interrupts.
+    pub(super) fn emit(&self, answer: &dyn Answer, outputs: &[Output], (out, look): (&OutputArgs, &Look)) -> Result<()> {
+        let batch = match answer.interrupted() {
+            // What was done by then is written.
+            Some(_) => Batch::new(out.overwrite),
+            None => Batch::new(out.overwrite).asking(interrupt::check),
+        };
+        let (written, spent) = self.write(answer, batch, outputs, look)?;
+        self.tell(answer, spent);
+        say::wrote(&written, self.is_quiet);
+        if out.is_told() {
+            say::answer(&pretty(&answer.document(Some(spent))))?;
+        } else if outputs.is_empty() {
+            say::answer(&answer.text(look)?)?;
+        }
+        match answer.interrupted() {
+            Some(what) => Err(Error::new(ErrorClass::Interrupted, 130, format!("interrupted; {what} were written"))),
+            None => Ok(()),
+        }
+    }
+
+    fn write(
+        &self,
+        answer: &dyn Answer,
+        mut batch: Batch,
+        outputs: &[Output],
+        look: &Look,
+    ) -> Result<(Vec<PathBuf>, Spent)> {
+        let before = Instant::now();
+        let seconds = |since: Instant| since.elapsed().as_secs_f64();
+        interrupt::begin_writing();
+        // What writing takes is not known before the files are written.
+        add_outputs(answer, &mut batch, outputs, (look, Spent { write: 0.0, total: seconds(self.start) }))?;
+        let written = batch.commit()?;
+        Ok((written, Spent { write: seconds(before), total: seconds(self.start) }))
+    }
+
+    /// Says what was odd, and what was found.
+    pub(super) fn tell(&self, answer: &dyn Answer, spent: Spent) {
+        if !self.is_quiet {
+            say::warnings(answer.warnings());
+            answer.notes(spent).iter().for_each(|note| say::note(note));
+        }
+    }
+}
+
+/// Refuses a scene that is no file but the name of a built-up environment, which stands behind `itu:`.
+///
+/// # Errors
+/// E301.
+pub(super) fn check_scenes(scenes: &[&OsString]) -> Result<()> {
+    for scene in scenes {
+        let word = format!("itu:{}", scene.display());
+        if matches!(built_up(word.as_ref()), Some(Ok(_))) && !Path::new(scene).exists() {
+            let text = format!("cannot read {}: no such file", scene.display());
+            return Err(Error::file(301, text).with_hint(format!("`{word}` is a generated city")));
+        }
+    }
+    Ok(())
+}
+
+/// The list of what was mended or left out while reading footprints, which any command that reads some can write. It is kept
+/// while the command runs and written when that has succeeded, so that a run that fails leaves nothing behind.
+pub(super) struct RepairsFile<'a> {
+    scene: &'a OsString,
+    reading: &'a ReadingArgs,
+    out: &'a OutputArgs,
+    output: Output,
+}
+
+impl<'a> RepairsFile<'a> {
+    /// The list, if there is to be one. Refused before any work is one of a scene that is no file of footprints, and a file
+    /// that cannot be written.
+    ///
+    /// # Errors
+    /// E116; E104–E106, as for every output.
+    pub(super) fn of(
+        scenes: &[&'a OsString],
+        (reading, out): (&'a ReadingArgs, &'a OutputArgs),
+        typed: &Typed,
+    ) -> Result<Option<Self>> {
+        let Some(path) = &reading.repairs else { return Ok(None) };
+        let is_footprints = |scene: &&&OsString| {
+            let extension = Path::new(scene).extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            VectorFormat::of_extension(&extension).is_some()
+        };
+        let Some(scene) = scenes.first().filter(is_footprints) else {
+            return Err(Error::usage(116, "`--repairs` has no meaning for a scene that is no file of footprints"));
+        };
+        let rules = OutputRules {
+            allowed: &REPAIRS_FORMATS,
+            inputs: &reading.files(scene),
+            overwrite: out.overwrite,
+            bare: false,
+        };
+        let output = check_outputs(std::slice::from_ref(path), rules)?.pop();
+        if let Some(other) = typed.files.iter().find(|other| is_same_file(path, other)) {
+            let text = format!("cannot write {}: it is {}, which this run needs too", path.display(), other.display());
+            return Err(Error::usage(105, text).with_hint("give the repairs a name of their own"));
+        }
+        Ok(output.map(|output| RepairsFile { scene, reading, out, output }))
+    }
+
+    /// Writes the list that was kept.
+    ///
+    /// # Errors
+    /// E116 if no footprints were read; E106, E401 if the file cannot be written.
+    pub(super) fn write(&self, run: &Run) -> Result<()> {
+        let Some(found @ FoundRepairs { .. }) = self.reading.found_repairs.get() else {
+            return Err(Error::usage(116, "`--repairs` has no meaning here: no footprints were read"));
+        };
+        let repairs = Repairs::of(found, self.reading.layer_of(self.scene), run.words());
+        let outputs = [self.output.clone()];
+        let (written, spent) = run.write(&repairs, Batch::new(self.out.overwrite), &outputs, &self.out.look())?;
+        run.tell(&repairs, spent);
+        say::wrote(&written, run.is_quiet);
+        Ok(())
+    }
+}
+
+/// Whether two paths are one file, which need not exist yet.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        (std::fs::canonicalize(folder).ok(), path.file_name().map(std::ffi::OsStr::to_os_string))
+    };
+    place(a) == place(b)
+}
+
+/// Refuses tables as text where no table is written.
+///
+/// # Errors
+/// E116.
+pub(super) fn check_text(out: &OutputArgs, repairs: Option<&RepairsFile<'_>>) -> Result<()> {
+    let is_table = |path: &Path| Format::of(path).is_ok_and(|format| format == Format::Csv);
+    let has_table = out.output.iter().chain(repairs.map(|file| &file.output.0)).any(|path| is_table(path));
+    // Without files the answer may be a table.
+    if out.csv_text && !has_table && (out.json || !out.output.is_empty()) {
+        return Err(Error::usage(116, "`--csv-text` has no meaning without a table"));
+    }
+    Ok(())
+}

@@ -1,0 +1,226 @@
+//! What is said on standard error: errors, warnings, hints, progress.
+
+use std::borrow::Cow;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
+use crate::progress::Progress;
+
+/// A line on standard error; a closed pipe there is nobody's concern.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", escaped(text));
+}
+
+/// The options of a scene that the library names, as they are typed.
+const FLAGS: [(&str, &str); 18] = [
+    ("terrain", "--terrain"),
+    ("ground_m", "--ground"),
+    ("building_threshold_m", "--building-threshold"),
+    ("height_field", "--height-field"),
+    ("top_field", "--top-field"),
+    ("height_unit", "--height-unit"),
+    ("levels_field", "--levels-field"),
+    ("layer", "--layer"),
+    ("missing", "--missing"),
+    ("missing levels", "--missing levels"),
+    ("base", "--base"),
+    ("data_area", "--data-area"),
+    ("extent", "--extent"),
+    ("cell_m", "--cell"),
+    ("crs", "--crs"),
+    ("project", "--project"),
+    ("size_m", "--size"),
+    ("nodata_as", "--nodata-as"),
+];
+
+/// Whether a stream is a terminal whose user wants colors (<https://no-color.org>).
+pub(super) fn has_colors(stream: &impl IsTerminal) -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    stream.is_terminal() && !is_set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// Says a line that begins with a label, which has a color on a terminal.
+fn say_labelled(label: &str, color: u8, text: &str) {
+    let text = escaped(text);
+    let line = match has_colors(&std::io::stderr()) {
+        true => format!("\u{1b}[1;{color}m{label}\u{1b}[0m: {text}"),
+        false => format!("{label}: {text}"),
+    };
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints an error and its hint.
+pub(super) fn error(error: &Error) {
+    const RED: u8 = 31;
+    let mut text = error.to_string();
+    if error.code() == "E116" {
+        for (option, flag) in FLAGS {
+            text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
+        }
+    }
+    say_labelled(&format!("error[{}]", error.code()), RED, &text);
+    if let Some(hint) = error.hint() {
+        say(&format!("hint: {hint}"));
+    }
+}
+
+/// Prints warnings, one line each.
+pub(super) fn warnings(warnings: &[Warning]) {
+    const YELLOW: u8 = 33;
+    for warning in warnings {
+        say_labelled(&format!("warning[{}]", warning.code()), YELLOW, warning.text());
+    }
+}
+
+/// Warnings of the runs of a batch, each to be said once.
+#[derive(Debug, Default)]
+pub(super) struct WarningsOfRuns {
+    /// With the UAVs whose runs gave it.
+    groups: Vec<(Warning, Vec<String>)>,
+}
+
+impl WarningsOfRuns {
+    /// Adds those of the run of a UAV. What differs in numbers alone is the same warning.
+    pub(super) fn add(&mut self, uav: &str, warnings: &[Warning]) {
+        let words = |warning: &Warning| {
+            let words: String = warning.text().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+            (warning.code(), words)
+        };
+        for warning in warnings {
+            let is_of_other_run = |uavs: &[String]| uavs.last().is_none_or(|last| last != uav);
+            let known =
+                self.groups.iter_mut().find(|(other, uavs)| is_of_other_run(uavs) && words(other) == words(warning));
+            match known {
+                Some((_, uavs)) => uavs.push(uav.to_string()),
+                None => self.groups.push((warning.clone(), vec![uav.to_string()])),
+            }
+        }
+    }
+
+    /// Each warning as it was given first, with the UAVs that it concerns.
+    fn told(&self) -> Vec<Warning> {
+        /// UAVs that are named.
+        const MOST_NAMED: usize = 5;
+        let told = |(warning, uavs): &(Warning, Vec<String>)| {
+            if uavs.len() == 1 {
+                return warning.clone();
+            }
+            let more = if uavs.len() > MOST_NAMED { " …" } else { "" };
+            let named = uavs.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", ");
+            warning.clone().within(format!("for {} UAVs: {named}{more}", uavs.len()))
+        };
+        self.groups.iter().map(told).collect()
+    }
+
+    /// Prints them.
+    pub(super) fn say(&self) {
+        warnings(&self.told());
+    }
+}
+
+/// Names the files that were written.
+pub(super) fn wrote(files: &[PathBuf], quiet: bool) {
+    if !(quiet || files.is_empty()) {
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+        note(&format!("wrote {}", names.join(", ")));
+    }
+}
+
+/// Prints what was done.
+pub(super) fn note(text: &str) {
+    say(text);
+}
+
+/// Prints a result on standard output, with names from files escaped as JSON does where a terminal would obey them. A closed
+/// pipe means that the reader has seen enough: that is success.
+///
+/// # Errors
+/// E401 if it cannot be written for another reason, such as a full disk.
+pub(super) fn answer(text: &str) -> Result<()> {
+    let escape = |c: char| if c == '\n' || is_text(c) { c.to_string() } else { format!("\\u{:04x}", u32::from(c)) };
+    let text: Cow<'_, str> = match text.chars().all(|c| c == '\n' || is_text(c)) {
+        true => text.into(),
+        false => text.chars().map(escape).collect::<String>().into(),
+    };
+    plain_answer(text.as_bytes())
+}
+
+/// Prints a text that is meant to be read by a program, as it is.
+///
+/// # Errors
+/// E401 if it cannot be written.
+pub(super) fn plain_answer(text: &[u8]) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::file(401, format!("cannot write to standard output: {}", io_words(&e))))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// How long work may take before a bar is worth showing.
+const SHOW_AFTER: Duration = Duration::from_secs(1);
+
+/// Runs `work`, which tells how far it is, under a progress bar on standard error: shown when it takes longer than a second, on
+/// a terminal only.
+pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, work: impl FnOnce() -> T) -> T {
+    if quiet || !std::io::stderr().is_terminal() {
+        return work();
+    }
+    let finished = AtomicBool::new(false);
+    let style = ProgressStyle::with_template("{bar:40} {percent}%, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let start = Instant::now();
+            let mut bar: Option<ProgressBar> = None;
+            while !finished.load(Ordering::Acquire) {
+                std::thread::park_timeout(Duration::from_millis(100));
+                if progress.total() == 0 {
+                    bar.take().iter().for_each(ProgressBar::finish_and_clear);
+                } else if start.elapsed() >= SHOW_AFTER {
+                    let bar = bar.get_or_insert_with(|| ProgressBar::new(0).with_style(style.clone()));
+                    bar.set_length(progress.total());
+                    bar.set_position(progress.done());
+                }
+            }
+            bar.iter().for_each(ProgressBar::finish_and_clear);
+        });
+        let result = work();
+        finished.store(true, Ordering::Release);
+        result
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_of_a_batch_are_said_once_and_those_of_one_run_stay_apart() {
+        let mut batch = WarningsOfRuns::default();
+        let flat =
+            |m: u32| Warning::new(201, format!("the earth is taken as flat; at {m} m it drops by {}.5 m", m / 1000));
+        for k in 1..=7 {
+            let voids = |year: u32| Warning::new(340, format!("{year}.tif has voids"));
+            batch.add(&k.to_string(), &[flat(10_000 + k), voids(2019), voids(2020)]);
+        }
+        batch.add("8", &[Warning::new(202, "UAV `8` has no receiver")]);
+        let told: Vec<String> = batch.told().iter().map(|w| w.text().to_string()).collect();
+        assert_eq!(
+            told,
+            [
+                "the earth is taken as flat; at 10001 m it drops by 10.5 m (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "2019.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "2020.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                "UAV `8` has no receiver"
+            ]
+        );
+    }
+}

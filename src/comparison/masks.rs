@@ -1,0 +1,153 @@
+//! Masks of earlier runs, read from their files.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::answer::Position;
+use crate::coverage::class;
+use crate::error::{Error, Result, Warning};
+use crate::formats::RasterFile;
+use crate::raster::{GeoRef, LargeVec};
+use crate::read::refuse_two_crs;
+use crate::sight::Sight;
+
+/// A mask of an earlier run.
+#[derive(Debug)]
+pub(super) struct SavedMask {
+    /// The stem of the file's name, and the site's where a file holds several.
+    pub(super) id: String,
+    /// The file.
+    pub(super) path: String,
+    /// Classes of [`crate::coverage::class`].
+    pub(super) mask: LargeVec<u8>,
+    /// Where its UAV was, if the file says so.
+    pub(super) place: Option<Position>,
+}
+
+/// For whom this run makes maps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Setting<'a> {
+    /// The scene's file.
+    pub(super) scene: &'a Path,
+    /// Its grid.
+    pub(super) grid: &'a GeoRef,
+    pub(super) sight: &'a Sight,
+}
+
+/// Reads the masks of a file: its only band, or of several those called `SITE.los`.
+///
+/// # Errors
+/// If the file cannot be read, lies on another grid than the scene (E312) or in another CRS (E311), or holds no mask
+/// (E302).
+pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
+    let Setting { scene, grid, .. } = *setting;
+    let file = RasterFile::open(path, warnings)?;
+    refuse_two_crs((scene, grid.crs()), (path, file.georef().crs()), |wanted, _| {
+        format!("make the map again from a scene in {}", wanted.label())
+    })?;
+    if !file.georef().same_grid(grid) {
+        let text = format!(
+            "cannot compare {} ({}) with maps of {} ({}): wanted the same grid",
+            path.display(),
+            file.georef().description(),
+            scene.display(),
+            grid.description()
+        );
+        return Err(Error::file(312, text).with_hint("make the map again with the scene flags of this comparison"));
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let shown = path.display().to_string();
+    let RasterFile::GeoTiff(tiff) = &file else {
+        let mut classes = Classes::default();
+        let mask = file.read(grid.window(), warnings, |value| classes.of(value))?.into_cells();
+        classes.check(path, grid, "")?;
+        return Ok(vec![SavedMask { id: stem, path: shown, mask, place: None }]);
+    };
+    let sites: Vec<(usize, String)> = match tiff.band_names().as_slice() {
+        [_] => vec![(0, stem)],
+        names => {
+            let sites = names.iter().enumerate().filter_map(|(band, name)| {
+                let site = name.as_ref()?.strip_suffix(".los")?;
+                Some((band, format!("{stem}.{site}")))
+            });
+            sites.collect()
+        }
+    };
+    if sites.is_empty() {
+        let text = format!(
+            "cannot use {} as a mask: none of its {} bands is called `SITE.los`, as `skyshed map` does",
+            path.display(),
+            tiff.n_bands()
+        );
+        return Err(Error::file(302, text));
+    }
+    let document: Value = tiff.provenance().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+    warn_of_other_receivers(path, &document, setting, warnings);
+    let places = document["sites"].as_array().cloned().unwrap_or_default();
+    let place = |nth: usize| {
+        let number = |name: &str| places.get(nth)?[name].as_f64();
+        let lonlat = number("lon").zip(number("lat")).map(|(lon, lat)| [lon, lat]);
+        Some(Position { x: number("x")?, y: number("y")?, lonlat })
+    };
+    let mut nth = 0;
+    let mut read = |(band, id): (usize, String)| {
+        let mut classes = Classes::default();
+        let mask = tiff.read_band(band, grid.window(), warnings, |value| classes.of(value))?.into_cells();
+        classes.check(path, grid, &format!("band {}, ", band + 1))?;
+        nth += 1;
+        // Bands of one layer follow each other in the order of the sites.
+        Ok(SavedMask { id, path: shown.clone(), mask, place: place(nth - 1) })
+    };
+    sites.into_iter().map(&mut read).collect()
+}
+
+/// Warns where a map was made for other receivers than those of this run, as far as its file tells.
+fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>, warnings: &mut Vec<Warning>) {
+    let own: [(&str, Value); 3] = [
+        ("rx_height_m", setting.sight.rx_height_m().into()),
+        ("receivers", setting.sight.receivers().name().into()),
+        ("radius_m", setting.sight.radius_m().into()),
+    ];
+    for (key, own) in own {
+        if let Some(found) = document.get(key).filter(|found| **found != own) {
+            let text = format!("{} was made with {key} {found}, this run has {own}: compared as it is", path.display());
+            warnings.push(Warning::new(215, text));
+        }
+    }
+}
+
+/// Values on their way to classes, and the first that is none.
+#[derive(Debug, Default)]
+struct Classes {
+    n_seen: usize,
+    wrong: Option<(usize, f64)>,
+}
+
+impl Classes {
+    /// The class of a value; NaN is nodata.
+    fn of(&mut self, value: f64) -> u8 {
+        self.n_seen += 1;
+        let is = |class: &u8| value.total_cmp(&f64::from(*class)).is_eq();
+        let known = [class::NLOS, class::LOS, class::NOT_A_RECEIVER, class::OUT_OF_RANGE, class::NODATA];
+        match known.into_iter().find(is) {
+            Some(class) => class,
+            None if value.is_nan() => class::NODATA,
+            None => {
+                self.wrong.get_or_insert((self.n_seen - 1, value));
+                class::NODATA
+            }
+        }
+    }
+
+    fn check(&self, path: &Path, grid: &GeoRef, band: &str) -> Result<()> {
+        let Some((cell, value)) = self.wrong else { return Ok(()) };
+        let (row, col) = (cell / grid.n_cols(), cell % grid.n_cols());
+        let text = format!(
+            "cannot use {} as a mask: {band}row {row}, column {col} holds {value}, wanted 0 (NLoS), 1 (LoS), 2 (not a \
+             receiver), 3 (out of range) or 255 (nodata)",
+            path.display()
+        );
+        Err(Error::file(302, text).with_hint("`skyshed map SCENE --uav X,Y,H -o FILE.tif` writes such a mask"))
+    }
+}

@@ -1,0 +1,313 @@
+//! Placements side by side: their maps, what changes between them, and whether that is clear.
+
+mod document;
+mod figure;
+mod masks;
+mod report;
+mod tables;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::Value;
+
+pub(crate) use document::{CompareDocument, CompareRow};
+use figure::Figure;
+use masks::{Setting, read_masks};
+use report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts};
+use tables::{Tables, margin_facts, pairs_of, tables};
+
+use crate::answer::{Answer, Rows, RunFacts, Spent};
+use crate::coverage::{CellGroups, KeepMasks, MarginSample, Mapper, Overlay, SiteCoverage, Tally, class, count_sets};
+use crate::error::{Error, Result, Warning};
+use crate::export::{self, Batch, Format, add_comparison};
+use crate::los::Method;
+use crate::map::{MaskDigest, SiteFacts};
+use crate::memory::check_memory;
+use crate::picture::{Look, drawn, picture_provenance};
+use crate::progress::Progress;
+use crate::raster::{CellBlocks, LargeVec};
+use crate::read::source_of;
+use crate::render;
+use crate::scene::Scene;
+use crate::sight::Sight;
+use crate::uav::UavsFound;
+use crate::words::p_los_words;
+use crate::zones::{NONE, ZoneMap};
+
+/// Formats of a comparison.
+pub(crate) const FORMATS: [Format; 8] =
+    [Format::Html, Format::Png, Format::Svg, Format::Pdf, Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
+
+/// Most placements: their pairs grow with the square.
+const MOST_PLACEMENTS: usize = 16;
+/// Most blocks of ground: each is drawn a thousand times.
+const MOST_BLOCKS: usize = 1 << 16;
+/// Receivers per placement whose margins are asked for.
+const MARGIN_SAMPLE: usize = 1 << 16;
+/// Confidence of the intervals.
+const CONFIDENCE: f64 = 0.95;
+/// What all masks laid over each other, the zones and a picture's surface take.
+const BYTES_PER_CELL: usize = 5 + 1 + 4;
+
+/// Placements to be compared.
+#[derive(Debug)]
+pub(crate) struct ComparisonPlan {
+    pub(crate) sight: Sight,
+    /// Files with masks of earlier runs.
+    pub(crate) masks: Vec<PathBuf>,
+    /// Whether these are hashed whatever their size.
+    pub(crate) hash: bool,
+    /// Edge of the blocks of ground that are resampled \[m\].
+    pub(crate) block_m: f64,
+    /// Seed of the resampling.
+    pub(crate) seed: u64,
+    /// Whether a raster of all pairs is written.
+    pub(crate) draws_pairs: bool,
+}
+
+/// Placements side by side.
+#[derive(Debug)]
+pub(crate) struct Comparison {
+    scene: Scene,
+    /// In the order of the report's placements.
+    masks: Vec<LargeVec<u8>>,
+    /// All masks together.
+    overlay: Overlay,
+    report: CompareReport,
+}
+
+/// A mask, and where it comes from.
+struct Placed {
+    id: String,
+    origin: Origin,
+    mask: LargeVec<u8>,
+    tally: Tally,
+    margins: Option<MarginSample>,
+}
+
+/// A comparison needs two placements, and does not become clearer beyond a number.
+///
+/// # Errors
+/// E108, E502.
+pub(crate) fn check_number(n: usize) -> Result<()> {
+    match n {
+        0 | 1 => Err(Error::usage(108, format!("cannot compare: found {n} placements, wanted at least 2"))
+            .with_hint("repeat `--uav X,Y,H`, or give `--uavs FILE` or `--mask FILE`")),
+        n if n > MOST_PLACEMENTS => {
+            let text = format!("cannot compare {n} placements, wanted at most {MOST_PLACEMENTS}");
+            Err(Error::limit(502, text).with_hint("`skyshed map` makes maps and tables of any number"))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl ComparisonPlan {
+    /// Checks the numbers, before any work.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.block_m <= 0.0 {
+            return Err(Error::usage(113, format!("the edge of blocks is `{}`, wanted above 0 m", self.block_m)));
+        }
+        Ok(())
+    }
+
+    /// Maps the UAVs, reads the saved masks, and compares all of them.
+    ///
+    /// # Errors
+    /// E2xx for UAVs that cannot be there; those of the files; E502 for too many placements or blocks.
+    pub(crate) fn compare(
+        &self,
+        mut scene: Scene,
+        found: &UavsFound,
+        command: Vec<String>,
+        progress: &Progress,
+    ) -> Result<Comparison> {
+        self.check()?;
+        let uavs = scene.place(found, None, &self.sight)?;
+        let grid = scene.grid().clone();
+        let blocks = CellBlocks::new(&grid, grid.meters_per_unit(), self.block_m);
+        if blocks.count() > MOST_BLOCKS {
+            let (n, edge) = (blocks.count(), self.block_m);
+            let text = format!("cannot resample {n} blocks of {edge} m, wanted at most {MOST_BLOCKS}");
+            return Err(Error::limit(502, text).with_hint("choose larger blocks: `--block M`"));
+        }
+        let n_bands = if self.draws_pairs { pairs_of(uavs.len()).len() + 1 } else { 0 };
+        check_memory(&scene.word, &grid, uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL)?;
+        let zones = scene.zones();
+        let before_los = Instant::now();
+        let (mut placed, method) = self.mapped(&scene, zones.as_ref(), (found, &uavs), progress)?;
+        scene.timing.los = before_los.elapsed().as_secs_f64();
+        for path in &self.masks {
+            placed.extend(self.saved(path, &mut scene)?);
+        }
+        check_number(placed.len())?;
+        check_ids(&placed)?;
+        for p in placed.iter().filter(|p| p.tally.receivers == 0) {
+            let text = format!("placement `{}` has no receiver: {}; P_LoS is undefined", p.id, p.tally.reason());
+            scene.warnings.push(Warning::new(202, text));
+        }
+        let facts = RunFacts { command, ..scene.facts(method) };
+        let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_ref());
+        Ok(Comparison { scene, masks: placed.into_iter().map(|p| p.mask).collect(), overlay, report })
+    }
+
+    fn report(
+        &self,
+        facts: RunFacts,
+        placed: &[Placed],
+        blocks: &CellBlocks,
+        zones: Option<&ZoneMap>,
+    ) -> (Overlay, CompareReport) {
+        let grid = &facts.grid;
+        let masks: Vec<&[u8]> = placed.iter().map(|p| p.mask.as_slice()).collect();
+        let mut overlay = Overlay::new(grid.n_cells());
+        masks.iter().for_each(|mask| overlay.add(mask));
+        let intervals = IntervalFacts { confidence: CONFIDENCE, block_m: self.block_m, seed: self.seed };
+        let no_zones = if zones.is_none() { vec![NONE; grid.n_cells()] } else { Vec::new() };
+        let codes = zones.map_or(no_zones.as_slice(), ZoneMap::codes);
+        let cells = CellGroups { blocks, groups: codes, n_cols: grid.n_cols() };
+        let Tables { shares, differences } = tables(&masks, &cells, &intervals);
+        let pairs = pairs_of(placed.len()).into_iter().zip(differences);
+        let placement = |(p, groups): (&Placed, _)| PlacementFacts {
+            id: p.id.clone(),
+            origin: p.origin.clone(),
+            tally: p.tally,
+            groups,
+            margins: p.margins.as_ref().map(|sample| margin_facts(sample, codes)),
+        };
+        let report = CompareReport {
+            sight: self.sight,
+            intervals,
+            has_zones: zones.is_some(),
+            placements: placed.iter().zip(shares).map(placement).collect(),
+            pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups }).collect(),
+            union: Tally::of_mask(overlay.union()),
+            seen_by: seen_by(&overlay, placed.len()),
+            sets: count_sets(&masks),
+            digest: MaskDigest::of(grid, masks.iter().copied()),
+            facts,
+        };
+        (overlay, report)
+    }
+
+    /// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was, if any was needed.
+    fn mapped(
+        &self,
+        scene: &Scene,
+        zones: Option<&ZoneMap>,
+        (found, uavs): (&UavsFound, &[crate::coverage::Uav]),
+        progress: &Progress,
+    ) -> Result<(Vec<Placed>, Option<Method>)> {
+        if uavs.is_empty() {
+            return Ok((Vec::new(), None));
+        }
+        let options = self.sight.options(scene.grid(), zones);
+        let mut mapper = Mapper::new(&scene.field, &options)?;
+        mapper.drop_idle(uavs);
+        progress.begin(scene.grid().n_cells() as u64 * uavs.len() as u64);
+        let maps = mapper.map_many(uavs, KeepMasks::Always, progress.control(), |_| {}, |_| {});
+        progress.end();
+        let placed = |(site, given): (SiteCoverage, &crate::city::GivenSite)| Placed {
+            id: site.uav.id.clone(),
+            origin: Origin::Uav(Box::new(SiteFacts { lonlat: given.lonlat, ..SiteFacts::of(&site, zones) })),
+            margins: Some(mapper.margin_sample(&site, MARGIN_SAMPLE)),
+            tally: site.tally,
+            mask: site.mask,
+        };
+        Ok((maps?.sites.into_iter().zip(&found.sites).map(placed).collect(), Some(mapper.method().0)))
+    }
+
+    /// Placements from a file of masks, which becomes a source of the run.
+    fn saved(&self, path: &Path, scene: &mut Scene) -> Result<Vec<Placed>> {
+        let setting = Setting { scene: Path::new(&scene.word), grid: scene.field.grid(), sight: &self.sight };
+        let masks = read_masks(path, &setting, &mut scene.warnings)?;
+        scene.sources.push(source_of(path, self.hash)?);
+        let placed = masks.into_iter().map(|saved| Placed {
+            id: saved.id,
+            origin: Origin::File { path: saved.path, place: saved.place },
+            tally: Tally::of_mask(&saved.mask),
+            mask: saved.mask,
+            margins: None,
+        });
+        Ok(placed.collect())
+    }
+}
+
+fn check_ids(placed: &[Placed]) -> Result<()> {
+    let mut seen = std::collections::HashSet::new();
+    match placed.iter().find(|p| !seen.insert(&p.id)) {
+        Some(twice) => Err(Error::site(207, format!("two placements are named `{}`, wanted different ids", twice.id))),
+        None => Ok(()),
+    }
+}
+
+/// Receivers of any placement that 0, 1, 2 … of `n` see.
+fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
+    let mut counts = vec![0; n + 1];
+    for (class, count) in overlay.union().iter().zip(overlay.count()) {
+        if matches!(*class, class::NLOS | class::LOS) {
+            counts[*count as usize] += 1;
+        }
+    }
+    counts
+}
+
+impl Answer for Comparison {
+    fn document(&self, spent: Option<Spent>) -> Value {
+        self.report.document(spent.map(|spent| self.scene.timing.with(spent)))
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.report.facts.warnings
+    }
+
+    fn notes(&self, spent: Spent) -> Vec<String> {
+        let report = &self.report;
+        let of = |p: &PlacementFacts| {
+            let share = p_los_words(p.tally.p_los());
+            format!("{}: P_LoS {share}, {} of {} receivers", p.id, p.tally.los, p.tally.receivers)
+        };
+        let (method, los) = (report.facts.method_in_words(), self.scene.timing.los);
+        let last = format!("method {method}: line of sight {los:.3} s of {:.2} s", spent.total);
+        let pairs = report.pairs.iter().map(|pair| report.sentence(pair));
+        std::iter::once(report.verdict()).chain(report.placements.iter().map(of)).chain(pairs).chain([last]).collect()
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        let provenance = self.provenance();
+        match format {
+            Format::GeoTiff => {
+                let ids: Vec<&str> = self.report.placements.iter().map(|p| p.id.as_str()).collect();
+                let pairs: Vec<(usize, usize)> = self.report.pairs.iter().map(|p| (p.first, p.second)).collect();
+                let masks: Vec<&[u8]> = self.masks.iter().map(LargeVec::as_slice).collect();
+                let comparison = export::Comparison {
+                    georef: self.scene.grid(),
+                    ids: &ids,
+                    masks: &masks,
+                    pairs: &pairs,
+                    overlay: &self.overlay,
+                    provenance: &provenance.to_string(),
+                };
+                Ok(add_comparison(batch, &comparison, path)?)
+            }
+            Format::Html => {
+                let page = Figure::new(self, look).page(&provenance);
+                batch.add(path, &drawn(page.map(String::into_bytes))?)
+            }
+            _ => {
+                let provenance = picture_provenance(&provenance);
+                let figure = Figure::new(self, look);
+                let sheet =
+                    figure.with_sheet(|sheet| render::draw_compare_sheet(sheet, &look.form(format), &provenance));
+                batch.add(path, &drawn(sheet)?)
+            }
+        }
+    }
+}

@@ -1,0 +1,447 @@
+//! Placements side by side as reported: the document `skyshed/compare/1` and its table.
+
+use serde_json::Value;
+
+use super::document::{
+    ByZone, CompareDocument, CompareRow, DifferenceDocument, IntervalsDocument, MarginDocument, MarginsDocument,
+    PairDocument, PlacementDocument, SetDocument, ShareDocument,
+};
+use crate::answer::{Position, Rows, RunFacts, Timing, document_of, rows, warnings_of};
+use crate::coverage::{GRAZING_M, MarginStats, PairCounts, Tally};
+use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
+use crate::los_probability::estimate::FEWEST_CLUSTERS;
+use crate::map::SiteFacts;
+use crate::quantity::counted;
+use crate::sight::Sight;
+use crate::zones::Zone;
+
+/// Groups of receivers: all, and those of each zone in the order of [`Zone::ALL`].
+pub(crate) const N_GROUPS: usize = 5;
+
+/// The words for the groups of receivers in tables.
+pub(crate) fn group_names() -> [&'static str; N_GROUPS] {
+    let [a, b, c, d] = Zone::ALL.map(Zone::name);
+    ["all", a, b, c, d]
+}
+
+/// P_LoS of some receivers with its interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct GroupShare {
+    /// Receivers.
+    pub(crate) receivers: u64,
+    /// Those in line of sight.
+    pub(crate) los: u64,
+    /// Their share.
+    pub(crate) p_los: RatioEstimate,
+}
+
+/// Where a placement's mask comes from.
+#[derive(Debug, Clone)]
+pub(crate) enum Origin {
+    /// A UAV, mapped in this run.
+    Uav(Box<SiteFacts>),
+    /// The mask of an earlier run.
+    File {
+        /// Its file.
+        path: String,
+        /// Where its UAV was, if the file says so.
+        place: Option<Position>,
+    },
+}
+
+/// Margins of a placement, from every so manyth receiver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MarginFacts {
+    /// Every how manyth receiver in row order was asked.
+    pub(crate) every: usize,
+    /// By group; `None` where none of the sample is in it.
+    pub(crate) groups: [Option<MarginStats>; N_GROUPS],
+}
+
+/// One placement as reported.
+#[derive(Debug, Clone)]
+pub(crate) struct PlacementFacts {
+    /// Name, unique in a run.
+    pub(crate) id: String,
+    /// Where its mask comes from.
+    pub(crate) origin: Origin,
+    /// Counts of the mask.
+    pub(crate) tally: Tally,
+    /// By group.
+    pub(crate) groups: [GroupShare; N_GROUPS],
+    /// Margins; a mask alone has none.
+    pub(crate) margins: Option<MarginFacts>,
+}
+
+/// Two placements compared on some receivers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct GroupDifference {
+    /// What either sees.
+    pub(crate) counts: PairCounts,
+    /// P_LoS of the second less that of the first, over the receivers of both.
+    pub(crate) difference: RatioEstimate,
+}
+
+/// Two placements compared.
+#[derive(Debug, Clone)]
+pub(crate) struct PairFacts {
+    /// The first, as an index of the placements.
+    pub(crate) first: usize,
+    /// The second.
+    pub(crate) second: usize,
+    /// By group.
+    pub(crate) groups: [GroupDifference; N_GROUPS],
+}
+
+/// How intervals were made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IntervalFacts {
+    /// Confidence, such as 0.95.
+    pub(crate) confidence: f64,
+    /// Edge of a block of ground \[m\].
+    pub(crate) block_m: f64,
+    /// Seed of the resampling.
+    pub(crate) seed: u64,
+}
+
+/// Placements side by side, as reported.
+#[derive(Debug, Clone)]
+pub(crate) struct CompareReport {
+    /// The run.
+    pub(crate) facts: RunFacts,
+    /// For whom the maps are.
+    pub(crate) sight: Sight,
+    /// How intervals were made.
+    pub(crate) intervals: IntervalFacts,
+    /// Whether the zones of the scene are known.
+    pub(crate) has_zones: bool,
+    /// The placements.
+    pub(crate) placements: Vec<PlacementFacts>,
+    /// All pairs, the first always before the second.
+    pub(crate) pairs: Vec<PairFacts>,
+    /// All placements together.
+    pub(crate) union: Tally,
+    /// Receivers of any placement that 0, 1, 2 … of them see.
+    pub(crate) seen_by: Vec<u64>,
+    /// Receivers that exactly the placements of each set see, bit k for placement k; `None` for too many.
+    pub(crate) sets: Option<Vec<u64>>,
+    /// Digest of the masks in order, see [`super::digest`].
+    pub(crate) digest: String,
+}
+
+/// What an interval of this document says, in words.
+const MEANING: &str = "blocks of ground are drawn with replacement, the same ones for all placements; an interval says how \
+                       far a value would move over other ground of this kind, not how wrong the heights are";
+
+/// Why a value has no interval.
+pub(super) fn reason_without_interval(estimate: &RatioEstimate) -> String {
+    match estimate.blocks {
+        n if n < FEWEST_CLUSTERS => {
+            format!("{} with receivers, wanted at least {FEWEST_CLUSTERS}", counted(n, "block", "blocks"))
+        }
+        _ => "too many resamplings hold no such receiver".to_string(),
+    }
+}
+
+/// A difference of P_LoS with four decimals, its sign, and a true minus.
+pub(crate) fn signed(difference: f64) -> String {
+    format!("{difference:+.4}").replace('-', "−")
+}
+
+/// Why a mask has no margins.
+const NO_MARGINS: &str = "a saved mask says who is in line of sight, not by how much";
+
+pub(super) fn finite(value: f32) -> Option<f64> {
+    value.is_finite().then(|| f64::from(value))
+}
+
+pub(super) fn grazing_share(margins: &MarginStats) -> f64 {
+    margins.grazing as f64 / margins.receivers as f64
+}
+
+impl PlacementFacts {
+    /// Where its UAV is, if that is known.
+    pub(crate) fn position(&self) -> Option<Position> {
+        match &self.origin {
+            Origin::Uav(site) => Some(site.position()),
+            Origin::File { place, .. } => *place,
+        }
+    }
+
+    /// Its heights above the datum and above the ground \[m\], as far as they are known.
+    fn heights(&self) -> [Option<f64>; 2] {
+        match &self.origin {
+            Origin::Uav(site) => [Some(site.height_amsl_m), site.height_agl_m],
+            Origin::File { .. } => [None; 2],
+        }
+    }
+}
+
+impl CompareReport {
+    /// Whether any P_LoS or difference of two has an interval.
+    pub(crate) fn has_intervals(&self) -> bool {
+        let shares = self.placements.iter().flat_map(|p| &p.groups).map(|g| &g.p_los);
+        let differences = self.pairs.iter().flat_map(|p| &p.groups).map(|g| &g.difference);
+        shares.chain(differences).any(|estimate| estimate.interval.is_some())
+    }
+
+    /// The document; without `timing` it is the same for equal runs.
+    pub(crate) fn document(&self, timing_s: Option<Timing>) -> Value {
+        document_of(&CompareDocument {
+            head: self.facts.head("skyshed/compare/1"),
+            sight: self.sight.facts(),
+            intervals: IntervalsDocument {
+                method: "block bootstrap",
+                confidence: self.intervals.confidence,
+                block_m: self.intervals.block_m,
+                resamplings: RESAMPLINGS,
+                seed: self.intervals.seed,
+                meaning: self.meaning(),
+            },
+            verdict: self.verdict(),
+            placements: self.placements.iter().map(|p| self.placement(p)).collect(),
+            pairs: self.pairs.iter().map(|p| self.pair(p)).collect(),
+            union: (&self.union).into(),
+            seen_by: self.seen_by.clone(),
+            sets: self.sets(),
+            timing_s,
+            warnings: warnings_of(&self.facts.warnings),
+            digest: self.digest.clone(),
+        })
+    }
+
+    /// What is said of the receivers of each zone; `None` where no zone is known.
+    fn by_zone<T, D>(&self, groups: &[T; N_GROUPS], of: impl Fn(&T) -> D) -> Option<ByZone<D>> {
+        let [_, street, crossroad, courtyard, rooftop] = groups;
+        self.has_zones.then(|| ByZone {
+            street: of(street),
+            crossroad: of(crossroad),
+            courtyard: of(courtyard),
+            rooftop: of(rooftop),
+        })
+    }
+
+    fn placement(&self, placement: &PlacementFacts) -> PlacementDocument {
+        let [height_amsl_m, height_agl_m] = placement.heights();
+        let (mask, over) = match &placement.origin {
+            Origin::Uav(site) => (None, Some(site.placement)),
+            Origin::File { path, .. } => (Some(path.clone()), None),
+        };
+        let mut all = ShareDocument::of(&placement.groups[0]);
+        if placement.tally.p_los().is_none() {
+            all.p_los.reason = Some(placement.tally.reason().into());
+        }
+        PlacementDocument {
+            id: placement.id.clone(),
+            mask,
+            position: placement.position().into(),
+            height_amsl_m,
+            height_agl_m,
+            placement: over,
+            all,
+            zones: self.by_zone(&placement.groups, ShareDocument::of),
+            margins: placement.margins.as_ref().map(|margins| MarginsDocument {
+                every: margins.every,
+                grazing_within_m: GRAZING_M,
+                all: MarginDocument::of(&margins.groups[0]),
+                zones: self.by_zone(&margins.groups, MarginDocument::of),
+            }),
+            margins_reason: placement.margins.is_none().then_some(NO_MARGINS),
+        }
+    }
+
+    fn pair(&self, pair: &PairFacts) -> PairDocument {
+        PairDocument {
+            first: self.placements[pair.first].id.clone(),
+            second: self.placements[pair.second].id.clone(),
+            all: DifferenceDocument::of(&pair.groups[0]),
+            zones: self.by_zone(&pair.groups, DifferenceDocument::of),
+        }
+    }
+
+    fn sets(&self) -> Option<Vec<SetDocument>> {
+        let ids = |set: usize| {
+            let is_in = |k: &usize| set >> k & 1 == 1;
+            (0..self.placements.len()).filter(is_in).map(|k| self.placements[k].id.clone()).collect()
+        };
+        let told = self.sets.as_ref()?.iter().enumerate().filter(|(_, n)| **n > 0);
+        Some(told.map(|(bits, n)| SetDocument { bits, seen_by_exactly: ids(bits), receivers: *n }).collect())
+    }
+
+    /// The groups that tables tell: those of zones only where zones are known.
+    pub(crate) fn n_told(&self) -> usize {
+        if self.has_zones { N_GROUPS } else { 1 }
+    }
+
+    /// The table: a row per placement and zone, then one per pair and zone.
+    pub(crate) fn table(&self) -> Rows {
+        let groups = || group_names().into_iter().enumerate().take(self.n_told());
+        let of_placement = |placement: &PlacementFacts| {
+            let row = |(k, zone): (usize, &'static str)| {
+                let (group, margins) = (&placement.groups[k], placement.margins.and_then(|m| m.groups[k]));
+                let [height_amsl_m, height_agl_m] = placement.heights();
+                CompareRow {
+                    position: placement.position().into(),
+                    height_amsl_m,
+                    height_agl_m,
+                    los: Some(group.los),
+                    p_los: group.p_los.value,
+                    margin_q05_m: margins.and_then(|m| finite(m.quantiles[0])),
+                    margin_median_m: margins.and_then(|m| finite(m.quantiles[1])),
+                    margin_q95_m: margins.and_then(|m| finite(m.quantiles[2])),
+                    margin_grazing_share: margins.map(|m| grazing_share(&m)),
+                    margin_receivers: margins.map(|m| m.receivers),
+                    ..self.row(("placement", &placement.id, zone), group.receivers, &group.p_los)
+                }
+            };
+            groups().map(row).collect::<Vec<_>>()
+        };
+        let of_pair = |pair: &PairFacts| {
+            let row = |(k, zone): (usize, &'static str)| {
+                let GroupDifference { counts: c, difference } = &pair.groups[k];
+                CompareRow {
+                    second: self.placements[pair.second].id.clone(),
+                    difference: difference.value,
+                    exceeds: difference.exceeds(),
+                    both: Some(c.both),
+                    only_first: Some(c.only_first),
+                    only_second: Some(c.only_second),
+                    neither: Some(c.neither),
+                    receivers_of_first_only: Some(c.receivers_of_first),
+                    receivers_of_second_only: Some(c.receivers_of_second),
+                    ..self.row(("pair", &self.placements[pair.first].id, zone), c.compared(), difference)
+                }
+            };
+            groups().map(row).collect::<Vec<_>>()
+        };
+        rows(self.placements.iter().flat_map(of_placement).chain(self.pairs.iter().flat_map(of_pair)))
+    }
+
+    /// What rows of placements and of pairs have in common.
+    fn row(
+        &self,
+        (row, first, zone): (&'static str, &str, &'static str),
+        receivers: u64,
+        estimate: &RatioEstimate,
+    ) -> CompareRow {
+        CompareRow {
+            row,
+            first: first.to_string(),
+            zone,
+            receivers,
+            ci_low: estimate.interval.map(|i| i.0),
+            ci_high: estimate.interval.map(|i| i.1),
+            blocks: estimate.blocks,
+            rx_height_m: self.sight.rx_height_m(),
+            radius_m: self.sight.radius_m(),
+            block_m: self.intervals.block_m,
+            method: self.facts.method_name(),
+            ..CompareRow::default()
+        }
+    }
+
+    /// What an interval says, and what the maps are worth.
+    pub(crate) fn meaning(&self) -> String {
+        let is_saved = self.placements.iter().any(|p| matches!(p.origin, Origin::File { .. }));
+        match self.facts.method {
+            Some(method) if !method.is_exact() => format!("{MEANING}, nor how far {} is off", method.name()),
+            _ if is_saved => format!("{MEANING}, nor how far the saved maps are off"),
+            _ => format!("{MEANING}: over the ground shown the maps are exact"),
+        }
+    }
+
+    /// Why there is no interval at all; `None` if there is any.
+    pub(crate) fn reason_without_intervals(&self) -> Option<String> {
+        let shares = self.placements.iter().flat_map(|p| p.groups.iter().map(|g| &g.p_los));
+        let differences = self.pairs.iter().flat_map(|p| p.groups.iter().map(|g| &g.difference));
+        let has_any = shares.chain(differences).any(|estimate| estimate.interval.is_some());
+        let first = self.placements.first().filter(|_| !has_any)?;
+        Some(reason_without_interval(&first.groups[0].p_los))
+    }
+
+    /// One sentence: which placement is best, by how much, and whether that is clear.
+    pub(crate) fn verdict(&self) -> String {
+        let share =
+            |k: usize| (u128::from(self.placements[k].tally.los), u128::from(self.placements[k].tally.receivers));
+        let mut order: Vec<usize> = (0..self.placements.len()).filter(|k| share(*k).1 > 0).collect();
+        let compare = |a: &usize, b: &usize| (share(*a).0 * share(*b).1).cmp(&(share(*b).0 * share(*a).1));
+        order.sort_by(|a, b| compare(b, a));
+        let id = |k: usize| self.placements[k].id.as_str();
+        let p_los = |k: usize| self.placements[k].tally.p_los().map_or(String::new(), |p| format!("{p:.4}"));
+        let (best, next) = match order[..] {
+            [] => return "No placement has a receiver, so that none is best.".into(),
+            [only] => return format!("{} alone has receivers: P_LoS {}.", id(only), p_los(only)),
+            [best, next, ..] => (best, next),
+        };
+        if compare(&best, &next).is_eq() {
+            let equal: Vec<&str> = order.iter().filter(|k| compare(k, &best).is_eq()).map(|k| id(*k)).collect();
+            return format!("{} are equally good: P_LoS {} each.", equal.join(", "), p_los(best));
+        }
+        let (first, second) = (best.min(next), best.max(next));
+        let Some(pair) = self.pairs.iter().find(|pair| (pair.first, pair.second) == (first, second)) else {
+            return format!("{} is best: P_LoS {}.", id(best), p_los(best));
+        };
+        let (counts, mut estimate) = (&pair.groups[0].counts, pair.groups[0].difference);
+        if best == first {
+            estimate.value = estimate.value.map(|v| -v);
+            estimate.interval = estimate.interval.map(|(low, high)| (-high, -low));
+        }
+        let by = match estimate.value {
+            None => {
+                return format!(
+                    "{} is best: P_LoS {}, the next {} with {}; no cell is a receiver of both.",
+                    id(best),
+                    p_los(best),
+                    id(next),
+                    p_los(next)
+                );
+            }
+            Some(v) if counts.receivers_of_first + counts.receivers_of_second > 0 => {
+                format!("{} for {}, over the receivers of both {}", p_los(next), id(next), signed(v))
+            }
+            Some(v) if v < 0.000_05 => format!("less than 0.0001 more than {}", id(next)),
+            Some(v) => format!("{v:.4} more than {}", id(next)),
+        };
+        let clear = match (estimate.interval, estimate.exceeds()) {
+            (Some((low, high)), Some(exceeds)) => {
+                let percent = 100.0 * self.intervals.confidence;
+                // Over the receivers of both the other may be ahead.
+                let verdict = match (exceeds, high < 0.0) {
+                    (true, true) => format!("over these {} is ahead", id(next)),
+                    (true, false) => "the difference is clear".to_string(),
+                    (false, _) => "the difference is not clear".to_string(),
+                };
+                let holds = if exceeds { "does not hold" } else { "holds" };
+                format!("{verdict}: its {percent:.0} % interval, {} to {}, {holds} 0", signed(low), signed(high))
+            }
+            _ => format!("whether the difference is clear is not known: {}", reason_without_interval(&estimate)),
+        };
+        format!("{} is best: P_LoS {}, {by}; {clear}.", id(best), p_los(best))
+    }
+
+    /// A sentence on a pair: which sees more, by how much, and whether that exceeds its interval.
+    pub(crate) fn sentence(&self, pair: &PairFacts) -> String {
+        let [first, second] = [pair.first, pair.second].map(|k| self.placements[k].id.as_str());
+        let group = &pair.groups[0];
+        let Some(difference) = group.difference.value else {
+            return format!("{first} → {second}: no cell is a receiver of both.");
+        };
+        let way = match group.counts.gain() {
+            0 => "P_LoS is the same".to_string(),
+            gain => format!("P_LoS {} by {:.4}", if gain > 0 { "rises" } else { "falls" }, difference.abs()),
+        };
+        let verdict = match (group.difference.interval, group.difference.exceeds()) {
+            (Some((low, high)), Some(exceeds)) => {
+                let percent = 100.0 * self.intervals.confidence;
+                let verdict = if exceeds {
+                    "does not hold 0, so the difference exceeds it"
+                } else {
+                    "holds 0, so the difference does not exceed it"
+                };
+                format!("its {percent:.0} % interval, {} to {}, {verdict}", signed(low), signed(high))
+            }
+            _ => format!("no interval: {}", reason_without_interval(&group.difference)),
+        };
+        format!("{first} → {second}: {way}; {verdict}.")
+    }
+}

@@ -1,0 +1,268 @@
+//! A city in another form: `skyshed city` converts it, and draws it.
+
+mod features;
+
+use std::path::Path;
+use std::time::Instant;
+
+use std::ffi::OsStr;
+
+use serde_json::Value;
+
+use crate::answer::{Answer, RunFacts, Spent};
+use crate::city::{Footprint, Solids};
+use crate::crs::wkt_of;
+use crate::error::{Error, Result, Warning};
+use crate::export::{
+    Batch, CityMesh, Format, MitsubaScene, add_mitsuba, city_mesh, encode_table, ns3_boxes, with_suffix,
+};
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
+use crate::height_field::{ConvexPieces, convex_pieces};
+use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::quantity::{Frame, VOID, meters, tidy};
+use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
+use crate::scene::{Scene, SceneOptions};
+use crate::words::{pretty, title_of};
+
+/// Formats of a city.
+pub(crate) const FORMATS: [Format; 10] = [
+    Format::Png,
+    Format::Svg,
+    Format::Pdf,
+    Format::GeoTiff,
+    Format::AsciiGrid,
+    Format::GeoJson,
+    Format::Mitsuba,
+    Format::Csv,
+    Format::Json,
+    Format::Stdout,
+];
+
+/// Nodata of height rasters.
+const NODATA: f32 = -9999.0;
+
+/// A city, ready to be written.
+#[derive(Debug)]
+pub(crate) struct Conversion {
+    scene: Scene,
+    facts: RunFacts,
+    /// The footprints and their lattice, of a vector scene.
+    footprints: Option<(Vec<Footprint>, Frame)>,
+}
+
+impl Conversion {
+    /// Reads a city.
+    ///
+    /// # Errors
+    /// As [`SceneOptions::open`].
+    pub(crate) fn open(options: &SceneOptions, word: &OsStr, command: Vec<String>) -> Result<Conversion> {
+        let (start, mut warnings) = (Instant::now(), Vec::new());
+        let city = options.read(word, &mut warnings)?;
+        let footprints = match &city.solids {
+            Solids::Vector { footprints, frame, .. } => Some((footprints.clone(), *frame)),
+            Solids::Raster { .. } => None,
+        };
+        let scene = Scene::built(options, (word, city), warnings, start)?;
+        Ok(Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints })
+    }
+
+    /// How large the city is.
+    fn size_line(&self) -> String {
+        let grid = self.scene.field.grid();
+        let unit = grid.meters_per_unit();
+        let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
+        match self.footprints {
+            Some(_) => format!("{} buildings on {} × {} m", self.scene.field.n_buildings(), tidy(width), tidy(height)),
+            None => format!("{} × {} cells, {} × {} m", grid.n_cols(), grid.n_rows(), tidy(width), tidy(height)),
+        }
+    }
+
+    /// Where the city lies.
+    fn place_line(&self) -> String {
+        let grid = self.scene.field.grid();
+        format!("South-west corner at ({}, {}), {}", tidy(grid.x_min()), tidy(grid.y_min()), crs_words(grid))
+    }
+
+    /// The footprints and their lattice, where there are some.
+    fn vectors(&self, path: &Path) -> Result<&(Vec<Footprint>, Frame)> {
+        self.footprints.as_ref().ok_or_else(|| {
+            Error::usage(109, format!("cannot write {}: a raster scene has no footprints", path.display()))
+        })
+    }
+
+    /// Adds a scene of Mitsuba and its meshes to a batch.
+    fn add_mitsuba(&self, batch: &mut Batch, path: &Path) -> Result<()> {
+        let (footprints, frame) = self.vectors(path)?;
+        let grid = self.scene.field.grid();
+        let mesh = CityMesh {
+            footprints,
+            frame: *frame,
+            grid,
+            ground_m: &self.ground_m(),
+            meters_per_unit: grid.meters_per_unit(),
+        };
+        let (ground, buildings) = city_mesh(&mesh)?;
+        let origin = format!(
+            "{}: meters, x east, y north, z above the datum; the origin is ({}, {}) in {}",
+            program(),
+            grid.x_min(),
+            grid.y_min(),
+            crs_words(grid)
+        );
+        let mut provenance = self.provenance();
+        provenance["mesh"] = serde_json::json!({"origin": [grid.x_min(), grid.y_min()], "unit": "m"});
+        let scene =
+            MitsubaScene { ground: &ground, buildings: &buildings, origin: &origin, provenance: &pretty(&provenance) };
+        Ok(add_mitsuba(batch, &scene, path)?)
+    }
+
+    fn picture(&self, format: Format, look: &Look) -> Result<Vec<u8>> {
+        let grid = self.scene.field.grid();
+        let unit = grid.meters_per_unit();
+        let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
+        // Axes count from the south-west corner: projected coordinates have too many digits to be read.
+        let local = |[x, y]: [f64; 2]| [(x - grid.x_min()) * unit, (y - grid.y_min()) * unit];
+        let (prisms, surface, ground);
+        let model = match &self.footprints {
+            Some((footprints, frame)) => {
+                prisms = footprints.iter().flat_map(|f| prisms_of(f, *frame, &local)).collect::<Vec<CityPrism>>();
+                CityModel::Prisms(&prisms)
+            }
+            None => {
+                surface = self.scene.field.surface_m();
+                ground = self.ground_m();
+                CityModel::Heights(CityHeights {
+                    n_cols: grid.n_cols(),
+                    n_rows: grid.n_rows(),
+                    surface_m: &surface,
+                    ground_m: Some(&ground),
+                })
+            }
+        };
+        let mut caption = vec![self.size_line(), format!("{}; {}", self.place_line(), program())];
+        caption.extend(look.last_lines(&self.scene));
+        let title = look.title_or(|| title_of(&self.facts.scene_name));
+        let picture =
+            CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
+        drawn(render::draw_city(&picture, &look.form(format), &picture_provenance(&self.provenance())))
+    }
+
+    fn ground_m(&self) -> Vec<f32> {
+        let grid = self.scene.field.grid();
+        let positions = self.scene.field.positions();
+        let mut ground = Vec::with_capacity(grid.n_cells());
+        for row in 0..grid.n_rows() {
+            for col in 0..grid.n_cols() {
+                let z = self.scene.field.ground_at(&positions.center(row, col));
+                #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more")]
+                ground.push(if z == VOID { f32::NAN } else { meters(z) as f32 });
+            }
+        }
+        ground
+    }
+
+    /// The highest surface of each cell \[m above the datum\].
+    fn heights(&self) -> Vec<f32> {
+        let surface = self.scene.field.surface_m();
+        surface.iter().map(|z| if z.is_nan() { NODATA } else { *z }).collect()
+    }
+
+    fn geotiff(&self) -> Result<Vec<u8>> {
+        Ok(encode_geotiff(&GeoTiffImage {
+            georef: self.scene.grid(),
+            bands: Bands::Float(vec![("height".into(), &self.heights())]),
+            nodata: Some(f64::from(NODATA)),
+            palette: None,
+            metadata: &[("SKYSHED".into(), self.provenance().to_string())],
+            layout: TiffLayout::Cog,
+        })?)
+    }
+
+    fn add_ascii_grid(&self, batch: &mut Batch, path: &Path) -> Result<()> {
+        let (mut bytes, heights) = (Vec::new(), self.heights());
+        let mut values = heights.iter().map(|z| f64::from(*z));
+        write_ascii_grid(&mut bytes, self.scene.grid(), f64::from(NODATA), &mut values, None)
+            .map_err(|e| Error::internal(402, format!("cannot encode {}: {e}", path.display())))?;
+        batch.add(path, &bytes)?;
+        if let Some(wkt) = self.scene.grid().crs().and_then(wkt_of) {
+            batch.add(&path.with_extension("prj"), wkt.as_bytes())?;
+        }
+        batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())
+    }
+}
+
+impl Answer for Conversion {
+    fn document(&self, _: Option<Spent>) -> Value {
+        self.facts.provenance("skyshed/city/1")
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn notes(&self, _: Spent) -> Vec<String> {
+        vec![match self.footprints {
+            Some(_) => {
+                format!("{}, {} buildings", self.facts.scene_name, grouped(self.scene.field.n_buildings() as u64))
+            }
+            None => self.facts.scene_name.clone(),
+        }]
+    }
+
+    fn text(&self, _: &Look) -> Result<String> {
+        let surface = self.scene.field.surface_m();
+        let heights = surface.iter().copied().filter(|z| z.is_finite());
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+        let surface = match low <= high {
+            true => format!("surface {} to {} m above the datum\n", tidy(f64::from(low)), tidy(f64::from(high))),
+            false => String::new(),
+        };
+        Ok(format!("{}\n{}\n{}\n{surface}", self.facts.scene_name, self.size_line(), self.place_line()))
+    }
+
+    /// The boxes of ns-3.
+    fn add_table(&self, batch: &mut Batch, path: &Path, _: &Look) -> Result<()> {
+        let (footprints, frame) = self.vectors(path)?;
+        batch.add(path, &encode_table(&ns3_boxes(footprints, *frame, path)?)?)?;
+        batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        match format {
+            Format::GeoTiff => batch.add(path, &self.geotiff()?),
+            Format::AsciiGrid => self.add_ascii_grid(batch, path),
+            Format::GeoJson => {
+                let (footprints, frame) = self.vectors(path)?;
+                let document = features::of_footprints(footprints, *frame, self.scene.grid(), self.provenance());
+                batch.add(path, format!("{document}\n").as_bytes())
+            }
+            Format::Mitsuba => self.add_mitsuba(batch, path),
+            _ => batch.add(path, &self.picture(format, look)?),
+        }
+    }
+}
+
+/// The polygons of a footprint for drawing, with their roofs cut into triangles.
+fn prisms_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f64; 2]) -> Vec<CityPrism> {
+    let point = |p: &[i32; 2]| {
+        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
+        local([x, y])
+    };
+    let fan = |ring: &Vec<[i32; 2]>| {
+        let points: Vec<[f64; 2]> = ring.iter().map(point).collect();
+        (2..points.len()).map(move |k| [points[0], points[k - 1], points[k]]).collect::<Vec<_>>()
+    };
+    let prism = |rings: &Vec<Vec<[i32; 2]>>| {
+        let pieces = match convex_pieces(rings) {
+            ConvexPieces::Exact(pieces) => pieces,
+            ConvexPieces::Hull(hull) => vec![hull],
+        };
+        CityPrism {
+            rings: rings.iter().map(|r| r.iter().map(point).collect()).collect(),
+            roof_triangles: pieces.iter().flat_map(fan).collect(),
+            base_m: meters(footprint.bottom()),
+            top_m: meters(footprint.top),
+        }
+    };
+    footprint.polygons.iter().map(prism).collect()
+}

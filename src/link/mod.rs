@@ -1,0 +1,350 @@
+//! One link, decided and explained.
+
+mod profile;
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
+use crate::city::Site;
+use crate::coverage;
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::height_field::Station;
+use crate::los::{LeastHeight, Method, Obstruction, link_least_receiver_heights};
+use crate::picture::Look;
+use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_drop;
+use crate::scene::placing::{place_uav, warn_of_uavs_outside};
+use crate::uav::Uav;
+
+/// Formats of a link.
+pub(crate) const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
+
+impl Scene {
+    /// Decides one link, and says what stands in its way. The receiver is at x (east) and y (north) in the scene's reference
+    /// system, at a height.
+    ///
+    /// ```
+    /// use skyshed::{Height, Scene, Uav};
+    ///
+    /// let city = Scene::options().size_m(200.0).open("itu:urban")?;
+    /// let link = city.link(Uav::new(100.0, 100.0, Height::agl(60.0)), (10.0, 150.0), Height::agl(1.5))?;
+    /// assert_eq!(link.los(), link.obstruction().is_none());
+    /// # Ok::<(), skyshed::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// E2xx if one of the ends cannot be there: inside a building, below the ground, too far from the other.
+    pub fn link(&self, uav: Uav, receiver: (f64, f64), height: Height) -> Result<Link> {
+        let mut scene = self.clone();
+        let site = uav.site(0).site;
+        warn_of_uavs_outside(std::slice::from_ref(&site), self.grid(), &mut scene.warnings);
+        let (x, y) = receiver;
+        check_extent(&scene, &site, (x, y))?;
+        let reach = (x - site.x).abs().max((y - site.y).abs()).max(1.0);
+        let uav = place_uav(&site, &scene.field, scene.grid(), Some(reach))?;
+        let receiver = place_receiver(&scene, (x, y), height)?;
+        let distance = (receiver.place.x - site.x).hypot(receiver.place.y - site.y);
+        warn_of_drop(distance * scene.grid().meters_per_unit(), &mut scene.warnings);
+        Ok(explain(scene, uav, receiver))
+    }
+}
+
+/// One link: whether it is in line of sight, by how much, and what stands in the way.
+#[derive(Debug, Clone)]
+pub struct Link {
+    scene: Scene,
+    uav: coverage::Uav,
+    receiver: Station,
+    pub(crate) facts: RunFacts,
+    found: LinkFacts,
+}
+
+/// What was found of a link.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+struct LinkFacts {
+    /// The UAV.
+    uav: EndFacts,
+    /// The receiver.
+    receiver: EndFacts,
+    /// Whether the link is in line of sight.
+    los: bool,
+    /// Receiver height less the least height in line of sight [m]; null if no receiver height is enough.
+    margin_m: Option<f64>,
+    /// Horizontal distance [m].
+    distance_m: f64,
+    /// Elevation angle of the UAV from the receiver [deg].
+    elevation_deg: f64,
+    /// What stands in the way; null if nothing does.
+    obstruction: Option<LinkObstruction>,
+}
+
+/// An end of a link.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub(crate) struct EndFacts {
+    /// East [units of the scene's reference system].
+    pub(crate) x: f64,
+    /// North [units of the scene's reference system].
+    pub(crate) y: f64,
+    /// Height above the datum [m].
+    pub(crate) height_amsl_m: f64,
+}
+
+/// What stands in the way of a link: the obstacle that asks for the highest receiver.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LinkObstruction {
+    /// `building`, `terrain`, `cell` of a surface model, or `nodata` that blocks everything.
+    pub kind: &'static str,
+    /// Id of the building.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    /// Row of the cell, counted from the north.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub row: Option<usize>,
+    /// Column of the cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub col: Option<usize>,
+    /// Obstructing point, east [units of the scene's reference system].
+    pub x: f64,
+    /// Obstructing point, north [units of the scene's reference system].
+    pub y: f64,
+    /// Height of the ray there [m above the datum].
+    pub ray_height_m: f64,
+    /// Height of the obstacle there [m above the datum]; null for nodata that blocks everything.
+    pub roof_height_m: Option<f64>,
+}
+
+/// One link.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct LinkDocument<'a> {
+    #[serde(flatten)]
+    head: Head,
+    #[serde(flatten)]
+    found: &'a LinkFacts,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+}
+
+impl Link {
+    /// Whether the link is in line of sight.
+    pub fn los(&self) -> bool {
+        self.found.los
+    }
+
+    /// Receiver height less the least height in line of sight \[m\]; `None` if no receiver height is enough.
+    pub fn margin_m(&self) -> Option<f64> {
+        self.found.margin_m
+    }
+
+    /// Horizontal distance \[m\].
+    pub fn distance_m(&self) -> f64 {
+        self.found.distance_m
+    }
+
+    /// Elevation angle of the UAV from the receiver \[deg\].
+    pub fn elevation_deg(&self) -> f64 {
+        self.found.elevation_deg
+    }
+
+    /// What stands in the way; `None` in line of sight.
+    pub fn obstruction(&self) -> Option<&LinkObstruction> {
+        self.found.obstruction.as_ref()
+    }
+
+    /// What was odd.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    /// The document `skyshed/link/1`.
+    pub fn document(&self) -> Value {
+        Answer::document(self, None)
+    }
+
+    /// Writes the link from the side (.png .svg .pdf) or its document (.json).
+    ///
+    /// # Errors
+    /// E104–E106 for a file that cannot be written so; E109 for a picture of a vertical link; E401 if writing fails.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
+        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
+        let mut batch = Batch::new(false);
+        add_outputs(self, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
+        batch.commit().map(|_| ())
+    }
+}
+
+impl Answer for Link {
+    fn document(&self, _: Option<Spent>) -> Value {
+        let warnings = warnings_of(&self.facts.warnings);
+        document_of(&LinkDocument { head: self.facts.head("skyshed/link/1"), found: &self.found, warnings })
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn text(&self, _: &Look) -> Result<String> {
+        let LinkFacts { uav, receiver, los, margin_m, distance_m, elevation_deg, obstruction } = &self.found;
+        let place = |e: &EndFacts| format!("({}, {}), {} m", tidy(e.x), tidy(e.y), tidy(e.height_amsl_m));
+        let verdict = if *los { "LoS" } else { "NLoS" };
+        let margin = margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{m:.3} m"));
+        let mut text =
+            format!("{verdict}: UAV at {} to receiver at {} above the datum\n", place(uav), place(receiver));
+        let (distance, angle) = (tidy(*distance_m), tidy(*elevation_deg));
+        text += &format!("distance {distance} m, elevation angle {angle}°, margin {margin}\n");
+        if let Some(o) = obstruction {
+            let name = match (&o.id, o.row.zip(o.col)) {
+                (Some(id), _) => format!("building `{id}`"),
+                (None, Some((row, col))) => format!("{} at row {row}, column {col}", o.kind),
+                (None, None) => o.kind.to_string(),
+            };
+            let roof =
+                o.roof_height_m.map_or("which blocks everything".to_string(), |r| format!("roof height {r:.3} m"));
+            let (x, y, ray) = (tidy(o.x), tidy(o.y), o.ray_height_m);
+            text += &format!("obstructed by {name}: obstructing point ({x}, {y}), ray height {ray:.3} m, {roof}\n");
+        }
+        Ok(text)
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        batch.add(path, &profile::draw(self, format, look)?)
+    }
+}
+
+/// The lattice must hold the link.
+pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Result<()> {
+    let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
+    for frame in frames.into_iter().flatten() {
+        let extent = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
+        if extent > MAX_EXTENT_UNITS {
+            let text = format!(
+                "cannot decide the link from ({}, {}) to ({x}, {y}): it spans {extent:.0} units, wanted at most \
+                 {MAX_EXTENT_UNITS}",
+                site.x, site.y
+            );
+            return Err(Error::site(203, text).with_hint("check the coordinate reference systems of both ends"));
+        }
+    }
+    Ok(())
+}
+
+/// The receiver's end: on ground or roof that is there, not inside a building.
+fn place_receiver(scene: &Scene, (x, y): (f64, f64), height: Height) -> Result<Station> {
+    let field = &scene.field;
+    let place = field.place(x, y);
+    let what = format!("cannot place the receiver at ({x}, {y}) with height {height}");
+    let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
+    let base = match height {
+        Height::AboveDatum(_) => 0,
+        Height::AboveGround(_) if ground == VOID => {
+            return Err(Error::site(204, format!("{what}: no ground is known there"))
+                .with_hint(format!("give the height above the datum: `{}amsl`", height.value())));
+        }
+        Height::AboveGround(_) => ground,
+        Height::AboveRoof(_) if field.is_surface_only() => {
+            return Err(Error::site(204, format!("{what}: with a surface model alone no roof is known")));
+        }
+        Height::AboveRoof(_) => roof.ok_or_else(|| Error::site(204, format!("{what}: no building is there")))?,
+    };
+    let z = height_steps(height.value())
+        .and_then(|h| base.checked_add(h))
+        .ok_or_else(|| Error::site(205, format!("{what}: wanted within ±32768 m of the datum")))?;
+    // Over footprints a point on a free wall is outdoors, although the roof to its north-east is its roof.
+    let inside = if field.prisms().is_some() { field.inside_prisms_below(&place) } else { roof.unwrap_or(VOID) };
+    if z < inside {
+        return Err(Error::site(
+            201,
+            format!(
+                "{what}: {} m above the datum is inside a building with its roof at {} m",
+                tidy(meters(z)),
+                tidy(meters(inside))
+            ),
+        )
+        .with_hint(format!("on the roof it is `{}roof`", height.value().max(0.0))));
+    }
+    if ground != VOID && z < ground {
+        return Err(Error::site(
+            202,
+            format!("{what}: {} m above the datum is below the ground at {} m", meters(z), meters(ground)),
+        ));
+    }
+    Ok(Station { place, z: i64::from(z) })
+}
+
+/// Decides a link, and finds what stands in its way.
+fn explain(scene: Scene, uav: coverage::Uav, receiver: Station) -> Link {
+    let field = &scene.field;
+    let (prisms, columns) = link_least_receiver_heights(field, &uav.station, &receiver);
+    let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
+    let steps = f64::from(STEPS_PER_UNIT);
+    #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
+    let (uav_z, receiver_z) = (uav.station.z as f64 / steps, receiver.z as f64 / steps);
+    let unit = field.grid().meters_per_unit();
+    let (from, to) = (receiver.place, uav.station.place);
+    let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
+
+    // The least visible height is never below what the receiver stands on: the roof if it is on or above one, else the ground.
+    let ground = field.ground_at(&receiver.place);
+    let roof = field.roof_at(&receiver.place).filter(|roof| receiver.z >= i64::from(*roof));
+    let floor = match (roof, ground) {
+        (Some(roof), _) => f64::from(roof),
+        (None, VOID) => f64::NEG_INFINITY,
+        (None, ground) => f64::from(ground),
+    };
+    let least = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
+    let margin = receiver_z - least;
+    let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
+
+    let columns_kind = if field.prisms().is_some() { "terrain" } else { "cell" };
+    let higher = match (&prisms, &columns) {
+        (LeastHeight::At(p), LeastHeight::At(c)) => {
+            let (a, b) = (prisms.height_steps(), columns.height_steps());
+            let prisms_win = a > b || (a >= b && p.near <= c.near);
+            if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
+        }
+        (LeastHeight::At(p), LeastHeight::Clear) => Some((*p, true)),
+        (LeastHeight::Clear, LeastHeight::At(c)) => Some((*c, false)),
+        (LeastHeight::Clear, LeastHeight::Clear) => None,
+    };
+    let obstruction = higher.filter(|_| !los).map(|(o, of_prisms)| {
+        let t = obstructing_fraction(&o, uav_z >= receiver_z);
+        let piece = field.prisms().filter(|_| of_prisms).map(|p| p.pieces()[o.obstacle]);
+        let cell = field.columns().filter(|_| !of_prisms).map(|c| (o.obstacle / c.n_cols(), o.obstacle % c.n_cols()));
+        LinkObstruction {
+            kind: match (o.top, of_prisms) {
+                (BLOCKS_ALL, _) => "nodata",
+                (_, true) => "building",
+                (_, false) => columns_kind,
+            },
+            id: piece.map(|p| field.building_id(p.building).to_string()),
+            row: cell.map(|cell| cell.0),
+            col: cell.map(|cell| cell.1),
+            x: from.x + t * (to.x - from.x),
+            y: from.y + t * (to.y - from.y),
+            ray_height_m: receiver_z + t * (uav_z - receiver_z),
+            roof_height_m: (o.top != BLOCKS_ALL).then(|| meters(o.top)),
+        }
+    });
+    let end = |place: &crate::height_field::Place, height_amsl_m| EndFacts { x: place.x, y: place.y, height_amsl_m };
+    let found = LinkFacts {
+        uav: end(&to, uav_z),
+        receiver: end(&from, receiver_z),
+        los,
+        margin_m: margin.is_finite().then_some(margin),
+        distance_m,
+        elevation_deg: (uav_z - receiver_z).atan2(distance_m).to_degrees(),
+        obstruction,
+    };
+    Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, found }
+}
+
+/// The obstructing point: the end of the crossing nearest the lower terminal.
+fn obstructing_fraction(obstruction: &Obstruction, receiver_is_lower: bool) -> f64 {
+    if receiver_is_lower { obstruction.near } else { obstruction.far }
+}

@@ -1,0 +1,472 @@
+//! A map as reported: the document `skyshed/map/1`, its table and its features.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::stability::{StabilityDocument, StabilityFacts};
+use super::tolerance::{ToleranceDocument, ToleranceFacts};
+use crate::answer::{
+    Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words, document_of,
+    feature, feature_collection, rows, warnings_of,
+};
+use crate::coverage::{CoveragePolygon, IdleFootprints, Placement, SiteCoverage, Tally};
+use crate::digest::Sha256;
+use crate::raster::{Crs, GeoRef};
+use crate::sight::{Sight, SightFacts};
+use crate::zones::{N_CODES, Zone, ZoneMap};
+
+/// One UAV of a map: where it is, what it hovers over, and what it sees.
+#[derive(Debug, Clone)]
+pub struct SiteFacts {
+    /// Name.
+    pub id: String,
+    /// East \[CRS units\].
+    pub x: f64,
+    /// North \[CRS units\].
+    pub y: f64,
+    /// Longitude and latitude \[deg\], if it was given by these.
+    pub lonlat: Option<[f64; 2]>,
+    /// Height above the datum \[m\].
+    pub height_amsl_m: f64,
+    /// Height above the ground \[m\], if one is known there.
+    pub height_agl_m: Option<f64>,
+    /// What it hovers over: a zone where zones are known, else `ground` or `rooftop`.
+    pub placement: &'static str,
+    /// Counts.
+    pub tally: Tally,
+    /// Counts by zone of the receivers, in the order of [`Zone::ALL`]; `None` where zones were not asked for or no building
+    /// is known.
+    pub zones: Option<[Tally; 4]>,
+    /// What each move by one lattice step turns, where that was asked for.
+    pub(crate) stability: Option<StabilityFacts>,
+}
+
+impl SiteFacts {
+    pub(crate) fn position(&self) -> Position {
+        Position { x: self.x, y: self.y, lonlat: self.lonlat }
+    }
+
+    /// The facts of a coverage, by zone if zones are known.
+    pub(crate) fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
+        let place = &site.uav.station.place;
+        let is_building = site.uav.placement == Placement::Rooftop;
+        let zone = zones.and_then(|zones| zones.over(place.x, place.y, is_building)).map(Zone::name);
+        SiteFacts {
+            id: site.uav.id.clone(),
+            x: place.x,
+            y: place.y,
+            lonlat: None,
+            height_amsl_m: site.uav.height_amsl_m(),
+            height_agl_m: site.uav.height_agl_m,
+            placement: zone.unwrap_or(site.uav.placement.name()),
+            tally: site.tally,
+            zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
+            stability: site.stability.as_ref().map(StabilityFacts::of),
+        }
+    }
+
+    /// The height in words.
+    pub(crate) fn height_words(&self) -> String {
+        crate::words::height_words(self.height_agl_m, self.height_amsl_m)
+    }
+
+    pub(super) fn hovering(&self) -> Hovering {
+        Hovering {
+            id: self.id.clone(),
+            position: self.position().into(),
+            height_amsl_m: self.height_amsl_m,
+            height_agl_m: self.height_agl_m,
+            placement: self.placement,
+        }
+    }
+
+    fn document(&self) -> SiteDocument {
+        let band = |b: &crate::coverage::ElevationBand| BandDocument {
+            from_deg: b.from_deg,
+            to_deg: b.to_deg,
+            receivers: b.receivers,
+            los: b.los,
+        };
+        SiteDocument {
+            hovering: self.hovering(),
+            seen: (&self.tally).into(),
+            zones: self.zones.as_ref().map(ZoneShares::of),
+            stability: self.stability.as_ref().map(StabilityFacts::document),
+            elevation_bands: self.tally.elevation_bands().iter().map(band).collect(),
+        }
+    }
+}
+
+/// The counts of a mask by zone, in the order of [`Zone::ALL`].
+pub(crate) fn zone_tallies(zones: &ZoneMap, mask: &[u8]) -> [Tally; 4] {
+    let of_codes: [Tally; N_CODES] = Tally::by_group(mask, zones.codes());
+    Zone::ALL.map(|zone| of_codes[usize::from(zone.code())])
+}
+
+/// A map as reported.
+#[derive(Debug, Clone)]
+pub(crate) struct MapReport {
+    pub(crate) facts: RunFacts,
+    /// For whom the map is.
+    pub(crate) sight: Sight,
+    /// The UAVs.
+    pub(crate) sites: Vec<SiteFacts>,
+    /// All UAVs together.
+    pub(crate) union: Tally,
+    /// All UAVs together, by zone as those of a site.
+    pub(crate) union_zones: Option<[Tally; 4]>,
+    /// Footprints that were dropped before work started, in a scene of footprints.
+    pub(crate) idle: Option<IdleFootprints>,
+    /// What a tolerance led to, where one was given.
+    pub(crate) tolerance: Option<ToleranceFacts>,
+    /// Digest of the masks, see [`MaskDigest`].
+    pub(crate) digest: String,
+}
+
+/// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
+#[derive(Debug, Clone)]
+pub(crate) struct MaskDigest(Sha256);
+
+impl MaskDigest {
+    /// The digest of a map without sites.
+    pub(crate) fn new(grid: &GeoRef) -> Self {
+        let mut hasher = Sha256::default();
+        hasher.update((grid.n_cols() as u64).to_le_bytes());
+        hasher.update((grid.n_rows() as u64).to_le_bytes());
+        MaskDigest(hasher)
+    }
+
+    /// Adds the mask of the next site.
+    pub(crate) fn add(&mut self, mask: &[u8]) {
+        self.0.update(mask);
+    }
+
+    /// `sha256:` and the hexadecimal digest.
+    pub(crate) fn finish(self) -> String {
+        digest_words(self.0)
+    }
+
+    /// The digest of some masks.
+    pub(crate) fn of<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> String {
+        let mut digest = MaskDigest::new(grid);
+        masks.for_each(|mask| digest.add(mask));
+        digest.finish()
+    }
+}
+
+impl MapReport {
+    /// The schema of its documents.
+    pub(crate) const SCHEMA: &'static str = "skyshed/map/1";
+
+    /// The report of one of the sites alone, with the digest of its mask.
+    #[must_use]
+    pub(crate) fn of_site(&self, site: &SiteFacts, digest: String) -> MapReport {
+        MapReport { sites: vec![site.clone()], union: site.tally, union_zones: site.zones, digest, ..self.clone() }
+    }
+
+    /// The document; without `timing` it is the same for equal runs.
+    pub(crate) fn document(&self, timing: Option<Timing>) -> Value {
+        document_of(&self.as_document(Self::SCHEMA, timing))
+    }
+
+    /// The document under a schema that adds to it.
+    pub(crate) fn as_document(&self, schema: &'static str, timing_s: Option<Timing>) -> MapDocument {
+        let mut head = self.facts.head(schema);
+        if self.tolerance.as_ref().is_some_and(|tolerance| !tolerance.taken.is_same()) {
+            // The engine is exact on a scene that is not.
+            head.exact = Some(false);
+        }
+        MapDocument {
+            head,
+            tolerance: self.tolerance.as_ref().map(ToleranceFacts::document),
+            footprints: self.idle.as_ref().map(IdleDocument::of),
+            sight: self.sight.facts(),
+            sites: self.sites.iter().map(SiteFacts::document).collect(),
+            union: UnionDocument {
+                seen: (&self.union).into(),
+                zones: self.union_zones.as_ref().map(ZoneShares::of),
+            },
+            timing_s,
+            warnings: warnings_of(&self.facts.warnings),
+            digest: self.digest.clone(),
+        }
+    }
+
+    /// The table: one row per site and zone, and one for the union of several sites.
+    pub(crate) fn table(&self) -> Rows {
+        let grid = &self.facts.grid;
+        let row = |site: &SiteDocumentHead, zone: &'static str, tally: &Tally| MapRow {
+            site: site.clone(),
+            zone,
+            receivers: tally.receivers,
+            los: tally.los,
+            p_los: tally.p_los(),
+            not_receivers: tally.not_receivers,
+            out_of_range: tally.out_of_range,
+            nodata: tally.nodata,
+            rx_height_m: self.sight.rx_height_m(),
+            radius_m: self.sight.radius_m(),
+            method: self.facts.method_name(),
+            crs: grid.crs().map(Crs::label),
+            cell_width: grid.cell_width(),
+            cell_height: grid.cell_height(),
+        };
+        let of = |site: SiteDocumentHead, all: &Tally, zones: Option<&[Tally; 4]>| {
+            let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
+            let by_zone = by_zone.map(|(zone, tally)| row(&site, zone.name(), tally));
+            std::iter::once(row(&site, "all", all)).chain(by_zone).collect::<Vec<_>>()
+        };
+        let sites = self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), &s.tally, s.zones.as_ref()));
+        let union = (self.sites.len() > 1)
+            .then(|| of(SiteDocumentHead::union(), &self.union, self.union_zones.as_ref()));
+        rows(sites.chain(union.into_iter().flatten()))
+    }
+
+    /// The sites as GeoJSON points with their results, in the scene's CRS.
+    pub(crate) fn geojson(&self) -> Value {
+        let point = |s: &SiteFacts| feature(document_of(&s.document()), Some(("Point", vec![s.x, s.y].into())));
+        let provenance = document_of(&MapProvenance {
+            head: self.facts.head(Self::SCHEMA),
+            warnings: warnings_of(&self.facts.warnings),
+            digest: self.digest.clone(),
+        });
+        feature_collection(&self.facts.grid, provenance, self.sites.iter().map(point).collect())
+    }
+
+    /// Polygons of this run with `site`, `class`, `cells` and `area_m2`, in the grid's CRS.
+    pub(crate) fn polygons(&self, polygons: &[CoveragePolygon]) -> Value {
+        let of = |polygon: &CoveragePolygon| {
+            let properties = PolygonFields {
+                site: &polygon.site,
+                class: polygon.class_name(),
+                cells: polygon.n_cells,
+                area_m2: polygon.area_m2,
+            };
+            feature(document_of(&properties), Some(("Polygon", document_of(&closed_rings(&polygon.rings)))))
+        };
+        feature_collection(&self.facts.grid, self.document(None), polygons.iter().map(of).collect())
+    }
+}
+
+/// Coverage of one or many UAVs.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct MapDocument {
+    #[serde(flatten)]
+    head: Head,
+    /// What a tolerance led to, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<ToleranceDocument>,
+    /// Footprints that were dropped before work started, in a scene of footprints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    footprints: Option<IdleDocument>,
+    #[serde(flatten)]
+    sight: SightFacts,
+    /// The UAVs.
+    sites: Vec<SiteDocument>,
+    /// What at least one UAV sees.
+    union: UnionDocument,
+    /// Seconds spent; not in what is stored in pictures and rasters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timing_s: Option<Timing>,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+    /// SHA-256 of columns, rows (u64, little endian) and each site's mask, north row first.
+    digest: String,
+}
+
+#[derive(Serialize)]
+struct MapProvenance {
+    #[serde(flatten)]
+    head: Head,
+    warnings: Vec<WarningFacts>,
+    digest: String,
+}
+
+/// Properties of a polygon of coverage.
+#[derive(Serialize)]
+struct PolygonFields<'a> {
+    site: &'a str,
+    class: &'static str,
+    cells: u64,
+    area_m2: f64,
+}
+
+/// Where a UAV hovers.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub(super) struct Hovering {
+    /// Name of the UAV.
+    id: String,
+    #[serde(flatten)]
+    position: PositionFields,
+    /// Height above the datum [m].
+    height_amsl_m: f64,
+    /// Height above the ground [m]; null where none is known.
+    height_agl_m: Option<f64>,
+    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
+    placement: &'static str,
+}
+
+/// A UAV of a map.
+#[derive(Debug, Serialize, JsonSchema)]
+struct SiteDocument {
+    #[serde(flatten)]
+    hovering: Hovering,
+    #[serde(flatten)]
+    seen: Share,
+    /// By zone of the receivers; null where zones were not asked for or are not known.
+    zones: Option<ZoneShares>,
+    /// What moves by one lattice step turn, with the layer `stability`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stability: Option<StabilityDocument>,
+    /// By elevation angle of the UAV.
+    elevation_bands: Vec<BandDocument>,
+}
+
+/// Receivers that see the UAV between two elevation angles.
+#[derive(Debug, Serialize, JsonSchema)]
+struct BandDocument {
+    /// Lower end of the band [deg].
+    from_deg: i32,
+    /// Upper end of the band [deg].
+    to_deg: i32,
+    /// Receivers in it.
+    receivers: u64,
+    /// Those in line of sight.
+    los: u64,
+}
+
+/// What at least one UAV sees.
+#[derive(Debug, Serialize, JsonSchema)]
+struct UnionDocument {
+    #[serde(flatten)]
+    seen: Share,
+    /// By zone of the receivers; null where zones were not asked for or are not known.
+    zones: Option<ZoneShares>,
+}
+
+/// Receivers and those in line of sight, by zone.
+#[derive(Debug, Serialize, JsonSchema)]
+struct ZoneShares {
+    street: Share,
+    crossroad: Share,
+    courtyard: Share,
+    rooftop: Share,
+}
+
+impl ZoneShares {
+    fn of(tallies: &[Tally; 4]) -> Self {
+        let of = |zone: Zone| {
+            let tally = &tallies[usize::from(zone.code()) - 1];
+            let share = Share::from(tally);
+            Share { reason: share.reason.is_some().then(|| reason_in(zone, tally)), ..share }
+        };
+        ZoneShares {
+            street: of(Zone::Street),
+            crossroad: of(Zone::Crossroad),
+            courtyard: of(Zone::Courtyard),
+            rooftop: of(Zone::Rooftop),
+        }
+    }
+}
+
+/// Why a zone has no P_LoS.
+fn reason_in(zone: Zone, tally: &Tally) -> String {
+    let name = zone.name();
+    if tally.not_receivers > 0 {
+        format!("no {name} cell in range holds a receiver")
+    } else if tally.out_of_range > 0 {
+        format!("no {name} cell in range")
+    } else {
+        format!("the scene has no {name} cell")
+    }
+}
+
+/// Footprints that can hide no receiver.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct IdleDocument {
+    /// Footprints of the scene.
+    total: u64,
+    /// Those that were dropped.
+    dropped: u64,
+    /// Dropped because they are too low.
+    too_low: u64,
+    /// Dropped because they are too far from all links.
+    out_of_reach: u64,
+}
+
+impl IdleDocument {
+    pub(crate) fn of(idle: &IdleFootprints) -> Self {
+        IdleDocument {
+            total: idle.footprints,
+            dropped: idle.dropped(),
+            too_low: idle.too_low,
+            out_of_reach: idle.out_of_reach,
+        }
+    }
+}
+
+/// The UAV of a row.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+struct SiteDocumentHead {
+    /// Name of the UAV; `union` for all of them together.
+    site: String,
+    #[serde(flatten)]
+    position: PositionFields,
+    /// Height of the UAV above the datum [m].
+    height_amsl_m: Option<f64>,
+    /// Height of the UAV above the ground [m]; empty where no ground is known.
+    height_agl_m: Option<f64>,
+    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
+    placement: &'static str,
+}
+
+impl SiteDocumentHead {
+    fn of(site: &SiteFacts) -> Self {
+        SiteDocumentHead {
+            site: site.id.clone(),
+            position: site.position().into(),
+            height_amsl_m: Some(site.height_amsl_m),
+            height_agl_m: site.height_agl_m,
+            placement: site.placement,
+        }
+    }
+
+    fn union() -> Self {
+        let position = PositionFields::default();
+        SiteDocumentHead { site: "union".into(), position, height_amsl_m: None, height_agl_m: None, placement: "" }
+    }
+}
+
+/// A row of a map's table.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct MapRow {
+    #[serde(flatten)]
+    site: SiteDocumentHead,
+    /// Zone of the receivers, or all.
+    zone: &'static str,
+    /// Receivers in range.
+    receivers: u64,
+    /// Those in line of sight.
+    los: u64,
+    /// Their share; empty without a receiver.
+    p_los: Option<f64>,
+    /// Cells in range that hold no receiver, such as buildings.
+    not_receivers: u64,
+    /// Cells out of range.
+    out_of_range: u64,
+    /// Cells without data.
+    nodata: u64,
+    /// Height of the receivers above what they stand on [m].
+    rx_height_m: f64,
+    /// Largest horizontal distance from the UAV [m]; empty without a limit.
+    radius_m: Option<f64>,
+    /// Engine that decided line of sight.
+    method: String,
+    /// Reference system; empty for local coordinates.
+    crs: Option<String>,
+    /// Width of a cell [units of the reference system].
+    cell_width: f64,
+    /// Height of a cell [units of the reference system].
+    cell_height: f64,
+}

@@ -1,0 +1,154 @@
+//! The areas, weights and candidates of a search, read and checked.
+
+use std::path::PathBuf;
+
+use super::goal::Whom;
+use super::{CandidatesFrom, SearchPlan};
+use crate::city::{Area, GivenSite, Source};
+use crate::error::{Error, Result, Warning};
+use crate::formats::RasterFile;
+use crate::height_field::HeightField;
+use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
+use crate::quantity::{Height, tidy};
+use crate::raster::GeoRef;
+use crate::read::{read_area, read_sites};
+use crate::read::{refuse_two_crs, source_of};
+use crate::scene::Scene;
+use crate::uav::bad_rows;
+use crate::zones::{Zone, ZoneMap};
+
+/// More candidates than this are refused.
+const MOST_CANDIDATES: usize = 10_000_000;
+
+/// What the files beside the scene hold.
+#[derive(Debug)]
+pub(super) struct Inputs {
+    /// The grid of candidates, unless they are from a file.
+    pub(super) places: Option<PlaceGrid>,
+    /// The places from a file, by their numbers; empty where they are on a grid.
+    pub(super) sites: Vec<GivenSite>,
+    /// The heights tried, empty where candidates have their own.
+    pub(super) heights: Vec<Height>,
+    pub(super) area: Option<Area>,
+    pub(super) weights: Option<Weights>,
+    pub(super) sources: Vec<Source>,
+    spots: Vec<Spot>,
+    within: Option<Area>,
+    keep_out: Option<Area>,
+}
+
+impl Inputs {
+    pub(super) fn read(plan: &SearchPlan, scene: &Scene, warnings: &mut Vec<Warning>) -> Result<Inputs> {
+        let (grid, heights) = (scene.grid(), plan.heights.clone());
+        let area = |path: &Option<PathBuf>| path.as_deref().map(|path| read_area(path, grid)).transpose();
+        let refuse_many = |n: usize| {
+            let text = format!("cannot search {n} candidates, wanted at most {MOST_CANDIDATES}");
+            Error::limit(502, text).with_hint("choose a longer `--step`, or fewer heights")
+        };
+        let mut sites: Vec<GivenSite> = Vec::new();
+        let (places, spots) = match &plan.from {
+            CandidatesFrom::File { path, skips_bad } => {
+                sites = read_sites(path, grid, 1, bad_rows(*skips_bad, warnings))?;
+                let at = |place: usize, level: usize, height: Height| Spot {
+                    place,
+                    level,
+                    x: sites[place].x,
+                    y: sites[place].y,
+                    height,
+                };
+                let own = (0..sites.len()).map(|k| at(k, 0, sites[k].height));
+                let spots: Vec<Spot> = if heights.is_empty() {
+                    own.collect()
+                } else {
+                    let each = |level: usize| (0..sites.len()).map(move |k| (k, level));
+                    (0..heights.len()).flat_map(each).map(|(k, level)| at(k, level, heights[level])).collect()
+                };
+                (None, spots)
+            }
+            CandidatesFrom::Grid { step_m } => {
+                let step = step_m / grid.meters_per_unit();
+                let places = PlaceGrid::over(grid, step).ok_or_else(|| refuse_many(usize::MAX))?;
+                let n = places.grid.n_cells().saturating_mul(heights.len());
+                if n > MOST_CANDIDATES {
+                    return Err(refuse_many(n));
+                }
+                let spots = places.spots(&heights);
+                (Some(places), spots)
+            }
+        };
+        let read_weights = plan.weights.as_deref().filter(|_| plan.goal.whom == Whom::Weights);
+        Ok(Inputs {
+            places,
+            sites,
+            heights,
+            area: area(&plan.area)?,
+            weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,
+            sources: plan.files().map(|path| Ok(source_of(path, plan.hash)?)).collect::<Result<_>>()?,
+            spots,
+            within: area(&plan.within)?,
+            keep_out: area(&plan.keep_out)?,
+        })
+    }
+
+    /// What candidates must comply with.
+    pub(super) fn rules<'a>(
+        &'a self,
+        over: Option<(&'a [Zone], &'a ZoneMap)>,
+        clearance: i32,
+        radius: Option<f64>,
+    ) -> CandidateRules<'a> {
+        let (within, keep_out) = (self.within.as_ref(), self.keep_out.as_ref());
+        CandidateRules { over, within, keep_out, clearance, radius }
+    }
+
+    /// The candidates; at least one.
+    pub(super) fn candidates(&self, field: &HeightField, rules: &CandidateRules<'_>) -> Result<Candidates> {
+        let candidates = Candidates::of(&self.spots, field, rules)?;
+        if candidates.kept.is_empty() {
+            let reasons: Vec<String> =
+                candidates.skipped.reasons().iter().filter(|r| r.1 > 0).map(|(why, n)| format!("{n} {why}")).collect();
+            let text = format!("no candidate is left of {}: {}", candidates.skipped.total(), reasons.join(", "));
+            return Err(Error::site(209, text).with_hint("ask for higher `--height`, or fewer constraints"));
+        }
+        Ok(candidates)
+    }
+}
+
+/// What each receiver counts: the value of the cell of a raster that holds it; 0 outside and where there is none.
+fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<Weights> {
+    let file = RasterFile::open(path, warnings)?;
+    let remedy = |from: &crate::raster::Crs, to: &crate::raster::Crs| {
+        format!("gdalwarp -s_srs {} -t_srs {} {} weights.tif", from.label(), to.label(), path.display())
+    };
+    let scene = std::path::Path::new("the scene");
+    refuse_two_crs((path, file.georef().crs()), (scene, grid.crs()), remedy)?;
+    let raster = file.read(file.georef().window(), warnings, |v| v)?;
+    if let Some(at) = raster.cells().iter().position(|w| *w < 0.0) {
+        let (n_cols, value) = (raster.georef().n_cols(), raster.cells()[at]);
+        let text = format!(
+            "cannot use {} as weights: row {}, column {} holds `{}`, wanted 0 or more",
+            path.display(),
+            at / n_cols + 1,
+            at % n_cols + 1,
+            tidy(value)
+        );
+        return Err(Error::file(302, text));
+    }
+    let from = raster.georef();
+    let weight_at = |cell: usize| {
+        let (x, y) = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
+        let (east, north) = from.cells_from_world(x, y);
+        if !(east >= 0.0 && north >= 0.0 && east < from.n_cols() as f64 && north < from.n_rows() as f64) {
+            return 0.0;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the raster")]
+        let (col, from_south) = (east as usize, north as usize);
+        let value = raster.row(from.n_rows() - 1 - from_south)[col];
+        if value.is_finite() { value } else { 0.0 }
+    };
+    let of_cells: Vec<f64> = (0..grid.n_cells()).map(weight_at).collect();
+    Weights::new(&of_cells, grid.n_cols()).ok_or_else(|| {
+        let text = format!("cannot use {} as weights: it holds none above 0 in the scene", path.display());
+        Error::site(208, text).with_hint("check its extent and its CRS")
+    })
+}

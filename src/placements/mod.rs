@@ -1,0 +1,364 @@
+//! Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed.
+
+mod goal;
+mod heat_map;
+mod inputs;
+mod report;
+mod request;
+mod search;
+mod winner_map;
+mod words;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::Value;
+
+pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
+use inputs::Inputs;
+pub(crate) use report::{PlaceRow, SearchDocument};
+use report::{PlaceReport, place_digest};
+pub use request::PlacementsRequest;
+use search::{Found, Search};
+
+use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
+use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Uav, UavGrid};
+use crate::error::{Error, Result, Warning};
+use crate::expected::Expected;
+use crate::export::{Batch, Format};
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::memory::check_memory;
+use crate::picture::Look;
+use crate::placement::{PlaceGrid, Weights};
+use crate::progress::Progress;
+use crate::quantity::{Height, height_steps};
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_flat_earth;
+use crate::sight::Sight;
+use crate::words::pretty;
+use crate::zones::{Zone, ZoneMap};
+
+/// Formats of a search.
+pub(crate) const FORMATS: [Format; 8] = [
+    Format::Png,
+    Format::Svg,
+    Format::Pdf,
+    Format::GeoTiff,
+    Format::Csv,
+    Format::Json,
+    Format::GeoJson,
+    Format::Stdout,
+];
+
+/// Nodata of rasters.
+const NODATA: f32 = -9999.0;
+
+/// What a candidate takes with all that is said of it.
+const CANDIDATE_BYTES: usize = 400;
+
+/// Where candidates are from.
+#[derive(Debug, Clone)]
+pub(crate) enum CandidatesFrom {
+    /// The centers of square cells over the scene.
+    Grid {
+        /// Their distance \[m\].
+        step_m: f64,
+    },
+    /// A table or points.
+    File {
+        path: PathBuf,
+        /// Whether rows that cannot be read are left out.
+        skips_bad: bool,
+    },
+}
+
+/// What is looked for, and where.
+#[derive(Debug, Clone)]
+pub(crate) struct SearchPlan {
+    pub(crate) sight: Sight,
+    pub(crate) goal: Goal,
+    pub(crate) from: CandidatesFrom,
+    /// Heights to try; empty where candidates have their own.
+    pub(crate) heights: Vec<Height>,
+    /// Only candidates over these zones, if there are any.
+    pub(crate) over: Vec<Zone>,
+    /// Only candidates inside of these polygons.
+    pub(crate) within: Option<PathBuf>,
+    /// No candidates inside of these.
+    pub(crate) keep_out: Option<PathBuf>,
+    /// Least height above roof or ground directly below \[m\].
+    pub(crate) clearance_m: f64,
+    /// Polygons whose receivers count.
+    pub(crate) area: Option<PathBuf>,
+    /// A raster of what each receiver counts.
+    pub(crate) weights: Option<PathBuf>,
+    /// UAVs that are to see most together.
+    pub(crate) count: usize,
+    /// Ranks that documents and points list.
+    pub(crate) top: usize,
+    /// Whether files are hashed whatever their size.
+    pub(crate) hash: bool,
+    /// The file for a map of what the winners see.
+    pub(crate) map: Option<PathBuf>,
+}
+
+/// Places to hover, ranked: where a UAV sees most, and what that is.
+///
+/// ```
+/// use skyshed::{Height, Scene};
+///
+/// let city = Scene::options().size_m(200.0).open("itu:urban")?;
+/// let places = city.placements([Height::agl(60.0), Height::agl(100.0)]).step_m(40.0).run()?;
+/// let best = places.best().expect("there are streets");
+/// assert!(places.share(best).is_some_and(|p_los| p_los > 0.3));
+/// # Ok::<(), skyshed::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Placements {
+    scene: Scene,
+    report: PlaceReport,
+    over: Vec<Zone>,
+    /// The grid of the candidates, if they are on one.
+    places: Option<PlaceGrid>,
+    /// Places with what the picture shows there.
+    heat: Vec<(usize, f32)>,
+    /// The file for a map of what the winners see, and that, if it was asked for.
+    map: Option<PathBuf>,
+    winner_maps: Option<ManyMaps>,
+}
+
+impl SearchPlan {
+    /// The files beside the scene.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let candidates = match &self.from {
+            CandidatesFrom::File { path, .. } => Some(path.as_path()),
+            CandidatesFrom::Grid { .. } => None,
+        };
+        let others = [&self.within, &self.keep_out, &self.area, &self.weights];
+        candidates.into_iter().chain(others.into_iter().flatten().map(PathBuf::as_path))
+    }
+
+    /// Checks what belongs together, and the numbers, before any work.
+    ///
+    /// # Errors
+    /// E108, E113, E116.
+    pub(crate) fn check(&self) -> Result<()> {
+        let needs = |what: &str| Err(Error::usage(108, format!("the goal `{}` needs {what}", self.goal.text)));
+        let idle = |name: &str, why: &str| Err(Error::usage(116, format!("`{name}` has no meaning {why}")));
+        match (self.goal.whom, &self.area, &self.weights) {
+            (Whom::Area, None, _) => return needs("`--area FILE`"),
+            (Whom::Weights, _, None) => return needs("`--weights FILE`"),
+            (whom, Some(_), _) if whom != Whom::Area => {
+                return idle("area", "without the goal p_los(area) or margin(area)");
+            }
+            (whom, _, Some(_)) if whom != Whom::Weights => return idle("weights", "without the goal p_los(weights)"),
+            _ => {}
+        }
+        if self.count > 1 && self.goal.measure == Measure::Margin {
+            return idle("count", "with the goal margin: several UAVs have no margin in common");
+        }
+        if self.count > 1 && self.goal.at_least.is_some() {
+            return idle("count", "where the least height is looked for");
+        }
+        if let CandidatesFrom::Grid { step_m } = self.from
+            && step_m <= 0.0
+        {
+            return Err(Error::usage(113, format!("the step between places is `{step_m}`, wanted above 0 m")));
+        }
+        if self.goal.at_least.is_some() && !(have_one_reference(&self.heights) && !self.heights.is_empty()) {
+            let text = "the least height is one of several that are tried: wanted all above the same";
+            return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
+        }
+        self.clearance().map(|_| ())
+    }
+
+    /// The clearance on the lattice.
+    fn clearance(&self) -> Result<i32> {
+        height_steps(self.clearance_m).filter(|c| *c >= 0).ok_or_else(|| {
+            Error::usage(113, format!("the clearance is `{}`, wanted 0 m to 32768 m", self.clearance_m))
+        })
+    }
+
+    /// Searches.
+    ///
+    /// # Errors
+    /// Those of the files; E117 for zones of a surface model alone; E209 if no candidate is left; E501, E502.
+    pub(crate) fn search(&self, mut scene: Scene, command: Vec<String>, progress: &Progress) -> Result<Placements> {
+        self.check()?;
+        let asked = self.sight.receivers();
+        let needs_zones =
+            !self.over.is_empty() || matches!(self.goal.whom, Whom::Zone(_)) || asked.zone().is_some();
+        if scene.field.is_surface_only() && needs_zones {
+            let text = "zones of a surface model alone: no building is known, so no zone is";
+            return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
+        }
+        asked.check(scene.field.is_surface_only())?;
+        let zones = scene.zones();
+        let mut warnings = Vec::new();
+        let inputs = Inputs::read(self, &scene, &mut warnings)?;
+        scene.warnings.append(&mut warnings);
+        scene.sources.extend(inputs.sources.iter().cloned());
+        let radius = self.sight.radius_on(scene.grid());
+        let over = zones.as_ref().map(|zones| (self.over.as_slice(), zones));
+        let rules = inputs.rules(over, self.clearance()?, radius);
+        let candidates = inputs.candidates(&scene.field, &rules)?;
+        // The corners see farthest.
+        let farthest: Vec<Uav> =
+            candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
+        warn_of_flat_earth(&farthest, scene.field.grid(), radius, &mut scene.warnings);
+        let options = self.options(&scene, zones.as_ref(), &inputs);
+        let (n_uavs, n_cells) = (candidates.kept.len(), scene.grid().n_cells());
+        let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
+        let (held, of_place) = match &inputs.weights {
+            Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
+            None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
+        };
+        let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
+        let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
+        check_memory(&scene.word, scene.grid(), per_cell)?;
+        let field = std::sync::Arc::clone(&scene.field);
+        let mapper = Mapper::new(&field, &options)?;
+        let expected = Expected::over(&field, mapper.method().0, radius, (n_uavs, 0), per_cell);
+        expected.words().iter().for_each(|words| (progress.note)(words));
+        let before_los = Instant::now();
+        let search = Search {
+            plan: self,
+            field: &field,
+            rules: &rules,
+            candidates: &candidates,
+            mapper: &mapper,
+            weights: inputs.weights.as_ref(),
+            places: inputs.places.as_ref(),
+            sites: &inputs.sites,
+        };
+        let Found { ranked, winner, refined, several, heat, winners } = search.run(progress)?;
+        scene.timing.los = before_los.elapsed().as_secs_f64();
+        let winner_maps = match self.map.is_some() && !winners.is_empty() {
+            true => Some(mapper.map_many(&named(winners), KeepMasks::Always, &Control::default(), |_| {}, |_| {})?),
+            false => None,
+        };
+        let report = PlaceReport {
+            facts: RunFacts { command, ..scene.facts(Some(mapper.method().0)) },
+            sight: self.sight.of(self.goal.receivers(asked)),
+            goal: self.goal.clone(),
+            step_m: match self.from {
+                CandidatesFrom::Grid { step_m } => Some(step_m),
+                CandidatesFrom::File { .. } => None,
+            },
+            heights: inputs.heights.iter().map(ToString::to_string).collect(),
+            clearance_m: self.clearance_m,
+            skipped: candidates.skipped,
+            digest: place_digest(&ranked),
+            ranked,
+            n_candidates: n_uavs as u64,
+            top: self.top,
+            winner,
+            refined,
+            several,
+        };
+        drop(mapper);
+        let places = inputs.places.clone();
+        Ok(Placements { scene, report, over: self.over.clone(), places, heat, map: self.map.clone(), winner_maps })
+    }
+
+    /// The options of the maps: the receivers of the goal.
+    fn options(&self, scene: &Scene, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
+        let options = self.sight.options(scene.grid(), zones);
+        match self.goal.whom {
+            Whom::Zone(Zone::Rooftop) => MapOptions { receivers: Receivers::Roof, within: None, ..options },
+            Whom::Zone(zone) => {
+                MapOptions { receivers: Receivers::Ground, within: zones.map(|z| z.cells(zone)), ..options }
+            }
+            Whom::Receivers | Whom::Area | Whom::Weights => {
+                let of_area = inputs.area.as_ref().map(|area| area.cells(scene.grid()));
+                let within = match (options.within.clone(), of_area) {
+                    (Some(a), Some(b)) => Some(a.and(&b)),
+                    (a, b) => a.or(b),
+                };
+                MapOptions { within, ..options }
+            }
+        }
+    }
+}
+
+/// UAVs under the names that were given, if they tell the UAVs apart; else numbered from 1.
+fn named(uavs: Vec<Uav>) -> Vec<Uav> {
+    let ids: std::collections::HashSet<&str> = uavs.iter().map(|uav| uav.id.as_str()).collect();
+    if ids.len() == uavs.len() && !ids.contains("") {
+        return uavs;
+    }
+    uavs.into_iter().enumerate().map(|(k, uav)| Uav { id: (k + 1).to_string(), ..uav }).collect()
+}
+
+impl Answer for Placements {
+    fn document(&self, spent: Option<Spent>) -> Value {
+        self.report.document(true, spent.map(|spent| self.scene.timing.with(spent)))
+    }
+
+    fn provenance(&self) -> Value {
+        self.report.document(false, None)
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table(usize::MAX)
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.report.facts.warnings
+    }
+
+    fn notes(&self, spent: Spent) -> Vec<String> {
+        let (method, los) = (self.report.facts.method_in_words(), self.scene.timing.los);
+        let last = format!("method {method}: search {los:.3} s of {:.2} s", spent.total);
+        words::in_words(&self.report).into_iter().chain([last]).collect()
+    }
+
+    /// Of thousands of candidates the best are an answer.
+    fn text(&self, look: &Look) -> Result<String> {
+        let table = encoded(&self.report.table(self.report.top), look.csv_text)?;
+        Ok(String::from_utf8_lossy(&table).into_owned())
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        if self.map.as_deref() == Some(path) {
+            return winner_map::add(self, batch, path, format, look);
+        }
+        match (format, &self.places) {
+            (Format::GeoJson, _) => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
+            (_, None) => Err(Error::usage(109, "only candidates on a grid make a picture or a raster")),
+            (Format::GeoTiff, Some(places)) => batch.add(path, &self.raster(places)?),
+            (_, Some(places)) => batch.add(path, &heat_map::draw(self, places, format, look)?),
+        }
+    }
+}
+
+impl Placements {
+    /// The value of each place, `none` where there is no candidate.
+    fn values(&self, places: &PlaceGrid, none: f32) -> Vec<f32> {
+        let mut values = vec![none; places.grid.n_cells()];
+        self.heat.iter().for_each(|(place, value)| values[*place] = *value);
+        values
+    }
+
+    fn raster(&self, places: &PlaceGrid) -> Result<Vec<u8>> {
+        let values = self.values(places, NODATA);
+        Ok(encode_geotiff(&GeoTiffImage {
+            georef: &places.grid,
+            bands: Bands::Float(vec![(self.quantity().0.to_string(), &values)]),
+            nodata: Some(f64::from(NODATA)),
+            palette: None,
+            metadata: &[("SKYSHED".into(), self.provenance().to_string())],
+            layout: TiffLayout::Cog,
+        })?)
+    }
+
+    /// What is shown over each place, and its unit.
+    fn quantity(&self) -> (&'static str, &'static str) {
+        match (self.report.goal.measure, self.report.goal.at_least) {
+            (Measure::Margin, _) => ("Margin of the worst receiver, at most", "m"),
+            (Measure::Share, Some(_)) => ("Least UAV height that reaches the share", "m"),
+            (Measure::Share, None) if self.report.heights.len() == 1 => ("P_LoS", ""),
+            (Measure::Share, None) => ("P_LoS at the best height", ""),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The map of the winner, or of those chosen together.
+
+use std::path::Path;
+
+use super::Placements;
+use super::goal::Whom;
+use crate::answer::Answer;
+use crate::coverage::{ManyMaps, Overlay, Tally};
+use crate::error::{Error, Result};
+use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
+use crate::formats::TiffLayout;
+use crate::map::SiteFacts;
+use crate::picture::{Look, drawn, mark, picture_provenance};
+use crate::render::{self, MapPicture, Mark, grouped};
+use crate::words::unbreakable;
+
+/// Adds the map of the winners to a batch.
+///
+/// # Errors
+/// E209 without a winner.
+pub(super) fn add(job: &Placements, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+    let Some(maps) = &job.winner_maps else {
+        let text = format!("cannot write {}: there is no winner to map", path.display());
+        return Err(Error::site(209, text).with_hint("without `--map` the other results are written"));
+    };
+    if format != Format::GeoTiff {
+        return batch.add(path, &picture(job, maps, format, look)?);
+    }
+    let result = MapResult {
+        georef: job.scene.grid(),
+        sites: &maps.sites,
+        layers: &[Layer::Los],
+        provenance: &job.provenance().to_string(),
+        tif_layout: TiffLayout::Cog,
+        mask_values: MaskValues::Classes,
+    };
+    Ok(add_map(batch, &result, path, format)?)
+}
+
+fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Result<Vec<u8>> {
+    let grid = job.scene.field.grid();
+    let unit = grid.meters_per_unit();
+    let facts: Vec<SiteFacts> = maps.sites.iter().map(|site| SiteFacts::of(site, None)).collect();
+    let labels: Vec<String> = facts.iter().map(|site| format!("UAV {}", site.id)).collect();
+    let heights: Vec<String> = facts.iter().map(SiteFacts::height_words).collect();
+    let marks: Vec<Mark<'_>> = facts
+        .iter()
+        .zip(labels.iter().zip(&heights))
+        .map(|(site, (label, height))| mark(grid, (site.x, site.y), label, height))
+        .collect();
+    let sight = &job.report.sight;
+    let (receivers_name, others_name) = match job.report.goal.whom {
+        Whom::Area => ("cells of the area", "Other cells"),
+        _ => sight.receivers().cell_names(&job.scene.field),
+    };
+    let n_sites = u32::try_from(facts.len()).unwrap_or(u32::MAX);
+    let layer = match (&maps.overlay, maps.sites.as_slice()) {
+        (None, [only]) => render::Layer::Los(&only.mask),
+        (overlay, _) => render::Layer::Count {
+            count: overlay.as_ref().map_or(&[], Overlay::count),
+            mask: overlay.as_ref().map_or(&[], Overlay::union),
+            n_sites,
+        },
+    };
+    let in_range = if sight.radius_m().is_some() { " in range" } else { "" };
+    let share = |tally: &Tally| match tally.p_los() {
+        Some(p) => {
+            let (los, receivers) = (grouped(tally.los), grouped(tally.receivers));
+            format!("P_LoS = {p:.4} ({los} of {receivers} {receivers_name}{in_range})")
+        }
+        None => format!("P_LoS undefined: {}", tally.reason()),
+    };
+    let mut caption: Vec<String> = facts
+        .iter()
+        .take(MOST_LINES)
+        .map(|site| {
+            format!("UAV {}: {} at {}, {}", site.id, site.height_words(), site.position().in_words(), share(&site.tally))
+        })
+        .collect();
+    if let Some(overlay) = &maps.overlay {
+        caption.push(format!("Seen by at least one: {}", share(&Tally::of_mask(overlay.union()))));
+    }
+    let how = if facts.len() > 1 { "chosen one by one among" } else { "the best of" };
+    caption.push(format!("Goal {}: {how} {} candidates", job.report.goal.text, grouped(job.report.n_candidates)));
+    caption.push(sight.in_words(grid, &job.scene, job.report.facts.method));
+    caption.extend(look.last_lines(&job.scene));
+    let subject = if facts.len() > 1 { "What the chosen UAVs see of" } else { "What the best UAV sees of" };
+    let title = unbreakable(&format!("{subject} {}", job.scene.name));
+    let surface = job.scene.field.above_ground_m();
+    let picture = MapPicture {
+        title: &title,
+        caption: &caption,
+        n_cols: grid.n_cols(),
+        n_rows: grid.n_rows(),
+        cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
+        layer,
+        surface_m: Some(&surface),
+        uavs: &marks,
+        receivers_name,
+        others_name,
+        counts: None,
+    };
+    drawn(render::draw_map(&picture, &look.form(format), &picture_provenance(&job.provenance())))
+}
+
+/// More UAVs than this are not listed in the caption.
+const MOST_LINES: usize = 6;

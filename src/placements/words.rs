@@ -1,0 +1,86 @@
+//! What is said of a search.
+
+use super::goal::Whom;
+use super::report::{PlaceFacts, PlaceReport, PlaceValue};
+use crate::quantity::tidy;
+
+/// What a place is worth in words, over some receivers.
+fn value_words(place: &PlaceFacts, receivers: &str) -> String {
+    match place.value {
+        PlaceValue::Counts(score) => match score.share() {
+            Some(p) => format!("P_LoS {p:.4}, {} of {} {receivers}", score.seen, score.wanted),
+            None => "P_LoS undefined".into(),
+        },
+        PlaceValue::Weighted(score) => {
+            score.share().map_or("P_LoS undefined".into(), |p| format!("weighted P_LoS {p:.4}"))
+        }
+        PlaceValue::Margin(Some(m)) if m.margin_m.is_finite() => {
+            format!("worst margin {} m", tidy(f64::from(m.margin_m)))
+        }
+        PlaceValue::Margin(_) => "no receiver height is enough for the worst".into(),
+    }
+}
+
+/// Where a place is in words, with its name if it has one.
+fn at_words(place: &PlaceFacts) -> String {
+    let name = place.id.as_ref().map_or(String::new(), |id| format!("{id} "));
+    name + &place.position().in_words()
+}
+
+/// A place in words.
+fn place_words(place: &PlaceFacts, receivers: &str) -> String {
+    let value = value_words(place, receivers);
+    format!("{} at {} over {}: {value}", place.height_words(), at_words(place), place.placement)
+}
+
+/// The receivers that count for a goal.
+fn wanted(report: &PlaceReport) -> String {
+    let receivers = report.sight.receivers().name();
+    let receivers = if receivers == "all" { "ground and roof" } else { receivers };
+    let area = if report.goal.whom == Whom::Area { " in the area" } else { "" };
+    format!("{receivers} receivers{area}")
+}
+
+/// All of them, at any distance.
+fn all_wanted(report: &PlaceReport) -> String {
+    let weight = if report.goal.whom == Whom::Weights { "the weight of " } else { "" };
+    format!("{weight}all {}{}", wanted(report), in_range_or_not(report))
+}
+
+/// Whom a share is a share of, where a range says who may be seen.
+fn in_range_or_not(report: &PlaceReport) -> &'static str {
+    if report.sight.radius_m().is_some() { ", in range or not" } else { "" }
+}
+
+/// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.
+pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
+    let receivers = wanted(report) + in_range_or_not(report);
+    let mut lines = vec![match &report.winner {
+        Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner, &receivers)),
+        Err(reason) => format!("no winner among {} candidates: {reason}", report.n_candidates),
+    }];
+    let refined = |(place, tried): &(PlaceFacts, u64)| {
+        format!("refined ({tried} more places): {}", place_words(place, &receivers))
+    };
+    lines.extend(report.refined.iter().map(refined));
+    if let Some(several) = &report.several {
+        let share = |v: u128| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
+        let chosen: Vec<String> = several.places.iter().map(at_words).collect();
+        let gap = several.cover.gap().map_or("undefined".to_string(), |gap| format!("{:.2} %", 100.0 * gap));
+        lines.push(format!(
+            "{} UAVs see together {} of {}; no {} of these candidates see more than {} (gap {gap}): {}",
+            several.places.len(),
+            share(several.cover.covered()),
+            all_wanted(report),
+            several.count,
+            share(several.cover.bound),
+            chosen.join(", ")
+        ));
+    }
+    let skipped: Vec<String> =
+        report.skipped.reasons().iter().filter(|r| r.1 > 0).map(|(why, n)| format!("{n} {why}")).collect();
+    if !skipped.is_empty() {
+        lines.push(format!("left out: {}", skipped.join(", ")));
+    }
+    lines
+}

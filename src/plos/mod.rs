@@ -1,0 +1,537 @@
+//! P_LoS by every method, over generated and real cities.
+
+mod coarser;
+mod curve_file;
+mod heat;
+mod methods;
+mod plot;
+mod plot_words;
+mod real;
+mod report;
+mod request;
+mod sweep;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+pub(crate) use methods::read_curves;
+use methods::{Way, Ways};
+use real::Real;
+pub(crate) use report::{PlosDocument, PlosTableRow};
+use report::{PlosReport, PlosRow, PlosValue};
+pub use request::{PLos, PLosRequest, PLosValue};
+pub(crate) use sweep::{Far, Sweeps};
+
+use crate::accuracy::CONFIDENCE;
+use crate::answer::{Answer, Rows, Spent};
+use crate::city::BuiltUp;
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format};
+use crate::formats::{NpyArray, write_npz};
+use crate::los::MethodChoice;
+use crate::los_probability::estimate::student_quantile;
+use crate::los_probability::models::{ModelLink, UserCurve};
+use crate::los_probability::product::SHIFTS;
+use crate::los_probability::setting::{Placement, Reach, Setting};
+use crate::los_probability::study::{Effort, Estimator, estimate_all};
+use crate::map::check_tolerance;
+use crate::picture::Look;
+use crate::quantity::{counted, height_steps, tidy};
+use crate::read::source_of;
+use crate::scene::{SceneOptions, built_up};
+
+/// Formats of a study.
+pub(crate) const FORMATS: [Format; 7] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
+
+/// Kinds of plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PlotKind {
+    /// A heat map for two-way sweeps of one city and method, else curves.
+    Auto,
+    /// Curves.
+    Curves,
+    /// Heat maps of two-way sweeps.
+    Heat,
+}
+
+/// What is asked of P_LoS.
+#[derive(Debug, Clone)]
+pub(crate) struct PlosPlan {
+    /// The cities, as they were asked for, and how those in files are read.
+    pub(crate) scenes: Vec<OsString>,
+    pub(crate) options: SceneOptions,
+    /// What varies.
+    pub(crate) sweeps: Sweeps,
+    /// Words for the methods.
+    pub(crate) methods: Vec<String>,
+    /// Curves of the user's own, and the files that they are from.
+    pub(crate) curves: Vec<(UserCurve, PathBuf)>,
+    /// What was said of these files.
+    pub(crate) warnings: Vec<Warning>,
+    /// Height of the receivers above ground \[m\].
+    pub(crate) rx_height_m: f64,
+    /// Whether UAVs inside of buildings are left out; else they are NLoS to all.
+    pub(crate) uav_clear_of_roof: bool,
+    /// Half-width of intervals that is enough.
+    pub(crate) until: Option<f64>,
+    /// How far any P_LoS may be off.
+    pub(crate) tolerance: Option<f64>,
+    /// Confidence of the intervals.
+    pub(crate) confidence: f64,
+    /// Cities that `city` draws, and users in each.
+    pub(crate) n_cities: u64,
+    pub(crate) n_users: u32,
+    /// Links that `geometry` draws for each value.
+    pub(crate) n_links: u64,
+    /// UAV positions over a real city.
+    pub(crate) n_positions: u64,
+    /// Over a real city P_LoS at an angle is of users within so many degrees of it.
+    pub(crate) theta_band_deg: f64,
+    /// Edge of the blocks of a real city that are resampled \[m\].
+    pub(crate) block_m: Option<f64>,
+    pub(crate) seed: u64,
+    pub(crate) plot: PlotKind,
+    /// Whether a picture will be drawn, which takes more values.
+    pub(crate) is_drawn: bool,
+    /// Whether files are hashed whatever their size.
+    pub(crate) hash: bool,
+    /// The words of the command line, for documents.
+    pub(crate) command: Vec<String>,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub(crate) struct PlosStudy {
+    plan: PlosPlan,
+    report: PlosReport,
+    plot: plot::Facts,
+}
+
+const UNKNOWN_CITY: &str = "its α, β, γ are unknown, because its buildings are not known one by one";
+
+impl PlosPlan {
+    /// Checks what does not depend on a city, before any work.
+    ///
+    /// # Errors
+    /// E113, E116, E120.
+    pub(crate) fn check(&self) -> Result<()> {
+        if !(self.confidence > 0.0 && self.confidence < 1.0) {
+            let text = format!("the confidence is `{}`, wanted above 0 and below 1", self.confidence);
+            return Err(Error::usage(120, text));
+        }
+        // Each height must be possible with the receivers', whatever the sweep.
+        for height in &self.sweeps.heights {
+            Setting::reach_at_distance(0.0, *height, self.rx_height_m)?;
+        }
+        check_tolerance(self.tolerance, MethodChoice::Auto)?;
+        let has_bound = |m: &String| ["auto", "product", "maps", "sweep", "shadow", "ray"].contains(&m.trim());
+        if self.tolerance.is_some() && !self.methods.iter().all(has_bound) {
+            let text = "a tolerance has no meaning beside methods other than product and maps: the others have no bound \
+                        on their error";
+            return Err(Error::usage(116, text));
+        }
+        Ok(())
+    }
+
+    /// The receivers' height on the lattice.
+    fn rx_height(&self) -> Result<i32> {
+        let text = || format!("the receivers' height is `{}`, wanted 0 m to 32768 m", self.rx_height_m);
+        height_steps(self.rx_height_m).filter(|h| *h >= 0).ok_or_else(|| Error::usage(113, text()))
+    }
+
+    /// Finds P_LoS of every city by every method.
+    ///
+    /// # Errors
+    /// E113, E116, E118, E12x for what cannot be asked; those of reading the cities; E2xx; E5xx.
+    pub(crate) fn run(self) -> Result<PlosStudy> {
+        self.check()?;
+        let mut report = PlosReport {
+            command: self.command.clone(),
+            seed: self.seed,
+            confidence: self.confidence,
+            methods: Vec::new(),
+            real_cities: Vec::new(),
+            sources: Vec::new(),
+            rows: Vec::new(),
+            tolerance: self.tolerance,
+            warnings: self.warnings.clone(),
+        };
+        for (_, path) in &self.curves {
+            report.sources.push(source_of(path, self.hash)?);
+        }
+        let curves: Vec<UserCurve> = self.curves.iter().map(|(curve, _)| curve.clone()).collect();
+        let mut plot = plot::Facts { curves: curves.clone(), ..plot::Facts::default() };
+        let mut cautions = Cautions::default();
+        for scene in &self.scenes {
+            let word = scene.display().to_string();
+            let (real, built_up) = match built_up(scene) {
+                Some(built_up) => (None, Some(built_up?)),
+                None => {
+                    self.refuse_for_real_city(&word)?;
+                    let real = Real::read(&self.options, scene, &self.sweeps, &mut report.warnings)?;
+                    report.sources.extend(real.sources.clone());
+                    plot.attributions.extend(real.attribution.clone());
+                    let built_up = real.built_up();
+                    (Some(real), built_up)
+                }
+            };
+            let city = StudiedCity { word, real, built_up };
+            let Ways { ways, leave_out } = Ways::of(&self, city.real.is_some(), &curves)?;
+            for way in &ways {
+                let rows = self.rows(&city, way, leave_out, &mut report, &mut cautions)?;
+                self.add_to_plot(&city, way, &rows, &mut plot)?;
+                let facts = way.facts();
+                if !rows.is_empty() && !report.methods.contains(&facts) {
+                    report.methods.push(facts);
+                }
+                report.rows.extend(rows);
+            }
+        }
+        report.warnings.extend(cautions.warnings());
+        warn_of_intervals(&self, &mut report);
+        Ok(PlosStudy { plan: self, report, plot })
+    }
+
+    /// The rows of a method over a city.
+    fn rows(
+        &self,
+        city: &StudiedCity,
+        way: &Way,
+        leave_out: bool,
+        report: &mut PlosReport,
+        cautions: &mut Cautions,
+    ) -> Result<Vec<PlosRow>> {
+        let word = &city.word;
+        match (way, &city.real, city.built_up) {
+            (Way::Maps(engine), Some(real), _) => {
+                let (rows, facts) = real.rows(self, &self.sweeps, *engine)?;
+                report.real_cities.push(facts);
+                Ok(rows)
+            }
+            (_, _, None) if leave_out || self.methods == ["auto"] => {
+                let text = format!("method `{}` is left out over {word}: {UNKNOWN_CITY}", way.id());
+                report.warnings.push(Warning::new(210, text));
+                Ok(Vec::new())
+            }
+            (_, _, None) => {
+                let text = format!("cannot use method `{}` over {word}: {UNKNOWN_CITY}", way.id());
+                Err(Error::usage(122, text).with_hint(
+                    "`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it",
+                ))
+            }
+            (_, _, Some(built_up)) => {
+                statistical_rows(self, &self.sweeps, (word, built_up), way, leave_out, cautions)
+            }
+        }
+    }
+
+    /// Values that a picture shows beside those of the table.
+    fn add_to_plot(&self, city: &StudiedCity, way: &Way, rows: &[PlosRow], plot: &mut plot::Facts) -> Result<()> {
+        let Some(built_up) = city.built_up.filter(|_| self.is_drawn) else { return Ok(()) };
+        let city = (city.word.as_str(), built_up);
+        if let (Way::Model(_), Some(fine)) = (way, self.sweeps.refined())
+            && !rows.is_empty()
+        {
+            plot.fine_rows.extend(statistical_rows(self, &fine, city, way, true, &mut Cautions::default())?);
+        }
+        if *way == Way::Estimator(Estimator::Product) {
+            plot.between.extend(between(self, &self.sweeps, city, rows)?);
+        }
+        Ok(())
+    }
+
+    fn refuse_for_real_city(&self, word: &str) -> Result<()> {
+        let refuse = |what: &str, hint: &str| {
+            Err(Error::usage(116, format!("{what} has no meaning over {word}, a real city")).with_hint(hint))
+        };
+        if self.sweeps.vary_the_city() {
+            return refuse("a sweep of α, β or γ", "sweep a generated city: itu:α,β,γ");
+        }
+        if self.sweeps.phis != [None] {
+            return refuse("an azimuth", "its streets have no common direction");
+        }
+        let centers = [Placement::StreetCenter, Placement::CrossroadCenter, Placement::RooftopCenter];
+        if self.sweeps.placements.iter().any(|p| centers.contains(p)) {
+            return refuse("a placement over a middle", "wanted anywhere, street, crossroad or rooftop");
+        }
+        Ok(())
+    }
+}
+
+/// A city of a study.
+struct StudiedCity {
+    word: String,
+    /// Of a file.
+    real: Option<Real>,
+    /// Its parameters, if they are known.
+    built_up: Option<BuiltUp>,
+}
+
+/// Half-width of an interval at the confidence asked for whose bound, one-sided at that of a tolerance, is the tolerance.
+fn half_width_within(plan: &PlosPlan) -> Option<f64> {
+    let freedom = (SHIFTS - 1) as f64;
+    let one_sided = student_quantile(2.0 * CONFIDENCE - 1.0, freedom);
+    plan.tolerance.map(|tolerance| tolerance * student_quantile(plan.confidence, freedom) / one_sided)
+}
+
+/// The rows of one method over a city that is known by α, β, γ.
+fn statistical_rows(
+    plan: &PlosPlan,
+    sweeps: &Sweeps,
+    (word, built_up): (&str, BuiltUp),
+    way: &Way,
+    leave_out: bool,
+    cautions: &mut Cautions,
+) -> Result<Vec<PlosRow>> {
+    let settings = sweeps.settings(built_up, plan)?;
+    match way {
+        Way::Estimator(estimator) => {
+            let effort = Effort {
+                seed: plan.seed,
+                confidence: plan.confidence,
+                until: plan.until.or_else(|| half_width_within(plan)),
+                n_cities: plan.n_cities,
+                n_users: plan.n_users,
+                n_links: plan.n_links,
+            };
+            let estimates = estimate_all(*estimator, &settings, &effort)?;
+            let value = |e| PlosValue::Estimate(e);
+            Ok(settings.iter().zip(estimates).map(|(s, e)| row(word, s, estimator.name(), value(e))).collect())
+        }
+        Way::Model(model) => {
+            let of = |link: &ModelLink| match model.p_los(link) {
+                Ok(value) => (PlosValue::Model(value.p_los), value.caution),
+                Err(outside) => (PlosValue::None(outside.to_string()), None),
+            };
+            model_rows(&settings, (word, way.id()), leave_out, of, cautions)
+        }
+        Way::Curve(curve) => {
+            let of = |link: &ModelLink| match curve.p_los(link.theta_deg, link.distance_m) {
+                Ok(p_los) => (PlosValue::Model(p_los), None),
+                Err(outside) => (PlosValue::None(outside.to_string()), None),
+            };
+            model_rows(&settings, (word, way.id()), leave_out, of, cautions)
+        }
+        Way::Maps(_) => Ok(Vec::new()),
+    }
+}
+
+/// Rows of the product between some of its rows, where a curve through these turns: users of a street or a crossroad see a
+/// grid of streets, whose period the steps of angles meet again and again.
+fn between(plan: &PlosPlan, sweeps: &Sweeps, city: (&str, BuiltUp), rows: &[PlosRow]) -> Result<Vec<PlosRow>> {
+    /// Each pass halves the steps next to a turn.
+    const PASSES: usize = 3;
+    let (mut known, mut found) = (rows.to_vec(), Vec::new());
+    for _ in 0..PASSES {
+        let far = sweeps.turns(&known);
+        if far.is_empty() {
+            break;
+        }
+        let finer = Sweeps { far, ..sweeps.clone() };
+        let way = Way::Estimator(Estimator::Product);
+        let more = statistical_rows(plan, &finer, city, &way, true, &mut Cautions::default())?;
+        known.extend(more.iter().cloned());
+        found.extend(more);
+    }
+    Ok(found)
+}
+
+/// The rows of a model: it knows neither placements nor kinds of users, so it has one row for all of them.
+fn model_rows(
+    settings: &[Setting],
+    (word, id): (&str, &str),
+    leave_out: bool,
+    of: impl Fn(&ModelLink) -> (PlosValue, Option<String>),
+    cautions: &mut Cautions,
+) -> Result<Vec<PlosRow>> {
+    let first = settings.first().map(|s| (s.placement, s.users));
+    let mut rows = Vec::new();
+    let (mut cares, mut reasons): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
+    for setting in settings.iter().filter(|s| Some((s.placement, s.users)) == first) {
+        let (value, caution) = match ModelLink::of(setting) {
+            Ok(link) => of(&link),
+            Err(why) => (PlosValue::None(why.into()), None),
+        };
+        cares.extend(caution.filter(|c| !cares.contains(c)));
+        if let PlosValue::None(reason) = &value {
+            reasons.push(reason.clone());
+        }
+        let row = PlosRow { placement: None, users: None, uav_in_building: None, ..row(word, setting, id, value) };
+        rows.push(row);
+    }
+    if reasons.len() == rows.len() {
+        let reason = reasons.first().cloned().unwrap_or_default();
+        if !leave_out {
+            let text = format!("cannot use model `{id}` over {word}: {reason}");
+            return Err(Error::usage(122, text).with_hint("`--method models` takes all that apply"));
+        }
+        cautions.add(210, format!("model `{id}` is left out: {reason}"), word);
+        return Ok(Vec::new());
+    }
+    if let Some(reason) = reasons.first() {
+        cautions.add(211, format!("model `{id}` has no value for {} of {}: {reason}", reasons.len(), rows.len()), word);
+    }
+    if let Some(care) = cares.first() {
+        let more = if cares.len() > 1 { format!(" (and {} more cautions)", cares.len() - 1) } else { String::new() };
+        cautions.add(212, format!("model `{id}`: {care}{more}"), word);
+    }
+    Ok(rows)
+}
+
+/// What is to be said of models, each once for all cities.
+#[derive(Debug, Default)]
+struct Cautions(Vec<(u16, String, Vec<String>)>);
+
+impl Cautions {
+    fn add(&mut self, code: u16, text: String, city: &str) {
+        match self.0.iter_mut().find(|(c, t, _)| *c == code && *t == text) {
+            Some((_, _, cities)) => cities.push(city.to_string()),
+            None => self.0.push((code, text, vec![city.to_string()])),
+        }
+    }
+
+    fn warnings(self) -> impl Iterator<Item = Warning> {
+        self.0.into_iter().map(|(code, text, cities)| Warning::new(code, format!("{text}; over {}", cities.join(", "))))
+    }
+}
+
+fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow {
+    let (distance_m, radius_m) = match setting.reach {
+        Reach::Ring { distance_m, .. } => (Some(distance_m), None),
+        Reach::Disc { radius_m } => (None, Some(radius_m)),
+    };
+    PlosRow {
+        city: word.to_string(),
+        built_up: Some(setting.built_up),
+        method: method.to_string(),
+        height_m: setting.uav_height_m,
+        rx_height_m: setting.rx_height_m,
+        theta_deg: setting.theta_deg(),
+        theta_band_deg: None,
+        phi_deg: setting.phi_deg,
+        distance_m,
+        radius_m,
+        placement: Some(setting.placement.name()),
+        users: Some(setting.users.name()),
+        uav_in_building: Some(if setting.uav_clear_of_roof { "excluded" } else { "nlos" }),
+        value,
+    }
+}
+
+/// Says where intervals are missing, or wider than was asked for.
+fn warn_of_intervals(plan: &PlosPlan, report: &mut PlosReport) {
+    let estimates = || report.rows.iter().filter_map(PlosRow::estimate).filter(|e| e.p_los.is_some());
+    let have = |n: usize, one: &str, many: &str| counted(n as u64, one, many);
+    let n_missing = estimates().filter(|e| e.interval.is_none()).count();
+    let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count();
+    let until = plan.until.or_else(|| half_width_within(plan).filter(|_| report.real_cities.is_empty()));
+    let until = until.unwrap_or(f64::INFINITY);
+    let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count();
+    if n_missing > 0 {
+        let text = format!(
+            "{} no interval: it needs at least 10 clusters (cities, positions, blocks)",
+            have(n_missing, "value has", "values have")
+        );
+        report.warnings.push(Warning::new(213, text));
+    }
+    if n_wide > 0 {
+        let text = format!(
+            "{} wider than ±{until}: the effort was spent before",
+            have(n_wide, "interval is", "intervals are")
+        );
+        report.warnings.push(Warning::new(214, text));
+    }
+    if n_empty > 0 {
+        let text = format!("{} no P_LoS: no user of the kind is there", have(n_empty, "value has", "values have"));
+        report.warnings.push(Warning::new(202, text));
+    }
+}
+
+impl Answer for PlosStudy {
+    fn document(&self, spent: Option<Spent>) -> Value {
+        self.report.document(spent)
+    }
+
+    fn provenance(&self) -> Value {
+        self.report.provenance()
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.report.warnings
+    }
+
+    fn notes(&self, spent: Spent) -> Vec<String> {
+        let of_cities = self.report.real_cities.iter().filter_map(|c| c.tolerance.as_ref()).map(|t| t.in_words());
+        let mut notes: Vec<String> = of_cities.collect();
+        if let (Some(tolerance), Some(bound)) = (self.report.tolerance, self.report.product_bound()) {
+            let percent = tidy(100.0 * CONFIDENCE);
+            notes.push(format!(
+                "tolerance {tolerance}: product, off by at most {bound:.2e} with {percent} % confidence"
+            ));
+        }
+        let values = counted(self.report.rows.len() as u64, "value", "values");
+        notes.push(format!("{values} of P_LoS in {:.2} s", spent.total));
+        notes
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        match format {
+            Format::Npz => batch.add(path, &encode_arrays(&self.report)?),
+            _ => batch.add(path, &plot::draw(self, format, look)?),
+        }
+    }
+}
+
+/// One array per column of the table.
+fn encode_arrays(report: &PlosReport) -> Result<Vec<u8>> {
+    let rows = &report.rows;
+    let numbers =
+        |of: &dyn Fn(&PlosRow) -> Option<f64>| -> Vec<f64> { rows.iter().map(|r| of(r).unwrap_or(f64::NAN)).collect() };
+    let interval = |r: &PlosRow| r.estimate().and_then(|e| e.interval);
+    let columns: Vec<(&str, Vec<f64>)> = vec![
+        ("alpha", numbers(&|r| r.built_up.map(|b| b.built_up_ratio))),
+        ("beta_per_km2", numbers(&|r| r.built_up.map(|b| b.buildings_per_km2))),
+        ("gamma_m", numbers(&|r| r.built_up.map(|b| b.height_scale))),
+        ("height_m", numbers(&|r| Some(r.height_m))),
+        ("rx_height_m", numbers(&|r| Some(r.rx_height_m))),
+        ("theta_deg", numbers(&|r| r.theta_deg)),
+        ("phi_deg", numbers(&|r| r.phi_deg)),
+        ("distance_m", numbers(&|r| r.distance_m)),
+        ("radius_m", numbers(&|r| r.radius_m)),
+        ("p_los", numbers(&PlosRow::p_los)),
+        ("ci_low", numbers(&|r| interval(r).map(|i| i.0))),
+        ("ci_high", numbers(&|r| interval(r).map(|i| i.1))),
+        ("std_error", numbers(&|r| r.estimate().and_then(|e| e.std_error))),
+    ];
+    let counts: Vec<(&str, Vec<i64>)> = vec![
+        ("samples", rows.iter().map(|r| signed(r.estimate().map_or(0, |e| e.samples))).collect()),
+        ("clusters", rows.iter().map(|r| signed(r.estimate().map_or(0, |e| e.clusters))).collect()),
+    ];
+    let texts = |of: &dyn Fn(&PlosRow) -> &str| -> Vec<String> { rows.iter().map(|r| of(r).to_string()).collect() };
+    let words = [
+        ("city", texts(&|r| &r.city)),
+        ("method", texts(&|r| &r.method)),
+        ("placement", texts(&|r| r.placement.unwrap_or_default())),
+        ("users", texts(&|r| r.users.unwrap_or_default())),
+    ];
+    let provenance = report.provenance().to_string();
+    let mut arrays: Vec<(String, NpyArray<'_>)> =
+        columns.iter().map(|(name, v)| ((*name).to_string(), NpyArray::F64(v, vec![v.len()]))).collect();
+    arrays.extend(counts.iter().map(|(name, v)| ((*name).to_string(), NpyArray::I64(v, vec![v.len()]))));
+    arrays.extend(words.iter().map(|(name, texts)| ((*name).to_string(), NpyArray::Texts(texts))));
+    arrays.push(("provenance".to_string(), NpyArray::Text(&provenance)));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    write_npz(&mut bytes, &arrays)?;
+    Ok(bytes.into_inner())
+}
+
+fn signed(n: u64) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
+}

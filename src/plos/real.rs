@@ -1,0 +1,343 @@
+//! P_LoS over a real city: maps from many positions, and the statistical city that is most like it.
+
+use std::ffi::OsStr;
+
+use rayon::prelude::*;
+
+use super::PlosPlan;
+use super::coarser::coarsest_within;
+use super::report::{PlosRow, PlosValue, RealCityFacts};
+use super::sweep::{Far, Sweeps};
+use crate::city::{BuiltUp, Source};
+use crate::error::{Error, Result, Warning};
+use crate::height_field::{HeightField, Place, Station};
+use crate::los::{Method, MethodChoice, WrongMethod};
+use crate::los_probability::estimate::{Count, Estimate};
+use crate::los_probability::fit::BuiltUpFit;
+use crate::los_probability::points::Points;
+use crate::los_probability::real_city::{Band, RealCity, resampled};
+use crate::los_probability::setting::{Placement, Users};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::placement::{MOST_CUT, WholeDiscs};
+use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::raster::BitGrid;
+use crate::scene::SceneOptions;
+use crate::scene::limits::{limits_in_words, warn_of_drop_across};
+use crate::zones::{Zone, ZoneMap};
+
+/// Values that share their UAV positions and their users.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group {
+    pub(super) users: Users,
+    placement: Placement,
+    height: f64,
+}
+
+impl Group {
+    /// All of a sweep, in the order of its rows.
+    pub(super) fn all(sweeps: &Sweeps) -> Vec<Group> {
+        let of = |users: Users| {
+            let heights = move |placement: &Placement| {
+                sweeps.heights.iter().map({
+                    let placement = *placement;
+                    move |height| Group { users, placement, height: *height }
+                })
+            };
+            sweeps.placements.iter().flat_map(heights)
+        };
+        sweeps.users.iter().flat_map(|users| of(*users)).collect()
+    }
+}
+
+/// How links are decided and counted.
+pub(super) struct View {
+    /// What is taken for a scene, which a coarser one may answer otherwise.
+    choice: MethodChoice,
+    block_m: f64,
+    bands: Vec<Band>,
+}
+
+impl View {
+    /// Number of angles or distances.
+    pub(super) fn n_bands(&self) -> usize {
+        self.bands.len()
+    }
+
+    /// What a UAV sees, `[block][band]`.
+    pub(super) fn count(&self, city: &RealCity<'_>, uav: &Station) -> Vec<Count> {
+        city.count(uav, &self.bands)
+    }
+}
+
+/// A real city, read and built.
+pub(super) struct Real {
+    word: String,
+    pub(super) field: HeightField,
+    /// Its zones, if they are asked for.
+    zones: Option<ZoneMap>,
+    pub(super) fit: Option<BuiltUpFit>,
+    /// What limits the truth of its pictures.
+    limits: Option<String>,
+    pub(super) sources: Vec<Source>,
+    pub(super) attribution: Option<String>,
+}
+
+impl Real {
+    /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
+    pub(super) fn read(
+        options: &SceneOptions,
+        word: &OsStr,
+        sweeps: &Sweeps,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Real> {
+        let scene = options.read(word, warnings)?;
+        let grid = scene.grid.clone();
+        let heights = scene.solids.building_heights();
+        check_memory(&word.display(), &grid, 2 * FIELD_BYTES_PER_CELL)?;
+        let field = HeightField::build(&grid, scene.solids, warnings);
+        let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
+        let (open, building) = (field.cells().open.count(), field.cells().building.count());
+        let unit = grid.meters_per_unit();
+        let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
+        let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, field.heights_in_data(&heights), area_km2);
+        let mut own = Vec::new();
+        warn_of_drop_across(&grid, sweeps.farthest_m(), &mut own);
+        let limits = limits_in_words(scene.height_gap.as_ref(), &field, &own);
+        warnings.extend(own);
+        Ok(Real {
+            word: word.display().to_string(),
+            limits,
+            field,
+            zones,
+            fit,
+            sources: scene.sources,
+            attribution: scene.attribution,
+        })
+    }
+
+    /// The statistical city to lay over: fitted, or as α, β, γ were typed.
+    pub(super) fn built_up(&self) -> Option<BuiltUp> {
+        self.fit.as_ref().map(|fit| fit.built_up)
+    }
+
+    /// P_LoS from maps, for each height and each angle or distance.
+    pub(super) fn rows(
+        &self,
+        plan: &PlosPlan,
+        sweeps: &Sweeps,
+        choice: MethodChoice,
+    ) -> Result<(Vec<PlosRow>, RealCityFacts)> {
+        let grid = self.field.grid();
+        let unit = grid.meters_per_unit();
+        for frame in [self.field.prisms_frame(), self.field.columns_frame()].into_iter().flatten() {
+            let extent =
+                ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
+            if extent > MAX_EXTENT_UNITS {
+                let text = format!("cannot map {}: it spans {extent:.0} units, wanted at most 65536", self.word);
+                return Err(Error::limit(502, text).with_hint("choose a part of it with `--extent`"));
+            }
+        }
+        let size = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
+        let block_m = plan.block_m.unwrap_or((size / 8.0).max(100.0));
+        if block_m <= 0.0 {
+            return Err(Error::usage(113, format!("the edge of blocks is `{block_m}`, wanted above 0 m")));
+        }
+        let theta_band = checked_theta_band(plan)?;
+        let sight = View { choice, block_m, bands: bands(&sweeps.far, theta_band) };
+        let (coarse, tolerance) = match plan.tolerance {
+            Some(tolerance) => {
+                let (coarse, facts) = coarsest_within(self, plan, (sweeps, &sight), tolerance)?;
+                (coarse, Some(facts))
+            }
+            None => (None, None),
+        };
+        let field = coarse.as_ref().unwrap_or(&self.field);
+        let (method, _) = Method::choose(field, choice).map_err(|wrong| self.refuse(wrong))?;
+        let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
+        let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
+        let mut rows = Vec::new();
+        let (mut n_positions, mut n_inside, mut n_cut, mut n_blocks) = (0, 0, 0, 0);
+        for group in Group::all(sweeps) {
+            let city = self.city(plan, (field, zones), group.users, &sight)?;
+            n_blocks = city.n_blocks();
+            let blocks = city.blocks_with_users();
+            // Where the UAVs may be depends on the radius: each has its own, and none depends on the others asked for.
+            let is_alone = |far: &Far| matches!(far, Far::Radius(_));
+            for part in sweeps.far.chunk_by(|a, b| !is_alone(a) && !is_alone(b)) {
+                let (uavs, cut) = self.positions(plan, part, &group)?;
+                n_cut += cut;
+                let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
+                let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
+                n_positions += uavs.len();
+                n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
+                let uavs: Vec<Station> =
+                    uavs.into_iter().filter(|uav| !(plan.uav_clear_of_roof && city.is_inside(uav))).collect();
+                let bands = bands(part, theta_band);
+                let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| city.count(uav, &bands)).collect();
+                let estimates = resampled(&counts, &blocks, bands.len(), plan.confidence, plan.seed);
+                let row = |(far, e): (&Far, Estimate)| self.row(plan, (group, *far), e);
+                rows.extend(part.iter().zip(estimates).map(row));
+            }
+        }
+        let facts = RealCityFacts {
+            city: self.word.clone(),
+            positions: (n_positions, n_inside),
+            cut: n_cut,
+            theta_band_deg: matches!(sweeps.far.first(), Some(Far::Theta(_))).then_some(theta_band),
+            engine: method,
+            blocks: (n_blocks, block_m),
+            fit: self.fit.clone(),
+            limits: self.limits.clone(),
+            tolerance,
+        };
+        Ok((rows, facts))
+    }
+
+    /// The zones of a form of the city, if they are asked for.
+    pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
+        self.zones.as_ref().and_then(|_| ZoneMap::if_known(field, None))
+    }
+
+    /// A form of the city made ready for counting some users.
+    pub(super) fn city<'a>(
+        &self,
+        plan: &PlosPlan,
+        (field, zones): (&'a HeightField, Option<&ZoneMap>),
+        users: Users,
+        sight: &View,
+    ) -> Result<RealCity<'a>> {
+        let rx_height = plan.rx_height()?;
+        let city = RealCity::new(field, sight.choice, rx_height, field.grid().meters_per_unit(), sight.block_m)
+            .map_err(|wrong| self.refuse(wrong))?;
+        Ok(match self.cells_of(users, zones)? {
+            Some(cells) => city.with_users(&cells),
+            None => city,
+        })
+    }
+
+    fn refuse(&self, wrong: WrongMethod) -> Error {
+        Error::usage(118, format!("the method that was asked for cannot decide {}: {}", self.word, wrong.why))
+            .with_hint(format!("`--method maps` takes `{}` here", wrong.instead.name()))
+    }
+
+    /// The cells that users of a zone stand on; `None` for all open ground.
+    fn cells_of(&self, users: Users, zones: Option<&ZoneMap>) -> Result<Option<BitGrid>> {
+        let zone = match users {
+            Users::Outdoor => return Ok(None),
+            Users::Street => Zone::Street,
+            Users::Crossroad => Zone::Crossroad,
+        };
+        let cells = zones.map(|zones| zones.cells(zone)).filter(|cells| cells.count() > 0);
+        cells.map(Some).ok_or_else(|| {
+            Error::site(204, format!("cannot place users on a {0} of {1}: it has no {0} cell", zone.name(), self.word))
+        })
+    }
+
+    fn row(
+        &self,
+        plan: &PlosPlan,
+        (Group { users, placement, height }, far): (Group, Far),
+        estimate: Estimate,
+    ) -> PlosRow {
+        let rise = height - plan.rx_height_m;
+        let (theta_deg, distance_m, radius_m) = match far {
+            // Over uneven ground an angle and a distance do not tell each other.
+            Far::Theta(theta) => (Some(theta), None, None),
+            Far::Distance(distance) => (Some(rise.atan2(distance).to_degrees()), Some(distance), None),
+            Far::Radius(radius) => (None, None, Some(radius)),
+        };
+        PlosRow {
+            city: self.word.clone(),
+            built_up: self.built_up(),
+            method: "maps".into(),
+            height_m: height,
+            rx_height_m: plan.rx_height_m,
+            theta_deg,
+            theta_band_deg: matches!(far, Far::Theta(_)).then_some(plan.theta_band_deg),
+            phi_deg: None,
+            distance_m,
+            radius_m,
+            placement: Some(placement.name()),
+            users: Some(users.name()),
+            uav_in_building: Some(if plan.uav_clear_of_roof { "excluded" } else { "nlos" }),
+            value: PlosValue::Estimate(estimate),
+        }
+    }
+
+    /// Evenly spread positions over the data of the city, and how many were left out because a disc around them is cut.
+    pub(super) fn positions(&self, plan: &PlosPlan, far: &[Far], group: &Group) -> Result<(Vec<Station>, usize)> {
+        let Group { placement, height, .. } = *group;
+        let grid = self.field.grid();
+        let above = height_steps(height)
+            .ok_or_else(|| Error::usage(113, format!("the height is `{height}`, wanted within 32768 m")))?;
+        let zone_below = |x: f64, y: f64, place: &Place| {
+            self.zones.as_ref().and_then(|zones| zones.over(x, y, self.field.roof_at(place).is_some()))
+        };
+        let station = |[u, v, ..]: [f64; 4]| {
+            let x = grid.x_min() + u * (grid.x_max() - grid.x_min());
+            let y = grid.y_min() + v * (grid.y_max() - grid.y_min());
+            let place = self.field.place(x, y);
+            let ground = self.field.ground_at(&place);
+            let is_wanted = match placement {
+                Placement::Rooftop => self.field.roof_at(&place).is_some(),
+                Placement::Street => zone_below(x, y, &place) == Some(Zone::Street),
+                Placement::Crossroad => zone_below(x, y, &place) == Some(Zone::Crossroad),
+                _ => true,
+            } && self.field.is_known_at(x, y);
+            (ground != VOID && is_wanted).then(|| Station { place, z: i64::from(ground) + i64::from(above) })
+        };
+        let unit = grid.meters_per_unit();
+        let widest = far.iter().filter_map(|far| match far {
+            Far::Radius(radius) => Some(*radius / unit),
+            _ => None,
+        });
+        let radius = widest.fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
+        let whole = radius.map(|radius| WholeDiscs::of(&self.field, Some(radius)));
+        let n = usize::try_from(plan.n_positions).unwrap_or(usize::MAX);
+        // A zone that no place of so many is in is too small to be met by chance.
+        let most = n.saturating_mul(10_000);
+        let mut n_cut = 0;
+        let mut found: Vec<Station> = Vec::with_capacity(n.min(most));
+        for station in Points::new(plan.seed, 0).take(most).filter_map(station) {
+            if whole.as_ref().is_none_or(|discs| discs.contains(station.place.x, station.place.y)) {
+                found.push(station);
+            } else {
+                n_cut += 1;
+            }
+            if found.len() == n || n_cut > MOST_CUT * n {
+                break;
+            }
+        }
+        if found.is_empty() && n_cut > 0 {
+            let text = format!("cannot place UAVs over {}: no disc of the largest radius lies in its data", self.word);
+            return Err(Error::site(216, text).with_hint("a smaller `--radius`, or a larger `--extent`"));
+        }
+        if found.is_empty() {
+            return Err(Error::site(204, format!("cannot place UAVs over {}: there is no such place", self.word)));
+        }
+        Ok((found, n_cut))
+    }
+}
+
+/// The half width of a band of elevation angles [deg].
+fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
+    let band = plan.theta_band_deg;
+    if band > 0.0 && band <= 45.0 {
+        return Ok(band);
+    }
+    Err(Error::usage(113, format!("the band of elevation angles is `{band}`, wanted above 0° and at most 45°")))
+}
+
+/// A band for each angle, distance or radius, which depends on no other: θ ± the half width, 5 % (at least 0.5 m) to both
+/// sides of a distance, all users within a radius.
+fn bands(far: &[Far], theta_band: f64) -> Vec<Band> {
+    let band = |far: &Far| match *far {
+        Far::Theta(v) => Band::elevation((v - theta_band).max(0.0), (v + theta_band).min(90.0)),
+        Far::Distance(v) => {
+            let half = (0.05 * v).max(0.5);
+            Band::distance((v - half).max(0.0), v + half)
+        }
+        Far::Radius(v) => Band::distance(0.0, v.next_up()),
+    };
+    far.iter().map(band).collect()
+}

@@ -1,0 +1,96 @@
+//! What was mended or left out while reading footprints, thing by thing, as a table or as points.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::answer::{Answer, Rows, RunFacts, Spent, document_of, feature, feature_collection, rows};
+use crate::error::Result;
+use crate::export::{Batch, Format};
+use crate::picture::Look;
+use crate::quantity::counted;
+use crate::read::Repair;
+use crate::scene::FoundRepairs;
+
+/// Formats of the list.
+pub(crate) const FORMATS: [Format; 2] = [Format::Csv, Format::GeoJson];
+
+/// The list of a run.
+#[derive(Debug)]
+pub(crate) struct Repairs {
+    facts: RunFacts,
+    repairs: Vec<Repair>,
+    /// The layer of the file that was read.
+    layer: String,
+}
+
+/// A row of the list.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct RepairRow {
+    /// Number of the feature in the file, from 1.
+    feature: u64,
+    /// Its id.
+    id: String,
+    /// Layer of the file.
+    layer: String,
+    /// What was wrong: a stable word.
+    fault: &'static str,
+    /// Code of the warning that counts it.
+    code: String,
+    /// What was done.
+    done: &'static str,
+    /// A point of it, east [units of the scene's reference system]; empty where it has no area.
+    x: Option<f64>,
+    /// A point of it, north.
+    y: Option<f64>,
+}
+
+impl Repairs {
+    pub(crate) fn of(found: &FoundRepairs, layer: String, command: Vec<String>) -> Repairs {
+        let FoundRepairs { repairs, facts } = found.clone();
+        Repairs { facts: RunFacts { command, ..facts }, repairs, layer }
+    }
+
+    fn row(&self, repair: &Repair) -> RepairRow {
+        RepairRow {
+            feature: repair.feature as u64,
+            id: repair.id.clone(),
+            layer: self.layer.clone(),
+            fault: repair.fault.word(),
+            code: format!("W{}", repair.fault.code()),
+            done: repair.done,
+            x: repair.place.map(|place| place[0]),
+            y: repair.place.map(|place| place[1]),
+        }
+    }
+}
+
+impl Answer for Repairs {
+    fn document(&self, _: Option<Spent>) -> Value {
+        let mut document = self.facts.provenance("skyshed/repairs/1");
+        document["repairs"] = self.repairs.len().into();
+        document
+    }
+
+    fn table(&self) -> Rows {
+        rows(self.repairs.iter().map(|repair| self.row(repair)))
+    }
+
+    fn notes(&self, _: Spent) -> Vec<String> {
+        vec![format!("{} mended or left out", counted(self.repairs.len() as u64, "thing", "things"))]
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, _: Format, _: &Look) -> Result<()> {
+        let point = |repair: &Repair| {
+            let mut properties = document_of(&self.row(repair));
+            // The geometry tells the place.
+            properties.as_object_mut().into_iter().for_each(|row| row.retain(|name, _| !["x", "y"].contains(&name.as_str())));
+            feature(properties, repair.place.map(|place| ("Point", place.to_vec().into())))
+        };
+        let features = self.repairs.iter().map(point).collect();
+        let document = feature_collection(&self.facts.grid, self.document(None), features);
+        batch.add(path, format!("{document}\n").as_bytes())
+    }
+}

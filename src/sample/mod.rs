@@ -1,0 +1,290 @@
+//! P_LoS by placement zone: what UAVs over streets, crossroads, courtyards and rooftops see on average.
+
+mod plot;
+mod report;
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use serde_json::Value;
+
+pub(crate) use report::{SampleDocument, SampleRow};
+use report::{SampledReport, SampledRow};
+
+use crate::answer::{Answer, Rows, RunFacts, Spent};
+use crate::city::Site;
+use crate::coverage::{Mapper, Uav};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format};
+use crate::los::Method;
+use crate::los_probability::estimate::{Count, Estimate};
+use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::picture::Look;
+use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles_of, over_cities};
+use crate::progress::Progress;
+use crate::quantity::{Height, counted, tidy};
+use crate::raster::CellBlocks;
+use crate::scene::{Scene, SceneOptions};
+use crate::scene::limits::warn_of_drop_across;
+use crate::sight::Sight;
+use crate::zones::Zone;
+
+/// Formats of a sample.
+pub(crate) const FORMATS: [Format; 6] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
+
+/// A sample to be taken.
+#[derive(Debug)]
+pub(crate) struct SamplePlan {
+    /// The scene as it was asked for, and how it is read.
+    pub(crate) word: OsString,
+    pub(crate) scene: SceneOptions,
+    /// Edge of the part of a generated city that placements are over \[m\].
+    pub(crate) size_m: f64,
+    pub(crate) sight: Sight,
+    /// Placements over each zone.
+    pub(crate) zones: Vec<(Zone, usize)>,
+    /// Heights of the UAVs above ground \[m\].
+    pub(crate) heights_m: Vec<f64>,
+    /// Whether placements are over the middles of a generated city's crossroads, streets and buildings.
+    pub(crate) is_centered: bool,
+    /// Generated cities, from `seed` on.
+    pub(crate) n_cities: u64,
+    pub(crate) seed: u64,
+    /// Confidence of the intervals.
+    pub(crate) confidence: f64,
+    /// Edge of the blocks of ground that are resampled \[m\]; an eighth of the city, at least 100 m.
+    pub(crate) block_m: Option<f64>,
+}
+
+/// What was sampled.
+#[derive(Debug)]
+pub(crate) struct Sample {
+    scene: Scene,
+    report: SampledReport,
+    n_mapped: usize,
+}
+
+/// What one city says of each placement zone and height.
+struct CityCounts {
+    method: Method,
+    /// Which receivers are counted together.
+    parts: Vec<Option<Zone>>,
+    /// `[zone × height]`.
+    of: Vec<SampledCounts>,
+    /// Placements left out inside buildings, `[zone × height]`.
+    n_inside: Vec<usize>,
+    /// Placements left out because their disc is cut, `[zone × height]`.
+    n_cut: Vec<usize>,
+}
+
+impl SamplePlan {
+    /// Checks what can be checked before any work.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn check(&self) -> Result<()> {
+        let refuse = |text: String| Err(Error::usage(113, text));
+        if !(self.confidence > 0.0 && self.confidence < 1.0) {
+            return refuse(format!("the confidence is `{}`, wanted above 0 and below 1", self.confidence));
+        }
+        if let Some(block) = self.block_m.filter(|block| *block <= 0.0) {
+            return refuse(format!("the edge of blocks is `{block}`, wanted above 0 m"));
+        }
+        let zones: Vec<Zone> = self.zones.iter().map(|(zone, _)| *zone).collect();
+        match zones.iter().enumerate().find(|(k, zone)| zones[..*k].contains(zone)) {
+            Some((_, zone)) => refuse(format!("{} is named twice, wanted each zone once", zone.name())),
+            None => Ok(()),
+        }
+    }
+
+    /// Samples.
+    ///
+    /// # Errors
+    /// E113, E116, E117; those of reading the scene; E216 if no disc lies in the data.
+    pub(crate) fn take(&self, command: Vec<String>, progress: &Progress) -> Result<Sample> {
+        self.check()?;
+        // A generated city is made as large as whole discs around its places take.
+        let around = SceneOptions { margin_m: self.sight.radius_m().unwrap_or(0.0), ..self.scene.clone() };
+        let open = |seed: u64| SceneOptions { seed: Some(seed), ..around.clone() }.open(&self.word);
+        let mut first = open(self.seed)?;
+        if first.built_up.is_none() && (self.n_cities > 1 || self.is_centered) {
+            let what = if self.is_centered { "centers of zones" } else { "several cities" };
+            let text = format!("{what} have no meaning for a city in a file: it is one, and its streets form no grid");
+            return Err(Error::usage(116, text).with_hint("generate cities: itu:urban, itu:α,β,γ"));
+        }
+        self.sight.receivers().check(first.field.is_surface_only())?;
+        let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
+        warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings);
+        let grid = first.grid();
+        let unit = grid.meters_per_unit();
+        let size_m = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
+        let block_m = self.block_m.unwrap_or((size_m / 8.0).max(100.0));
+        check_memory(&self.word.display(), grid, FIELD_BYTES_PER_CELL)?;
+        let mut cities = vec![self.count(&first, block_m, progress)?];
+        for k in 1..self.n_cities {
+            (progress.check)()?;
+            cities.push(self.count(&open(self.seed.wrapping_add(k))?, block_m, progress)?);
+        }
+        self.refuse_if_all_are_cut(&cities)?;
+        let mut facts = RunFacts { command, ..first.facts(Some(cities[0].method)) };
+        let last = self.seed.wrapping_add(self.n_cities - 1);
+        if first.built_up.is_some() && last != self.seed {
+            let (one, all) = (format!("seed {}", self.seed), format!("seeds {} to {last}", self.seed));
+            facts.scene_name = facts.scene_name.replace(&one, &all);
+        }
+        let mut report = SampledReport {
+            facts,
+            sight: self.sight,
+            n_cities: self.n_cities,
+            is_centered: self.is_centered,
+            block_m,
+            confidence: self.confidence,
+            rows: self.rows(&cities),
+        };
+        let without = || report.rows.iter().filter(|row| row.estimate.p_los.is_none());
+        if let Some(row) = without().next() {
+            let values = counted(without().count() as u64, "value has", "values have");
+            let text = format!("{values} no P_LoS: {}", row.reason().unwrap_or_default());
+            report.facts.warnings.push(Warning::new(202, text));
+        }
+        let n_mapped = cities.iter().flat_map(|city| city.of.iter().map(|c| c.n_placements)).sum();
+        Ok(Sample { scene: first, report, n_mapped })
+    }
+
+    /// Maps the placements of one city.
+    fn count(&self, scene: &Scene, block_m: f64, progress: &Progress) -> Result<CityCounts> {
+        let field = &scene.field;
+        let size = self.size_m;
+        let Some(zones) = scene.zones() else {
+            return Err(Error::usage(117, "zones of a surface model alone: no zone is known")
+                .with_hint("give `--terrain FILE` or `--ground Z`"));
+        };
+        let options = self.sight.options(scene.grid(), Some(&zones));
+        let radius = options.radius;
+        let mapper = Mapper::new(field, &options)?;
+        let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
+        let blocks = CellBlocks::new(field.grid(), field.grid().meters_per_unit(), block_m);
+        let (mut of, mut n_inside, mut n_cut) = (Vec::new(), Vec::new(), Vec::new());
+        let grid = field.grid();
+        let within = match scene.built_up {
+            Some(_) => [0.0, 0.0, size, size],
+            None => [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
+        };
+        for (zone, n) in &self.zones {
+            let DrawnPlaces { places, n_cut: cut } = match scene.built_up.filter(|_| self.is_centered) {
+                Some(built_up) => {
+                    let places = some_of(middles_of(&built_up, size, *zone), *n);
+                    DrawnPlaces { places, n_cut: 0 }
+                }
+                None => {
+                    let seed = scene.seed;
+                    Drawn { zone: *zone, n: *n, within, radius, seed }.places(field, &zones)
+                }
+            };
+            for height in self.heights_m.iter().copied() {
+                let mut uavs = Vec::with_capacity(places.len());
+                let mut n_without_ground = 0;
+                for (k, [x, y]) in places.iter().enumerate() {
+                    let site = Site { id: (k + 1).to_string(), x: *x, y: *y, height: Height::AboveGround(height) };
+                    match Uav::place(&site, field, radius) {
+                        Ok(uav) => uavs.push(uav),
+                        Err(e) if e.code() == "E201" => {}
+                        // Over a building that stands where the terrain has no height.
+                        Err(e) if e.code() == "E204" => n_without_ground += 1,
+                        Err(e) => return Err(e.into()),
+                    }
+                }
+                n_inside.push(places.len() - uavs.len() - n_without_ground);
+                n_cut.push(cut + n_without_ground);
+                let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks);
+                // Of one among many cities only the totals are asked for.
+                of.push(if self.n_cities > 1 { counts.summed() } else { counts });
+                (progress.check)()?;
+            }
+        }
+        Ok(CityCounts { method: mapper.method().0, parts: parts.zones(), of, n_inside, n_cut })
+    }
+
+    /// Refuses a sample of which no placement is left because the discs around all of them are cut.
+    fn refuse_if_all_are_cut(&self, cities: &[CityCounts]) -> Result<()> {
+        let n_cut: usize = cities.iter().flat_map(|city| &city.n_cut).sum();
+        let is_left = cities.iter().any(|city| {
+            city.of.iter().any(|of| of.n_placements > 0) || city.n_inside.iter().any(|n_inside| *n_inside > 0)
+        });
+        let Some(radius_m) = self.sight.radius_m().filter(|_| n_cut > 0 && !is_left) else { return Ok(()) };
+        let text = format!(
+            "cannot sample {}: of no placement tried lies the whole disc of {} m in the data, wanted P_LoS over whole discs",
+            self.word.display(),
+            tidy(radius_m)
+        );
+        Err(Error::site(216, text).with_hint(
+            "a smaller `--radius`, a larger `--extent`, or, if the ground between is known, `--data-area all` or a polygon of it",
+        ))
+    }
+
+    /// One row per placement zone, height and part of the receivers.
+    fn rows(&self, cities: &[CityCounts]) -> Vec<SampledRow> {
+        let first = &cities[0];
+        let settings = self.zones.iter().flat_map(|(zone, _)| self.heights_m.iter().map(move |h| (*zone, *h)));
+        settings
+            .enumerate()
+            .flat_map(|(k, (placement, height_m))| {
+                let estimates = if cities.len() > 1 {
+                    let totals: Vec<Vec<Count>> = cities.iter().map(|city| city.of[k].totals()).collect();
+                    over_cities(&totals, first.parts.len(), self.confidence)
+                } else {
+                    first.of[k].estimates(self.confidence, self.seed)
+                };
+                let n_placements = cities.iter().map(|city| city.of[k].n_placements).sum();
+                let n_inside = cities.iter().map(|city| city.n_inside[k]).sum();
+                let n_cut = cities.iter().map(|city| city.n_cut[k]).sum();
+                let row = move |(receivers, estimate): (&Option<Zone>, Estimate)| SampledRow {
+                    placement,
+                    height_m,
+                    receivers: *receivers,
+                    n_placements,
+                    n_inside,
+                    n_cut,
+                    estimate,
+                };
+                first.parts.iter().zip(estimates).map(row).collect::<Vec<_>>()
+            })
+            .collect()
+    }
+}
+
+impl Answer for Sample {
+    fn document(&self, _: Option<Spent>) -> Value {
+        self.report.document(true)
+    }
+
+    fn provenance(&self) -> Value {
+        self.report.document(false)
+    }
+
+    fn table(&self) -> Rows {
+        self.report.table()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.report.facts.warnings
+    }
+
+    fn notes(&self, spent: Spent) -> Vec<String> {
+        let placements = counted(self.n_mapped as u64, "placement", "placements");
+        vec![format!("{placements} mapped in {:.2} s", spent.total)]
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        batch.add(path, &plot::draw(self, format, look)?)
+    }
+}
+
+/// Up to `n` of some places, evenly spread over their order.
+fn some_of(places: Vec<[f64; 2]>, n: usize) -> Vec<[f64; 2]> {
+    if places.len() <= n {
+        return places;
+    }
+    (0..n).map(|k| places[k * places.len() / n]).collect()
+}

@@ -1,0 +1,245 @@
+//! How line of sight is asked for: for which receivers, how far, by which engine; and what captions say of that.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
+use crate::error::{Error, Result, Warning};
+use crate::height_field::HeightField;
+use crate::los::{Method, MethodChoice};
+use crate::picture::{crs_words, program};
+use crate::quantity::{height_steps, tidy};
+use crate::raster::GeoRef;
+use crate::scene::Scene;
+use crate::zones::{Zone, ZoneMap};
+
+/// Which cells hold receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Receivers {
+    /// All cells of open ground
+    #[default]
+    Ground,
+    /// Open ground that is neither crossroad nor courtyard.
+    Street,
+    /// Where three or more streets meet.
+    Crossroad,
+    /// Open ground that buildings enclose.
+    Courtyard,
+    /// Building cells, standing on the roof.
+    Roof,
+    /// Ground and roofs.
+    All,
+}
+
+impl Receivers {
+    /// All of them.
+    pub const ALL: [Receivers; 6] = [
+        Receivers::Ground,
+        Receivers::Street,
+        Receivers::Crossroad,
+        Receivers::Courtyard,
+        Receivers::Roof,
+        Receivers::All,
+    ];
+
+    /// The word in documents and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Receivers::Ground => "ground",
+            Receivers::Street => "street",
+            Receivers::Crossroad => "crossroad",
+            Receivers::Courtyard => "courtyard",
+            Receivers::Roof => "roof",
+            Receivers::All => "all",
+        }
+    }
+
+    /// The zone that it restricts open ground to, if it does.
+    pub(crate) fn zone(self) -> Option<Zone> {
+        match self {
+            Receivers::Street => Some(Zone::Street),
+            Receivers::Crossroad => Some(Zone::Crossroad),
+            Receivers::Courtyard => Some(Zone::Courtyard),
+            Receivers::Ground | Receivers::Roof | Receivers::All => None,
+        }
+    }
+
+    /// Refuses roofs and zones of a surface model alone, of which no building is known.
+    ///
+    /// # Errors
+    /// E117.
+    pub(crate) fn check(self, is_surface_only: bool) -> Result<()> {
+        if is_surface_only && (self == Receivers::Roof || self.zone().is_some()) {
+            let what = if self == Receivers::Roof { "roof" } else { "zone" };
+            let text = format!("receivers `{}` with a surface model alone: no {what} is known", self.name());
+            return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
+        }
+        Ok(())
+    }
+
+    /// What receivers, and the cells that hold none, are called in the plural.
+    pub(crate) fn cell_names(self, field: &HeightField) -> (&'static str, &'static str) {
+        match self {
+            _ if field.is_surface_only() => ("surface cells", "Nodata"),
+            Receivers::Ground => ("open-ground cells", "Buildings"),
+            Receivers::Street => ("street cells", "Other cells"),
+            Receivers::Crossroad => ("crossroad cells", "Other cells"),
+            Receivers::Courtyard => ("courtyard cells", "Other cells"),
+            Receivers::Roof => ("roof cells", "Open ground"),
+            Receivers::All => ("cells", "Nodata"),
+        }
+    }
+}
+
+/// How line of sight is asked for, not yet checked.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AskedSight {
+    /// Which cells hold receivers.
+    pub(crate) receivers: Receivers,
+    /// Their height above ground or roof \[m\].
+    pub(crate) rx_height_m: f64,
+    /// Range \[m\], if it is limited.
+    pub(crate) radius_m: Option<f64>,
+    /// The engine.
+    pub(crate) method: MethodChoice,
+}
+
+impl Default for AskedSight {
+    /// Receivers 1.5 m above open ground at any distance, by the fastest exact engine.
+    fn default() -> Self {
+        AskedSight { receivers: Receivers::Ground, rx_height_m: 1.5, radius_m: None, method: MethodChoice::Auto }
+    }
+}
+
+impl AskedSight {
+    /// The same with numbers in range.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn checked(self) -> Result<Sight> {
+        let AskedSight { receivers, rx_height_m, radius_m, method } = self;
+        let refuse = |text: String| Error::usage(113, text);
+        let rx_height = height_steps(rx_height_m).filter(|h| *h >= 0);
+        let rx_height = rx_height
+            .ok_or_else(|| refuse(format!("the receivers' height is `{rx_height_m}`, wanted 0 m to 32768 m")))?;
+        match radius_m {
+            Some(r) if r <= 0.0 => Err(refuse(format!("the radius is `{r}`, wanted above 0 m"))),
+            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, method }),
+        }
+    }
+}
+
+/// How line of sight is asked for, checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sight {
+    receivers: Receivers,
+    rx_height_m: f64,
+    /// On the lattice \[1/1024 m\].
+    rx_height: i32,
+    radius_m: Option<f64>,
+    method: MethodChoice,
+}
+
+/// How line of sight was asked for, in documents and tables.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub(crate) struct SightFacts {
+    /// Height of the receivers above what they stand on [m].
+    pub(crate) rx_height_m: f64,
+    /// Which cells hold receivers: ground, street, crossroad, courtyard, roof or all.
+    pub(crate) receivers: &'static str,
+    /// Largest horizontal distance from the UAV [m]; null without a limit.
+    pub(crate) radius_m: Option<f64>,
+}
+
+impl Sight {
+    /// Which cells hold receivers.
+    pub(crate) fn receivers(&self) -> Receivers {
+        self.receivers
+    }
+
+    /// For other receivers.
+    #[must_use]
+    pub(crate) fn of(self, receivers: Receivers) -> Sight {
+        Sight { receivers, ..self }
+    }
+
+    /// Height of the receivers above ground or roof \[m\].
+    pub(crate) fn rx_height_m(&self) -> f64 {
+        self.rx_height_m
+    }
+
+    /// The same height on the lattice \[1/1024 m\].
+    pub(crate) fn rx_height(&self) -> i32 {
+        self.rx_height
+    }
+
+    /// Range \[m\], if it is limited.
+    pub(crate) fn radius_m(&self) -> Option<f64> {
+        self.radius_m
+    }
+
+    /// The engine that was asked for.
+    pub(crate) fn method(&self) -> MethodChoice {
+        self.method
+    }
+
+    /// The range in units of a grid.
+    pub(crate) fn radius_on(&self, grid: &GeoRef) -> Option<f64> {
+        self.radius_m.map(|r| r / grid.meters_per_unit())
+    }
+
+    /// The options of a map on a grid, without layers of heights.
+    pub(crate) fn options(&self, grid: &GeoRef, zones: Option<&ZoneMap>) -> MapOptions {
+        MapOptions {
+            rx_height: self.rx_height,
+            receivers: match self.receivers {
+                Receivers::Roof => coverage::Receivers::Roof,
+                Receivers::All => coverage::Receivers::All,
+                _ => coverage::Receivers::Ground,
+            },
+            within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
+            radius: self.radius_on(grid),
+            meters_per_unit: grid.meters_per_unit(),
+            layers: HeightLayers::default(),
+            method: self.method,
+        }
+    }
+
+    /// As documents tell it.
+    pub(crate) fn facts(&self) -> SightFacts {
+        SightFacts { rx_height_m: self.rx_height_m, receivers: self.receivers.name(), radius_m: self.radius_m }
+    }
+
+    /// The line of a caption that says for whom a map of a grid was made, and how. `scene` may show less than the grid.
+    pub(crate) fn in_words(&self, grid: &GeoRef, scene: &Scene, method: Option<Method>) -> String {
+        let unit = grid.meters_per_unit();
+        let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
+        let cell = if (width - height).abs() < 1e-9 * width {
+            format!("{} m", tidy(width))
+        } else {
+            format!("{} × {} m", tidy(width), tidy(height))
+        };
+        let stands = match self.receivers {
+            _ if scene.field.is_surface_only() => "the surface",
+            Receivers::Roof => "roofs",
+            Receivers::All => "ground and roofs",
+            _ => "ground",
+        };
+        let range = self.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        let method = method.map_or("none".into(), Method::in_words);
+        format!(
+            "Cells of {cell}, receivers {} m above {stands}{range}; method {method}; {}; {}",
+            tidy(self.rx_height_m),
+            crs_words(grid),
+            program()
+        )
+    }
+}
+
+/// W202 for each UAV that has no receiver.
+pub(crate) fn warn_of_no_receivers(coverages: &[SiteCoverage], warnings: &mut Vec<Warning>) {
+    for site in coverages.iter().filter(|site| site.tally.receivers == 0) {
+        let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
+        warnings.push(Warning::new(202, text));
+    }
+}

@@ -1,0 +1,15 @@
+//! Where methods fail, on families of scenes; and where the answers of a scene hang by a lattice step.
+
+mod families;
+mod report;
+mod scene;
+
+pub(crate) use families::Stress;
+pub(crate) use report::{StressDocument, StressRow, StressSceneDocument, StressSceneRow};
+pub(crate) use scene::StressScene;
+
+use crate::export::Format;
+
+/// Formats of both.
+pub(crate) const FORMATS: [Format; 6] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];

@@ -1,0 +1,393 @@
+//! Where methods fail, as reported: the documents `skyshed/stress/1` of families and `skyshed/stress-scene/1` of a scene,
+//! and their tables.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::accuracy::stress::{Contender, Effort, FamilyScore, Outcome};
+use crate::answer::{Rows, Spent, Timing, digest_words, document_of, rows, version};
+use crate::coverage::MarginSample;
+use crate::digest::Sha256;
+use crate::map::{MapDocument, MapReport};
+
+/// Methods tried on families of scenes.
+#[derive(Debug, Clone)]
+pub(super) struct StressReport {
+    /// The words of the command line.
+    pub(super) command: Vec<String>,
+    /// Scenes and seed.
+    pub(super) effort: Effort,
+    pub(super) methods: Vec<Contender>,
+    /// What they did on each family.
+    pub(super) scores: Vec<FamilyScore>,
+}
+
+/// A share; `None` of nothing.
+fn share(part: u64, of: u64) -> Option<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "counts of receivers are far below 2^53")]
+    let share = part as f64 / of as f64;
+    (of > 0).then_some(share)
+}
+
+impl StressReport {
+    /// Receivers that a method gets wrong on all families that it decides, and how many it decides; `None` if none.
+    pub(super) fn total(&self, method: usize) -> Option<[u64; 2]> {
+        let decided = self.scores.iter().filter_map(|score| match &score.outcomes[method] {
+            Outcome::Decided(wrong) => Some([wrong.total(), score.receivers]),
+            Outcome::Cannot(_) => None,
+        });
+        decided.reduce(|a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+
+    /// Failures and trials of a method on a family; `None` where it cannot decide it.
+    pub(super) fn rate(score: &FamilyScore, method: usize) -> Option<[u64; 2]> {
+        match &score.outcomes[method] {
+            Outcome::Decided(wrong) => Some([wrong.total(), score.receivers]),
+            Outcome::Cannot(_) => None,
+        }
+    }
+
+    /// The document; without `spent` it is the same for equal runs.
+    pub(super) fn document(&self, spent: Option<Spent>) -> Value {
+        let method = |(k, method): (usize, &Contender)| {
+            let total = self.total(k);
+            MethodDocument {
+                method: method.name.clone(),
+                exact: method.is_exact(),
+                receivers: total.map(|[_, receivers]| receivers),
+                wrong: total.map(|[wrong, _]| wrong),
+                failure_rate: total.and_then(|[wrong, of]| share(wrong, of)),
+            }
+        };
+        document_of(&StressDocument {
+            schema: "skyshed/stress/1",
+            version: version(),
+            command: self.command.clone(),
+            seed: self.effort.seed,
+            scenes_per_family: self.effort.scenes,
+            methods: self.methods.iter().enumerate().map(method).collect(),
+            families: self.scores.iter().map(|score| self.family(score)).collect(),
+            timing_s: spent.map(|spent| TotalTiming { total: spent.total }),
+            digest: self.digest(),
+        })
+    }
+
+    fn family(&self, score: &FamilyScore) -> FamilyDocument {
+        let method = |(method, outcome): (&Contender, &Outcome)| {
+            let first = match outcome {
+                Outcome::Decided(wrong) => wrong.first.as_ref(),
+                Outcome::Cannot(_) => None,
+            };
+            let first = first.map(|(scene, row, col)| FirstWrong { scene: scene.clone(), row: *row, col: *col });
+            OutcomeDocument {
+                method: method.name.clone(),
+                outcome: OutcomeFields::of(score, outcome),
+                first_wrong: matches!(outcome, Outcome::Decided(_)).then_some(first),
+            }
+        };
+        FamilyDocument {
+            family: score.family,
+            breaks: score.breaks,
+            receivers: score.receivers,
+            los: score.los,
+            methods: self.methods.iter().zip(&score.outcomes).map(method).collect(),
+        }
+    }
+
+    /// The table: one row per family and method.
+    pub(super) fn table(&self) -> Rows {
+        let of = |score: &FamilyScore| {
+            let row = |(method, outcome): (&Contender, &Outcome)| StressRow {
+                family: score.family,
+                method: method.name.clone(),
+                exact: method.is_exact(),
+                scenes: self.effort.scenes,
+                seed: self.effort.seed,
+                receivers: score.receivers,
+                los: score.los,
+                outcome: OutcomeFields { reason: Some(reason(outcome)), ..OutcomeFields::of(score, outcome) },
+            };
+            self.methods.iter().zip(&score.outcomes).map(row).collect::<Vec<_>>()
+        };
+        rows(self.scores.iter().flat_map(of))
+    }
+
+    /// SHA-256 of the table, its cells and rows each ended by a line break.
+    fn digest(&self) -> String {
+        let mut hasher = Sha256::default();
+        for cell in self.table().iter().flat_map(|row| row.iter().map(String::as_str).chain([""])) {
+            hasher.update(cell.as_bytes());
+            hasher.update(b"\n");
+        }
+        digest_words(hasher)
+    }
+}
+
+/// Why a method cannot decide a family; nothing if it can.
+fn reason(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Decided(_) => "",
+        Outcome::Cannot(why) => why,
+    }
+}
+
+/// How stable the answers on a scene are: a map with its stability, and margins near grazing.
+#[derive(Debug, Clone)]
+pub(super) struct StressSceneReport {
+    /// The map of the one UAV, its stability with it.
+    pub(super) map: MapReport,
+    /// Margins of its receivers, or of a sample of them.
+    pub(super) margins: MarginSample,
+}
+
+/// How near to grazing receivers are counted \[m\], ascending: a lattice step, then powers of ten.
+pub(super) const NEAR_M: [f32; 5] = [1.0 / 1024.0, 0.01, 0.1, 1.0, 10.0];
+
+impl StressSceneReport {
+    /// How many of the sampled receivers are within each of [`NEAR_M`] of grazing.
+    pub(super) fn near(&self) -> [u64; NEAR_M.len()] {
+        NEAR_M.map(|reach| self.margins.near(reach))
+    }
+
+    /// The document: that of the map, with the margins.
+    pub(super) fn document(&self, timing: Option<Timing>) -> Value {
+        let sampled = self.margins.margins.len() as u64;
+        let bin = |(within_m, receivers)| BinDocument { within_m, receivers, share: share(receivers, sampled) };
+        document_of(&StressSceneDocument {
+            map: self.map.as_document("skyshed/stress-scene/1", timing),
+            margins: NearDocument {
+                every: self.margins.every,
+                sampled,
+                near_grazing: NEAR_M.into_iter().zip(self.near()).map(bin).collect(),
+                reason: (sampled == 0).then(|| self.map.union.reason()),
+            },
+        })
+    }
+
+    /// The table: one row per move by a lattice step, then one per distance from grazing.
+    pub(super) fn table(&self) -> Rows {
+        let of_site = |site: &crate::map::SiteFacts| {
+            let receivers = site.tally.receivers;
+            let moves = site.stability.clone().map(|s| s.moves).unwrap_or_default();
+            let row = move |(which, turned): (crate::coverage::Move, Result<crate::coverage::Turned, String>)| {
+                let both = turned.as_ref().ok().map(|t| t.gained + t.lost);
+                StressSceneRow {
+                    measure: "move",
+                    name: which.name().to_string(),
+                    receivers,
+                    gained: turned.as_ref().ok().map(|t| t.gained),
+                    lost: turned.as_ref().ok().map(|t| t.lost),
+                    turned: both,
+                    share: both.and_then(|both| share(both, receivers)),
+                    reason: turned.err(),
+                }
+            };
+            moves.into_iter().map(row)
+        };
+        let sampled = self.margins.margins.len() as u64;
+        let near = NEAR_M.into_iter().zip(self.near()).map(|(reach, n)| StressSceneRow {
+            measure: "margin",
+            name: format!("within {reach} m"),
+            receivers: sampled,
+            gained: None,
+            lost: None,
+            turned: Some(n),
+            share: share(n, sampled),
+            reason: None,
+        });
+        rows(self.map.sites.iter().flat_map(of_site).chain(near))
+    }
+}
+
+/// Where methods fail.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StressDocument {
+    /// Kind of document and its version.
+    schema: &'static str,
+    /// Version of the program.
+    version: &'static str,
+    /// Words of the command line after the program's name.
+    command: Vec<String>,
+    /// Seed of the scenes.
+    seed: u64,
+    /// Scenes of each family.
+    scenes_per_family: u32,
+    /// The methods, over all families.
+    methods: Vec<MethodDocument>,
+    /// The families.
+    families: Vec<FamilyDocument>,
+    /// Seconds spent; not in what is stored in pictures and beside tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timing_s: Option<TotalTiming>,
+    /// SHA-256 of the table.
+    digest: String,
+}
+
+/// Seconds spent.
+#[derive(Debug, Serialize, JsonSchema)]
+struct TotalTiming {
+    /// All of it.
+    total: f64,
+}
+
+/// A method over all families that it decides.
+#[derive(Debug, Serialize, JsonSchema)]
+struct MethodDocument {
+    /// Its word.
+    method: String,
+    /// Whether it is exact.
+    exact: bool,
+    /// Receivers that it decides; null for none.
+    receivers: Option<u64>,
+    /// Those that it decides wrongly.
+    wrong: Option<u64>,
+    /// Their share.
+    failure_rate: Option<f64>,
+}
+
+/// A family of scenes.
+#[derive(Debug, Serialize, JsonSchema)]
+struct FamilyDocument {
+    /// Its name.
+    family: &'static str,
+    /// What it breaks.
+    breaks: &'static str,
+    /// Receivers of all its scenes.
+    receivers: u64,
+    /// Those in line of sight.
+    los: u64,
+    /// What each method did.
+    methods: Vec<OutcomeDocument>,
+}
+
+/// What a method did on a family.
+#[derive(Debug, Serialize, JsonSchema)]
+struct OutcomeDocument {
+    /// Its word.
+    method: String,
+    #[serde(flatten)]
+    outcome: OutcomeFields,
+    /// The first wrong receiver; null for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_wrong: Option<Option<FirstWrong>>,
+}
+
+/// A wrong receiver.
+#[derive(Debug, Serialize, JsonSchema)]
+struct FirstWrong {
+    /// Its scene.
+    scene: String,
+    /// Its row.
+    row: usize,
+    /// Its column.
+    col: usize,
+}
+
+/// What a method gets wrong.
+#[derive(Debug, Serialize, JsonSchema)]
+struct OutcomeFields {
+    /// Receivers decided wrongly; none where the method cannot decide the family.
+    wrong: Option<u64>,
+    /// Their share.
+    failure_rate: Option<f64>,
+    /// Those called LoS.
+    false_los: Option<u64>,
+    /// Those called NLoS.
+    false_nlos: Option<u64>,
+    /// Why the method cannot decide the family.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+}
+
+impl OutcomeFields {
+    fn of(score: &FamilyScore, outcome: &Outcome) -> Self {
+        let wrong = match outcome {
+            Outcome::Decided(wrong) => Some(wrong),
+            Outcome::Cannot(_) => None,
+        };
+        OutcomeFields {
+            wrong: wrong.map(|w| w.total()),
+            failure_rate: wrong.and_then(|w| share(w.total(), score.receivers)),
+            false_los: wrong.map(|w| w.false_los),
+            false_nlos: wrong.map(|w| w.false_nlos),
+            reason: wrong.is_none().then(|| reason(outcome)),
+        }
+    }
+}
+
+/// A row of the table of families.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StressRow {
+    /// Family of scenes.
+    family: &'static str,
+    /// Method.
+    method: String,
+    /// Whether the method is exact.
+    exact: bool,
+    /// Scenes of the family.
+    scenes: u32,
+    /// Seed of the scenes.
+    seed: u64,
+    /// Receivers of all scenes.
+    receivers: u64,
+    /// Those in line of sight.
+    los: u64,
+    #[serde(flatten)]
+    outcome: OutcomeFields,
+}
+
+/// How stable the answers on a scene are: the document of the map, with margins near grazing.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StressSceneDocument {
+    #[serde(flatten)]
+    map: MapDocument,
+    /// Margins near grazing.
+    margins: NearDocument,
+}
+
+/// Margins near grazing.
+#[derive(Debug, Serialize, JsonSchema)]
+struct NearDocument {
+    /// Every how manyth receiver in row order was asked.
+    every: usize,
+    /// Receivers that were asked.
+    sampled: u64,
+    /// Those near grazing.
+    near_grazing: Vec<BinDocument>,
+    /// Why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+}
+
+/// Receivers within a distance of grazing.
+#[derive(Debug, Serialize, JsonSchema)]
+struct BinDocument {
+    /// The distance [m].
+    within_m: f32,
+    /// Receivers.
+    receivers: u64,
+    /// Their share of those that were asked.
+    share: Option<f64>,
+}
+
+/// A row of the table of a scene.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StressSceneRow {
+    /// move (by one lattice step) or margin (near grazing).
+    measure: &'static str,
+    /// Which move, or how near.
+    name: String,
+    /// Receivers.
+    receivers: u64,
+    /// Those that come into line of sight.
+    gained: Option<u64>,
+    /// Those that lose it.
+    lost: Option<u64>,
+    /// Those that turn, or are so near.
+    turned: Option<u64>,
+    /// Their share.
+    share: Option<f64>,
+    /// Why the move cannot be made.
+    reason: Option<String>,
+}

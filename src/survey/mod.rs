@@ -1,0 +1,462 @@
+//! What a scene is: size, reference system, heights, faults of its files, α, β and γ, also by tile.
+
+mod output;
+mod places;
+mod tiles;
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+pub(crate) use output::Output;
+pub(crate) use places::Places;
+use tiles::{Tiles, TilesDocument};
+
+use crate::answer::{Answer, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, version, warnings_of};
+use crate::city::{BuiltUp, Footprint, FootprintFaults, Solids};
+use crate::crs::VerticalCrs;
+use crate::error::{Result, Warning};
+use crate::export::{Batch, Format};
+use crate::height_field::{CellKind, HeightField};
+use crate::picture::Look;
+use crate::quantity::{Frame, VOID, meters, tidy};
+use crate::raster::Crs;
+use crate::read::vertical_of;
+use crate::render::grouped;
+use crate::scene::{Scene, SceneOptions, is_raster};
+
+/// Formats of what a scene is; tiles have two more.
+pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];
+/// Formats of tiles.
+pub(crate) const TILE_FORMATS: [Format; 4] = [Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
+
+/// What was found of a scene.
+#[derive(Debug)]
+pub(crate) struct Survey {
+    scene: Scene,
+    facts: RunFacts,
+    counts: Counts,
+    /// Of footprints.
+    faults: Option<FootprintFaults>,
+    estimate: Option<BuiltUp>,
+    tiles: Option<Tiles>,
+    /// The raster files that hold heights, with what these are above.
+    vertical: Vec<(PathBuf, Option<VerticalCrs>)>,
+}
+
+impl Survey {
+    /// Reads a scene and looks at it; with tiles of an edge \[m\], if that is given. What is wrong with the files is told, not
+    /// refused, where a scene can be made without it.
+    ///
+    /// # Errors
+    /// As [`SceneOptions::open`]; E113, E117 or E502 for tiles that cannot be.
+    pub(crate) fn open(
+        options: &SceneOptions,
+        word: &OsStr,
+        tile_m: Option<f64>,
+        command: Vec<String>,
+    ) -> Result<Survey> {
+        let (start, mut warnings) = (Instant::now(), Vec::new());
+        let city = SceneOptions { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;
+        let size = tile_m.map(|edge| tiles::checked_size(edge, &city.grid, word)).transpose()?;
+        let heights = city.solids.building_heights();
+        let (faults, footprints): (_, Option<(Vec<Footprint>, Frame)>) = match &city.solids {
+            Solids::Vector { footprints, faults, frame, .. } => {
+                (Some(*faults), size.map(|_| (footprints.clone(), *frame)))
+            }
+            Solids::Raster { .. } => (None, None),
+        };
+        let scene = Scene::built(options, (word, city), warnings, start)?;
+        let counts = Counts::of(&scene.field);
+        let tiles = size.map(|size| Tiles::of(&scene.field, footprints.as_ref(), size)).transpose()?;
+        let grid = scene.grid();
+        #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
+        let (n_known, n_built) = ((counts.building + counts.open) as f64, counts.building as f64);
+        let cell_m = grid.meters_per_unit();
+        let area_km2 = n_known * grid.cell_width() * grid.cell_height() * cell_m * cell_m / 1e6;
+        let estimate = BuiltUp::estimated(n_built / n_known, &scene.field.heights_in_data(&heights), area_km2);
+        let rasters = std::iter::once(PathBuf::from(word)).filter(|path| is_raster(path) && path.is_file());
+        let vertical = rasters.chain(options.terrain.clone()).map(|path| (path.clone(), vertical_of(&path))).collect();
+        let facts = RunFacts { command, ..scene.facts(None) };
+        Ok(Survey { scene, facts, counts, faults, estimate, tiles, vertical })
+    }
+
+    fn kind(&self) -> &'static str {
+        if self.faults.is_some() { "footprints" } else { "raster" }
+    }
+
+    /// Edge lengths of the grid \[m\].
+    fn size_m(&self) -> [f64; 2] {
+        let (grid, unit) = (self.scene.grid(), self.facts.unit_m());
+        [(grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit]
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "a percentage for reading")]
+    fn percent(&self, n: u64) -> String {
+        format!("{:.1} %", 100.0 * n as f64 / self.scene.grid().n_cells() as f64)
+    }
+
+    fn text_of_grid(&self) -> String {
+        let (grid, counts) = (self.scene.field.grid(), &self.counts);
+        let unit = grid.meters_per_unit();
+        let [width, height] = self.size_m();
+        let range = |r: Option<(i32, i32)>| {
+            r.map_or("unknown".to_string(), |(a, b)| {
+                format!("{} to {} m above the datum", tidy(meters(a)), tidy(meters(b)))
+            })
+        };
+        let crs = grid.crs().map_or("none: local meters".to_string(), |c| format!("{}, {}", c.label(), c.name()));
+        let mut text = format!("{} ({})\n", self.scene.name, self.kind());
+        text += &format!(
+            "grid       {} × {} cells of {} × {} m, {} × {} m\n",
+            grid.n_cols(),
+            grid.n_rows(),
+            tidy(grid.cell_width() * unit),
+            tidy(grid.cell_height() * unit),
+            tidy(width),
+            tidy(height)
+        );
+        text += &format!(
+            "extent     x {} to {}, y {} to {}\n",
+            tidy(grid.x_min()),
+            tidy(grid.x_max()),
+            tidy(grid.y_min()),
+            tidy(grid.y_max())
+        );
+        text += &format!("CRS        {crs}\n");
+        for (path, vertical) in &self.vertical {
+            let system = vertical.as_ref().map_or("a datum that it does not name".to_string(), VerticalCrs::in_words);
+            text += &format!("heights    of {} above {system}\n", path.display());
+        }
+        text += &format!("ground     {}\n", range(counts.ground));
+        text += &format!("surface    {}\n", range(counts.surface));
+        text += &format!(
+            "cells      {} open ground ({}), {} building ({}), {} nodata\n",
+            grouped(counts.open),
+            self.percent(counts.open),
+            grouped(counts.building),
+            self.percent(counts.building),
+            grouped(counts.void)
+        );
+        text
+    }
+
+    fn text_of_buildings(&self) -> String {
+        let mut text = String::new();
+        if let Some(pieces) = self.scene.field.prisms().map(|p| p.pieces().len()) {
+            text += &format!(
+                "buildings  {}, cut into {} convex pieces\n",
+                grouped(self.scene.field.n_buildings() as u64),
+                grouped(pieces as u64)
+            );
+        }
+        if let Some(b) = self.scene.built_up {
+            text += &format!(
+                "built-up   {b}: buildings {} m wide, streets {} m wide\n",
+                tidy(b.building_width()),
+                tidy(b.street_width())
+            );
+        }
+        if let Some(b) = self.estimate {
+            text += &format!(
+                "estimated  α = {:.3}, β = {:.0}/km², γ = {:.1} m, over the ground with data\n",
+                b.built_up_ratio, b.buildings_per_km2, b.height_scale
+            );
+        }
+        text + &self.tiles.as_ref().map(Tiles::text).unwrap_or_default()
+    }
+}
+
+impl Answer for Survey {
+    fn document(&self, _: Option<Spent>) -> Value {
+        let (grid, unit, counts) = (self.scene.grid(), self.facts.unit_m(), &self.counts);
+        let range = |range: Option<(i32, i32)>| range.map(|(low, high)| [meters(low), meters(high)]);
+        document_of(&SceneInfo {
+            schema: INFO_SCHEMA,
+            version: version(),
+            command: self.facts.command.clone(),
+            kind: self.kind(),
+            name: self.scene.name.clone(),
+            cols: grid.n_cols(),
+            rows: grid.n_rows(),
+            cell_m: [grid.cell_width() * unit, grid.cell_height() * unit],
+            size_m: self.size_m(),
+            extent: [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()],
+            crs: grid.crs().map(Crs::label),
+            crs_name: grid.crs().map(|crs| crs.name().to_string()),
+            vertical: self.vertical.iter().map(VerticalInfo::of).collect(),
+            ground_m: range(counts.ground),
+            surface_m: range(counts.surface),
+            cells: CellsInfo { open: counts.open, building: counts.building, nodata: counts.void },
+            buildings: self.faults.map(|_| self.scene.field.n_buildings()),
+            convex_pieces: self.scene.field.prisms().map(|p| p.pieces().len()),
+            built_up: self.scene.built_up.map(|b| GeneratedInfo {
+                parameters: BuiltUpInfo::of(&b),
+                building_width_m: b.building_width(),
+                street_width_m: b.street_width(),
+                seed: self.scene.seed,
+            }),
+            estimated_built_up: self.estimate.as_ref().map(BuiltUpInfo::of),
+            tiles: self.tiles.as_ref().map(Tiles::document),
+            faults: self.faults.map(FaultsInfo::of),
+            sources: SourceFacts::of(&self.facts.sources),
+            warnings: warnings_of(&self.facts.warnings),
+        })
+    }
+
+    fn provenance(&self) -> Value {
+        let mut provenance = self.facts.provenance(if self.tiles.is_some() { "skyshed/tiles/1" } else { INFO_SCHEMA });
+        if let Some(tiles) = &self.tiles {
+            provenance["tiles"] = document_of(&tiles.document());
+        }
+        provenance
+    }
+
+    fn table(&self) -> Rows {
+        self.tiles.as_ref().map(Tiles::table).unwrap_or_default()
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn text(&self, _: &Look) -> Result<String> {
+        let mut text = self.text_of_grid() + &self.text_of_buildings();
+        if self.scene.field.is_surface_only() {
+            text += "receivers  stand on the surface: no terrain is known\n";
+        }
+        Ok(text)
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, _: Format, _: &Look) -> Result<()> {
+        match &self.tiles {
+            Some(tiles) => batch.add(path, &tiles.raster(&self.provenance())?),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Cells by kind and ranges of heights.
+#[derive(Debug, Default)]
+struct Counts {
+    open: u64,
+    building: u64,
+    void: u64,
+    ground: Option<(i32, i32)>,
+    surface: Option<(i32, i32)>,
+}
+
+impl Counts {
+    fn of(field: &HeightField) -> Self {
+        let grid = field.grid();
+        let positions = field.positions();
+        let mut counts = Counts::default();
+        let widen = |range: &mut Option<(i32, i32)>, z: i32| {
+            if z != VOID {
+                let (a, b) = range.unwrap_or((z, z));
+                *range = Some((a.min(z), b.max(z)));
+            }
+        };
+        for row in 0..grid.n_rows() {
+            for col in 0..grid.n_cols() {
+                let center = positions.center(row, col);
+                let surface = match field.cell_kind(row * grid.n_cols() + col, &center) {
+                    CellKind::Open(z) => {
+                        counts.open += 1;
+                        z
+                    }
+                    CellKind::Building(z) => {
+                        counts.building += 1;
+                        z
+                    }
+                    CellKind::Void => {
+                        counts.void += 1;
+                        continue;
+                    }
+                };
+                widen(&mut counts.surface, surface);
+                widen(&mut counts.ground, field.ground_at(&center));
+            }
+        }
+        counts
+    }
+}
+
+/// The schema of all that `skyshed info` tells.
+const INFO_SCHEMA: &str = "skyshed/info/1";
+
+/// What a scene is.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct SceneInfo {
+    /// Kind of document and its version.
+    schema: &'static str,
+    /// Version of the program.
+    version: &'static str,
+    /// Words of the command line after the program's name.
+    command: Vec<String>,
+    /// footprints or raster.
+    kind: &'static str,
+    /// What it is called in titles.
+    name: String,
+    /// Columns of cells.
+    cols: usize,
+    /// Rows of cells.
+    rows: usize,
+    /// Width and height of a cell [m].
+    cell_m: [f64; 2],
+    /// Width and height of the grid [m].
+    size_m: [f64; 2],
+    /// West, south, east, north [units of the reference system].
+    extent: [f64; 4],
+    /// Reference system; null for local coordinates in meters.
+    crs: Option<String>,
+    /// Its name.
+    crs_name: Option<String>,
+    /// What the heights of raster files are above.
+    vertical: Vec<VerticalInfo>,
+    /// Lowest and highest ground [m above the datum].
+    ground_m: Option<[f64; 2]>,
+    /// Lowest and highest surface [m above the datum].
+    surface_m: Option<[f64; 2]>,
+    /// Cells by what they are.
+    cells: CellsInfo,
+    /// Buildings, of footprints.
+    buildings: Option<usize>,
+    /// Convex pieces that footprints are cut into.
+    convex_pieces: Option<usize>,
+    /// Parameters of a generated city.
+    built_up: Option<GeneratedInfo>,
+    /// Parameters estimated from the buildings.
+    estimated_built_up: Option<BuiltUpInfo>,
+    /// Parameters by tile, where they were asked for.
+    tiles: Option<TilesDocument>,
+    /// What was mended or left out of footprints.
+    faults: Option<FaultsInfo>,
+    /// Files that were read.
+    sources: Vec<SourceFacts>,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+}
+
+/// What the heights of a file are above.
+#[derive(Debug, Serialize, JsonSchema)]
+struct VerticalInfo {
+    /// The file.
+    path: String,
+    /// Code of the vertical system; null where it has none.
+    crs: Option<String>,
+    /// Name of the vertical system.
+    name: Option<String>,
+    /// Why there is no name.
+    reason: Option<&'static str>,
+}
+
+impl VerticalInfo {
+    fn of((path, vertical): &(PathBuf, Option<VerticalCrs>)) -> Self {
+        VerticalInfo {
+            path: path.display().to_string(),
+            crs: vertical.as_ref().and_then(VerticalCrs::epsg).map(|code| format!("EPSG:{code}")),
+            name: vertical.as_ref().map(|vertical| vertical.name().to_string()),
+            reason: vertical.is_none().then_some("the file names no vertical datum"),
+        }
+    }
+}
+
+/// Cells by what they are.
+#[derive(Debug, Serialize, JsonSchema)]
+struct CellsInfo {
+    /// Open ground.
+    open: u64,
+    /// Buildings.
+    building: u64,
+    /// Without data.
+    nodata: u64,
+}
+
+/// Parameters of ITU-R P.1410.
+#[derive(Debug, Serialize, JsonSchema)]
+struct BuiltUpInfo {
+    /// Share of the ground that is built on.
+    alpha: f64,
+    /// Buildings per km².
+    beta_per_km2: f64,
+    /// Scale of the Rayleigh distribution of heights [m].
+    gamma_m: f64,
+}
+
+impl BuiltUpInfo {
+    fn of(b: &BuiltUp) -> Self {
+        BuiltUpInfo { alpha: b.built_up_ratio, beta_per_km2: b.buildings_per_km2, gamma_m: b.height_scale }
+    }
+}
+
+/// A generated city.
+#[derive(Debug, Serialize, JsonSchema)]
+struct GeneratedInfo {
+    #[serde(flatten)]
+    parameters: BuiltUpInfo,
+    /// Width of its buildings [m].
+    building_width_m: f64,
+    /// Width of its streets [m].
+    street_width_m: f64,
+    /// Its seed.
+    seed: u64,
+}
+
+/// Footprints by what was wrong with them.
+#[derive(Debug, Serialize, JsonSchema)]
+struct FaultsInfo {
+    /// Features that are no areas.
+    not_areas: usize,
+    /// Outlines that were repaired.
+    repaired: usize,
+    /// Rings that were closed.
+    unclosed: usize,
+    /// Without area.
+    degenerate: usize,
+    /// Holes outside of their shell.
+    stray_holes: usize,
+    /// Without a usable height.
+    missing_height: usize,
+    /// With a negative height.
+    negative_height: usize,
+    /// Heights written with a decimal comma.
+    decimal_comma: usize,
+    /// Without ground below.
+    no_ground: usize,
+    /// Too far from the others.
+    too_far: usize,
+    /// With a height from the number of storeys.
+    from_levels: usize,
+    /// Features that are no buildings.
+    not_buildings: usize,
+    /// Parts that float above the ground.
+    floating: usize,
+    /// Outlines whose parts are told apart.
+    parts: usize,
+}
+
+impl FaultsInfo {
+    fn of(f: FootprintFaults) -> Self {
+        FaultsInfo {
+            not_areas: f.not_areas,
+            repaired: f.repaired,
+            unclosed: f.unclosed,
+            degenerate: f.degenerate,
+            stray_holes: f.stray_holes,
+            missing_height: f.missing_height,
+            negative_height: f.negative_height,
+            decimal_comma: f.decimal_comma,
+            no_ground: f.no_ground,
+            too_far: f.too_far,
+            from_levels: f.from_levels,
+            not_buildings: f.not_buildings,
+            floating: f.floating,
+            parts: f.parts,
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! α, β and γ by tile as a raster or a table.
+
+use std::ffi::OsStr;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::answer::{Rows, rows};
+use crate::city::Footprint;
+use crate::error::{Error, Result};
+use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::height_field::HeightField;
+use crate::los_probability::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
+use crate::quantity::{Frame, tidy};
+use crate::raster::GeoRef;
+use crate::render::grouped;
+
+/// What tiles hold where a value does not exist.
+const NODATA: f32 = -9999.0;
+
+/// The tiles that were asked for.
+#[derive(Debug)]
+pub(super) struct Tiles {
+    tiles: BuiltUpTiles,
+    edge_m: f64,
+}
+
+/// The size of tiles over a grid, from their edge \[m\].
+///
+/// # Errors
+/// E113 for a size that is not above 0 or below that of a cell, E502 for too many tiles.
+pub(super) fn checked_size(edge_m: f64, grid: &GeoRef, word: &OsStr) -> Result<TileSize> {
+    let meters_per_unit = grid.meters_per_unit();
+    let cell_m = grid.cell_width().max(grid.cell_height()) * meters_per_unit;
+    if edge_m < cell_m {
+        let text = format!("the edge of tiles is `{edge_m}`, wanted at least a cell of {} m", tidy(cell_m));
+        return Err(Error::usage(113, text));
+    }
+    let size = TileSize { edge: edge_m / meters_per_unit, meters_per_unit };
+    if size.shape(grid).is_none() {
+        let text = format!("cannot cut {} into tiles of {edge_m} m: more than {MOST_TILES}", word.display());
+        return Err(Error::limit(502, text).with_hint("choose a larger `--tile`"));
+    }
+    Ok(size)
+}
+
+impl Tiles {
+    /// The tiles of footprints, or else of the cells of a raster scene.
+    ///
+    /// # Errors
+    /// E117 if no building is known.
+    pub(super) fn of(
+        field: &HeightField,
+        footprints: Option<&(Vec<Footprint>, Frame)>,
+        size: TileSize,
+    ) -> Result<Tiles> {
+        if field.is_surface_only() {
+            return Err(Error::usage(117, "tiles of a surface model alone: no building is known")
+                .with_hint("give `--terrain FILE` or `--ground Z`"));
+        }
+        let tiles = match footprints {
+            Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size),
+            None => BuiltUpTiles::of_cells(field, size),
+        };
+        let tiles = tiles.ok_or_else(|| Error::internal(901, "a checked scene has tiles"))?;
+        Ok(Tiles { tiles, edge_m: size.edge * size.meters_per_unit })
+    }
+
+    /// The values of a tile: α, β, γ.
+    fn values(&self, tile: &BuiltUpTile) -> [Option<f64>; 3] {
+        [tile.built_up_ratio(), self.tiles.buildings_per_km2(tile), tile.height_scale()]
+    }
+
+    pub(super) fn raster(&self, provenance: &Value) -> Result<Vec<u8>> {
+        #[expect(clippy::cast_possible_truncation, reason = "bands are f32; counts are exact to 2^24")]
+        let band = |value: &dyn Fn(&BuiltUpTile) -> Option<f64>| -> Vec<f32> {
+            self.tiles.tiles().iter().map(|tile| value(tile).map_or(NODATA, |v| v as f32)).collect()
+        };
+        let [alpha, beta, gamma] = [0, 1, 2].map(|k| band(&|tile| self.values(tile)[k]));
+        #[expect(clippy::cast_precision_loss, reason = "a city has fewer than 2^53 buildings")]
+        let buildings = band(&|tile| tile.built_up_ratio().map(|_| tile.buildings() as f64));
+        Ok(encode_geotiff(&GeoTiffImage {
+            georef: self.tiles.georef(),
+            bands: Bands::Float(vec![
+                ("alpha".into(), &alpha),
+                ("beta_per_km2".into(), &beta),
+                ("gamma_m".into(), &gamma),
+                ("buildings".into(), &buildings),
+            ]),
+            nodata: Some(f64::from(NODATA)),
+            palette: None,
+            metadata: &[("SKYSHED".into(), provenance.to_string())],
+            layout: TiffLayout::Cog,
+        })?)
+    }
+
+    pub(super) fn table(&self) -> Rows {
+        let georef = self.tiles.georef();
+        let row = |(at, tile): (usize, &BuiltUpTile)| {
+            let (row, col) = (at / georef.n_cols(), at % georef.n_cols());
+            let (x, y) = georef.world_from_cell(row, col);
+            TileRow { row, col, x, y, tile: self.facts(tile) }
+        };
+        rows(self.tiles.tiles().iter().enumerate().map(row))
+    }
+
+    fn facts(&self, tile: &BuiltUpTile) -> TileFacts {
+        let [alpha, beta_per_km2, gamma_m] = self.values(tile);
+        TileFacts {
+            area_m2: self.tiles.area_m2(tile),
+            buildings: tile.buildings(),
+            alpha,
+            beta_per_km2,
+            gamma_m,
+            reason: reason(tile),
+        }
+    }
+
+    /// What the document says of the tiles, all of them together.
+    pub(super) fn document(&self) -> TilesDocument {
+        TilesDocument {
+            tile_m: self.edge_m,
+            cols: self.tiles.georef().n_cols(),
+            rows: self.tiles.georef().n_rows(),
+            whole: self.facts(&self.tiles.whole()),
+            buildings_outside: self.tiles.buildings_outside(),
+        }
+    }
+
+    /// A line for reading.
+    pub(super) fn text(&self) -> String {
+        let georef = self.tiles.georef();
+        let range = |k: usize, decimals: usize| {
+            let values = || self.tiles.tiles().iter().filter_map(move |tile| self.values(tile)[k]);
+            let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+            if low > high { "unknown".to_string() } else { format!("{low:.decimals$} to {high:.decimals$}") }
+        };
+        format!(
+            "tiles      {} × {} of {} m: α {}, β {}/km², γ {} m\n",
+            grouped(georef.n_cols() as u64),
+            grouped(georef.n_rows() as u64),
+            tidy(self.edge_m),
+            range(0, 3),
+            range(1, 0),
+            range(2, 1)
+        )
+    }
+}
+
+/// Why a tile lacks a value, if it does.
+fn reason(tile: &BuiltUpTile) -> Option<&'static str> {
+    if tile.built_up_ratio().is_none() {
+        return Some("no open or built ground");
+    }
+    match (tile.height_scale(), tile.buildings() < FEWEST_BUILDINGS) {
+        (Some(_), _) => None,
+        (None, true) => Some("no γ of fewer than 2 buildings"),
+        (None, false) => Some("no γ of buildings without a height"),
+    }
+}
+
+/// Tiles, and what holds for all of them together.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct TilesDocument {
+    /// Edge of a tile [m].
+    tile_m: f64,
+    /// Columns of tiles.
+    cols: usize,
+    /// Rows of tiles.
+    rows: usize,
+    #[serde(flatten)]
+    whole: TileFacts,
+    /// Buildings outside of all tiles.
+    buildings_outside: u64,
+}
+
+/// A row of the table of tiles; what the extent cuts has the values of what is left of it.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct TileRow {
+    /// Row, counted from the north.
+    row: usize,
+    /// Column, counted from the west.
+    col: usize,
+    /// Middle of the tile, east [units of the scene's reference system].
+    x: f64,
+    /// Middle of the tile, north [units of the scene's reference system].
+    y: f64,
+    #[serde(flatten)]
+    tile: TileFacts,
+}
+
+/// What stands on a tile.
+#[derive(Debug, Serialize, JsonSchema)]
+struct TileFacts {
+    /// Ground with data [m²].
+    area_m2: f64,
+    /// Buildings whose middle is on it.
+    buildings: u64,
+    /// Share of the ground that is built on.
+    alpha: Option<f64>,
+    /// Buildings per km².
+    beta_per_km2: Option<f64>,
+    /// Scale of the Rayleigh distribution of heights [m].
+    gamma_m: Option<f64>,
+    /// Why a value is missing.
+    reason: Option<&'static str>,
+}

@@ -1,0 +1,23 @@
+//! How many threads work takes.
+
+use crate::error::{Error, Result};
+
+/// Threads for each core beyond which more are of no use.
+const MOST_PER_CORE: usize = 4;
+
+/// Runs `work` with the given number of threads, or as many as the environment says (`RAYON_NUM_THREADS`), but no more than
+/// are of use; one for each core where nothing is said.
+///
+/// # Errors
+/// E503 if the system gives no thread.
+pub(crate) fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let of_environment = || std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok().filter(|n| *n > 0);
+    let wanted = threads.map(usize::from).or_else(of_environment).unwrap_or(cores);
+    let n_threads = wanted.min(MOST_PER_CORE * cores);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| {
+        let text = format!("cannot start {n_threads} threads: {e}");
+        Error::limit(503, text).with_hint("fewer with `-j N`, or allow this user more processes (`ulimit -u`)")
+    })?;
+    Ok(pool.install(work))
+}

@@ -1,0 +1,348 @@
+//! Line of sight along a user's track.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
+use crate::city::Site;
+use crate::coverage::{Stretch, Track, TrackPoint, TrackState, along_track};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format};
+use crate::link::{EndFacts, check_extent};
+use crate::los::Method;
+use crate::picture::{Look, drawn, picture_provenance, program};
+use crate::quantity::{counted, meters, tidy};
+use crate::read::{read_track, source_of};
+use crate::render::{self, TrackProfile, TrackStretch};
+use crate::scene::Scene;
+use crate::scene::limits::warn_of_drop;
+use crate::scene::placing::{place_uav, warn_of_uavs_outside};
+use crate::sight::Sight;
+use crate::uav::bad_rows;
+use crate::words::{p_los_words, title_of};
+
+/// Formats of a track.
+pub(crate) const FORMATS: [Format; 6] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
+
+/// More places than this are refused.
+const MOST_PLACES: f64 = 1e6;
+
+/// A track to be walked.
+#[derive(Debug)]
+pub(crate) struct TrackPlan {
+    pub(crate) uav: Site,
+    /// The table or line of its places.
+    pub(crate) file: PathBuf,
+    pub(crate) skips_bad: bool,
+    /// Whether the file is hashed whatever its size.
+    pub(crate) hash: bool,
+    /// Longest step between two decided places \[m\].
+    pub(crate) every_m: f64,
+    /// How high the user is.
+    pub(crate) sight: Sight,
+}
+
+impl TrackPlan {
+    /// Checks the numbers, before any work.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.every_m <= 0.0 {
+            let text = format!("the step along a track is `{}`, wanted above 0 m", self.every_m);
+            return Err(Error::usage(113, text));
+        }
+        Ok(())
+    }
+
+    /// Walks the track over a scene.
+    ///
+    /// # Errors
+    /// Those of the file; E2xx for a UAV that cannot be there; E502 for too many steps.
+    pub(crate) fn walk(&self, mut scene: Scene, command: Vec<String>) -> Result<TrackWalk> {
+        self.check()?;
+        let site = &self.uav;
+        warn_of_uavs_outside(std::slice::from_ref(site), scene.field.grid(), &mut scene.warnings);
+        let bad = bad_rows(self.skips_bad, &mut scene.warnings);
+        let places = read_track(&self.file, scene.field.grid().crs(), bad)?;
+        scene.sources.push(source_of(&self.file, self.hash)?);
+        let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
+        let unit = scene.grid().meters_per_unit();
+        if length * unit / self.every_m > MOST_PLACES {
+            let text = format!("cannot walk {} m of track in steps of {} m", tidy(length * unit), self.every_m);
+            return Err(Error::limit(502, text).with_hint("choose longer steps: `--every M`"));
+        }
+        let mut reach = 1.0_f64;
+        for place in &places {
+            check_extent(&scene, site, (place[0], place[1]))?;
+            reach = reach.max((place[0] - site.x).abs()).max((place[1] - site.y).abs());
+        }
+        let uav = place_uav(site, &scene.field, scene.grid(), Some(reach))?;
+        let farthest = places.iter().map(|[x, y]| (x - site.x).hypot(y - site.y)).fold(0.0, f64::max);
+        warn_of_drop(farthest * unit, &mut scene.warnings);
+        let track = along_track(&scene.field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
+        let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
+        if n_outside > 0 {
+            let (places, all) = (counted(n_outside as u64, "place", "places"), track.points.len());
+            let text =
+                format!("{places} of {all} on the track hold no receiver: inside a building, or without a ground");
+            scene.warnings.push(Warning::new(202, text));
+        }
+        let place = &uav.station.place;
+        Ok(TrackWalk {
+            facts: RunFacts { command, ..scene.facts(Some(Method::Ray)) },
+            rx_height_m: self.sight.rx_height_m(),
+            every_m: self.every_m,
+            uav: EndFacts { x: place.x, y: place.y, height_amsl_m: uav.height_amsl_m() },
+            track,
+            scene,
+        })
+    }
+}
+
+/// What a user sees of a UAV along a track.
+#[derive(Debug)]
+pub(crate) struct TrackWalk {
+    scene: Scene,
+    facts: RunFacts,
+    rx_height_m: f64,
+    every_m: f64,
+    uav: EndFacts,
+    track: Track,
+}
+
+/// Line of sight along a track.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct TrackDocument {
+    #[serde(flatten)]
+    head: Head,
+    /// The UAV.
+    uav: EndFacts,
+    /// Height of the user above ground [m].
+    rx_height_m: f64,
+    /// Longest step between two decided places [m].
+    every_m: f64,
+    /// Lengths of the track [m].
+    length_m: Lengths,
+    /// Share of the track in line of sight, of what holds a receiver; null without any.
+    p_los: Option<f64>,
+    /// Why there is no share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+    /// The longest stretch without line of sight [m].
+    longest_without_m: f64,
+    /// Stretches of one state, in order; not in what is stored in pictures and beside tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stretches: Option<Vec<StretchDocument>>,
+    /// Decided places, in order; not there either.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<PointRow>>,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+}
+
+/// Lengths of a track [m].
+#[derive(Debug, Serialize, JsonSchema)]
+struct Lengths {
+    /// All of it.
+    total: f64,
+    /// In line of sight.
+    los: f64,
+    /// Not in line of sight.
+    nlos: f64,
+    /// Inside of buildings, or without a ground.
+    no_receiver: f64,
+}
+
+/// A stretch of a track.
+#[derive(Debug, Serialize, JsonSchema)]
+struct StretchDocument {
+    /// los, nlos or no_receiver.
+    state: &'static str,
+    /// Its beginning along the track [m].
+    from_m: f64,
+    /// Its end along the track [m].
+    to_m: f64,
+    /// Its length [m].
+    length_m: f64,
+}
+
+/// A decided place of a track.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct PointRow {
+    /// Distance from the beginning along the track [m].
+    along_m: f64,
+    /// East [units of the scene's reference system].
+    x: f64,
+    /// North [units of the scene's reference system].
+    y: f64,
+    /// Whether the place is one of the file, not one between two of them.
+    vertex: bool,
+    /// Height of the user above the datum [m].
+    height_amsl_m: Option<f64>,
+    /// los, nlos or no_receiver.
+    state: &'static str,
+    /// User's height less the least height in line of sight [m].
+    margin_m: Option<f64>,
+    /// Horizontal distance from the UAV [m].
+    distance_m: Option<f64>,
+    /// Elevation angle of the UAV [deg].
+    elevation_deg: Option<f64>,
+}
+
+/// The word of a state in documents and tables.
+fn word(state: TrackState) -> &'static str {
+    match state {
+        TrackState::Los => "los",
+        TrackState::Nlos => "nlos",
+        TrackState::NoReceiver => "no_receiver",
+    }
+}
+
+impl TrackWalk {
+    /// Length of the track in a state \[m\].
+    fn length_m(&self, state: TrackState) -> f64 {
+        self.track.length(state) * self.facts.unit_m()
+    }
+
+    /// The longest stretch without line of sight \[m\].
+    fn longest_without_m(&self) -> f64 {
+        let without = self.track.stretches.iter().filter(|s| s.state == TrackState::Nlos);
+        without.map(|s| (s.along[1] - s.along[0]) * self.facts.unit_m()).fold(0.0, f64::max)
+    }
+
+    /// Share of the track with line of sight, of what has receivers; `None` without any.
+    fn share(&self) -> Option<f64> {
+        let (los, nlos) = (self.length_m(TrackState::Los), self.length_m(TrackState::Nlos));
+        (los + nlos > 0.0).then(|| los / (los + nlos))
+    }
+
+    fn stretches(&self) -> Vec<StretchDocument> {
+        let unit = self.facts.unit_m();
+        let of = |s: &Stretch| {
+            let [from_m, to_m] = s.along.map(|along| along * unit);
+            StretchDocument { state: word(s.state), from_m, to_m, length_m: (s.along[1] - s.along[0]) * unit }
+        };
+        self.track.stretches.iter().map(of).collect()
+    }
+
+    fn point(&self, p: &TrackPoint) -> PointRow {
+        let ([x, y], unit) = (p.position, self.facts.unit_m());
+        let height_amsl_m = p.z.and_then(|z| i32::try_from(z).ok()).map(meters);
+        let distance_m = height_amsl_m.map(|_| (x - self.uav.x).hypot(y - self.uav.y) * unit);
+        let rise = height_amsl_m.map(|z| self.uav.height_amsl_m - z);
+        PointRow {
+            along_m: p.along * unit,
+            x,
+            y,
+            vertex: p.is_vertex,
+            height_amsl_m,
+            state: word(p.state),
+            margin_m: p.margin_m,
+            distance_m,
+            elevation_deg: rise.zip(distance_m).map(|(rise, distance)| rise.atan2(distance).to_degrees()),
+        }
+    }
+
+    fn as_document(&self, with_places: bool) -> Value {
+        let [los, nlos, no_receiver] =
+            [TrackState::Los, TrackState::Nlos, TrackState::NoReceiver].map(|s| self.length_m(s));
+        let p_los = self.share();
+        document_of(&TrackDocument {
+            head: self.facts.head("skyshed/track/1"),
+            uav: self.uav,
+            rx_height_m: self.rx_height_m,
+            every_m: self.every_m,
+            length_m: Lengths { total: los + nlos + no_receiver, los, nlos, no_receiver },
+            p_los,
+            reason: p_los.is_none().then_some("no place of the track holds a receiver"),
+            longest_without_m: self.longest_without_m(),
+            stretches: with_places.then(|| self.stretches()),
+            points: with_places.then(|| self.track.points.iter().map(|p| self.point(p)).collect()),
+            warnings: warnings_of(&self.facts.warnings),
+        })
+    }
+
+    /// Where the user has line of sight, and how high would be enough elsewhere.
+    fn picture(&self, format: Format, look: &Look) -> Result<Vec<u8>> {
+        let unit = self.facts.unit_m();
+        let stretch = |s: &Stretch| TrackStretch {
+            along_m: s.along.map(|along| along * unit),
+            los: match s.state {
+                TrackState::Los => Some(true),
+                TrackState::Nlos => Some(false),
+                TrackState::NoReceiver => None,
+            },
+        };
+        let stretches: Vec<TrackStretch> = self.track.stretches.iter().map(stretch).collect();
+        let enough = |p: &TrackPoint| (p.along * unit, p.margin_m.map(|m| self.rx_height_m - m));
+        let enough: Vec<(f64, Option<f64>)> = self.track.points.iter().map(enough).collect();
+        let title = look.title_or(|| title_of(&format!("{}: line of sight along a track", self.scene.name)));
+        let mut caption: Vec<String> = self.text(look)?.lines().map(str::to_string).collect();
+        caption.push(format!(
+            "UAV at ({}, {}), {} m above the datum; user {} m above ground; decided every {} m; {}",
+            tidy(self.uav.x),
+            tidy(self.uav.y),
+            tidy(self.uav.height_amsl_m),
+            tidy(self.rx_height_m),
+            tidy(self.every_m),
+            program()
+        ));
+        caption.extend(look.last_lines(&self.scene));
+        let profile = TrackProfile {
+            title: &title,
+            caption: &caption,
+            length_m: self.track.points.last().map_or(0.0, |p| p.along * unit),
+            stretches: &stretches,
+            enough: &enough,
+            user_m: self.rx_height_m,
+        };
+        drawn(render::draw_track_profile(&profile, &look.form(format), &picture_provenance(&self.provenance())))
+    }
+}
+
+impl Answer for TrackWalk {
+    fn document(&self, _: Option<Spent>) -> Value {
+        self.as_document(true)
+    }
+
+    fn provenance(&self) -> Value {
+        self.as_document(false)
+    }
+
+    fn table(&self) -> Rows {
+        rows(self.track.points.iter().map(|p| self.point(p)))
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn text(&self, _: &Look) -> Result<String> {
+        let length = |state| tidy(self.length_m(state));
+        let n_without = self.track.stretches.iter().filter(|s| s.state == TrackState::Nlos).count();
+        let share = match self.share() {
+            None => "undefined: no place holds a receiver".to_string(),
+            share => p_los_words(share),
+        };
+        let mut text = format!(
+            "P_LoS along the track {share}: {} m with line of sight, {} m without in {}, the longest {} m\n",
+            length(TrackState::Los),
+            length(TrackState::Nlos),
+            counted(n_without as u64, "stretch", "stretches"),
+            tidy(self.longest_without_m())
+        );
+        if self.length_m(TrackState::NoReceiver) > 0.0 {
+            text += &format!("{} m without a receiver\n", length(TrackState::NoReceiver));
+        }
+        Ok(text)
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
+        batch.add(path, &self.picture(format, look)?)
+    }
+}
