@@ -120,6 +120,11 @@ impl Error {
         Error::new(ErrorClass::Internal, code, text)
     }
 
+    /// The error of work that was told to stop.
+    pub fn interrupted() -> Self {
+        Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
+    }
+
     /// The same error with a remedy.
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {

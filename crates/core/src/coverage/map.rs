@@ -2,89 +2,22 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, least_height_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
-use super::stability::{Decided, ShiftedRoofs};
-use super::{Stability, Tally, Uav};
-use crate::error::{Error, ErrorClass, Result};
+use super::stability::{Answers, Decided, ShiftedRoofs};
+use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
+use crate::error::{Error, Result};
 use crate::height_field::{Casters, GridPositions, HeightField, Station};
-use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod, link_los};
-use crate::quantity::STEPS_PER_UNIT;
+use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
 /// Strips in which a map is decided that is handed over while it is made.
 const STRIPS: usize = 4;
-
-/// Which cells hold receivers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Receivers {
-    /// All cells of open ground.
-    #[default]
-    Ground,
-    /// Building cells only, standing on the roof.
-    Roof,
-    /// Both.
-    All,
-}
-
-/// How a map is made.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MapOptions {
-    /// Height of the receivers above what they stand on \[1/1024 m\].
-    pub rx_height: i32,
-    /// Which cells hold receivers.
-    pub receivers: Receivers,
-    /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
-    pub within: Option<BitGrid>,
-    /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
-    pub radius: Option<f64>,
-    /// Length of a CRS unit \[m\], for elevation angles.
-    pub meters_per_unit: f64,
-    /// Which layers of heights to make.
-    pub layers: HeightLayers,
-    /// Which engine decides; all are exact but those that say they are not.
-    pub method: MethodChoice,
-}
-
-impl Default for MapOptions {
-    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
-    fn default() -> Self {
-        MapOptions {
-            rx_height: 3 * STEPS_PER_UNIT / 2,
-            receivers: Receivers::Ground,
-            within: None,
-            radius: None,
-            meters_per_unit: 1.0,
-            layers: HeightLayers::default(),
-            method: MethodChoice::Auto,
-        }
-    }
-}
-
-/// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct HeightLayers {
-    /// Receiver height less the least visible height.
-    pub margin: bool,
-    /// Least receiver height in line of sight.
-    pub least_receiver_height: bool,
-    /// Least UAV height, over its place, that sees the receiver.
-    pub least_height: bool,
-    /// How many of eight moves by one lattice step turn the answer, see [`Stability`].
-    pub stability: bool,
-}
-
-impl HeightLayers {
-    /// Whether a link must be walked for any of them.
-    fn has_heights(self) -> bool {
-        self.margin || self.least_receiver_height || self.least_height
-    }
-}
 
 /// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
 #[derive(Debug, Clone)]
@@ -113,15 +46,6 @@ pub struct Seen {
     pub receivers: BitGrid,
     /// Those in line of sight.
     pub los: BitGrid,
-}
-
-/// Progress out of, and the wish to stop into, a running map.
-#[derive(Debug, Default)]
-pub struct Control {
-    /// Cells decided so far.
-    pub done: AtomicU64,
-    /// Set it to stop at the next row.
-    pub stop: AtomicBool,
 }
 
 /// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
@@ -304,7 +228,7 @@ impl<'a> Mapper<'a> {
     /// by all threads of the current pool.
     ///
     /// # Errors
-    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::ErrorClass::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }
@@ -408,10 +332,18 @@ impl<'a> Mapper<'a> {
             tally
         };
         if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
+            return Err(Error::interrupted());
         }
-        let stability =
-            self.roofs.as_ref().filter(|_| keep).map(|roofs| self.stability((uav, &range), &decided, roofs, control));
+        let answers = Answers {
+            field: self.field,
+            engine: &self.engine,
+            receivers: &self.receivers,
+            radius: self.options.radius,
+            uav,
+            range: &range,
+            decided: &decided,
+        };
+        let stability = self.roofs.as_ref().filter(|_| keep).map(|roofs| answers.stability(roofs, control));
         let stability = stability.transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
@@ -476,11 +408,6 @@ impl<'a> Mapper<'a> {
             first_cell: row * grid.n_cols(),
         }
     }
-}
-
-/// The error of work that was told to stop.
-pub fn interrupted() -> Error {
-    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
 /// The receiver of a UAV with the least margin.

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::elevation::RowElevations;
-use super::map::interrupted;
 use super::range::Range;
 use super::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
@@ -115,7 +114,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut max_top = VOID;
         for window in row_bands(grid) {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
+                return Err(Error::interrupted());
             }
             let field = HeightField::build(&grid.part(window), scene.solids(window)?, &mut Vec::new());
             max_top = max_top.max(field.max_top());
@@ -171,7 +170,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut mask = Vec::new();
         for window in row_bands(grid) {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
+                return Err(Error::interrupted());
             }
             let field = HeightField::build(&grid.part(window), self.scene.solids(window)?, &mut Vec::new());
             let in_band: Vec<GridReceivers<'_>> =
@@ -246,7 +245,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             !control.stop.load(Ordering::Relaxed)
         })?;
         if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
+            return Err(Error::interrupted());
         }
         Ok((wanted, swept.los))
     }

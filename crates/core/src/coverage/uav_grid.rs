@@ -8,11 +8,10 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::map::interrupted;
 use super::place_sums::PlaceSums;
 use super::range::Range;
 use super::{Control, Mapper, Uav};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::height_field::{GridPositions, Station};
 use crate::los::{GridReceivers, InView, ReceiverTile, ShadowGrid, UavPositions};
 use crate::quantity::LatticePoint;
@@ -129,7 +128,7 @@ impl Mapper<'_> {
         };
         let seen = self.receivers().iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
         if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
+            return Err(Error::interrupted());
         }
         // Bits beyond the last column are no places.
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());

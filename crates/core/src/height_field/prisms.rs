@@ -273,8 +273,8 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
 
 #[cfg(test)]
 mod tests {
-    use super::super::triangulate::Ring;
     use super::*;
+    use crate::overlay::Ring;
 
     fn square(x: i32, y: i32, edge: i32) -> Ring {
         vec![[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]]

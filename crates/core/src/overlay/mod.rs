@@ -5,6 +5,7 @@
 //! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
 
 mod crossings;
+mod rings;
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
@@ -12,13 +13,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 pub use crossings::{Tangle, tangle};
-
-/// Lattice points around a region or a hole, not closed: the first is not repeated.
-pub type Ring = Vec<[i32; 2]>;
-
-/// A shell and its holes. Those that are made here have edges that do not cross, counterclockwise shells and clockwise
-/// holes.
-pub type Polygon = Vec<Ring>;
+pub use rings::{Polygon, Ring};
 
 /// The region that rings enclose by the even-odd rule.
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {

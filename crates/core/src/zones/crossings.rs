@@ -5,8 +5,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::Zone;
 use super::mesh::{Mesh, Side};
+use super::zone::Zone;
 
 /// A gate narrower than this \[m\] is no way through.
 const NARROWEST_PASSAGE_M: f64 = 1.0;

@@ -5,8 +5,8 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::{Candidate, Score, Scorer};
-use crate::coverage::{Control, interrupted};
-use crate::error::Result;
+use crate::coverage::Control;
+use crate::error::{Error, Result};
 
 /// What was found over one place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub fn least_heights(
         let mut found = at(high);
         while found.reaches && low < high {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
+                return Err(Error::interrupted());
             }
             let middle = low + (high - low) / 2;
             let tried = at(middle);

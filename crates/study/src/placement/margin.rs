@@ -5,8 +5,8 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::Candidate;
-use crate::coverage::{Control, Mapper, interrupted};
-use crate::error::Result;
+use crate::coverage::{Control, Mapper};
+use crate::error::{Error, Result};
 
 /// The least margin of a candidate, or a bound on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ pub fn worst_margins(
     let mut known_hard: Vec<(usize, usize)> = Vec::new();
     loop {
         if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
+            return Err(Error::interrupted());
         }
         let order = ranked_margins(&found);
         let open: Vec<usize> =
