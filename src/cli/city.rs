@@ -13,7 +13,7 @@ use crate::export::{
     with_suffix,
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
-use crate::height_field::{ConvexPieces, HeightField, convex_pieces};
+use crate::height_field::{Built, ConvexPieces, HeightField, convex_pieces};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::Crs;
@@ -57,7 +57,8 @@ pub(super) fn run(args: &CityArgs, command: Vec<String>) -> Result<()> {
     };
     let crate::city::City { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
     check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
-    let field = HeightField::build(&grid, solids, &mut warnings);
+    let Built { field, warnings: odd } = HeightField::build(&grid, solids);
+    warnings.extend(odd);
     let facts = RunFacts {
         command,
         method: None,
@@ -231,7 +232,7 @@ impl City<'_> {
         provenance["mesh"] = serde_json::json!({"origin": [grid.x_min(), grid.y_min()], "unit": "m"});
         let scene =
             MitsubaScene { ground: &ground, buildings: &buildings, origin: &origin, provenance: &pretty(&provenance) };
-        add_mitsuba(batch, &scene, path)
+        Ok(add_mitsuba(batch, &scene, path)?)
     }
 
     fn picture(&self, provenance: &serde_json::Value, form: &PictureForm) -> Result<Vec<u8>> {

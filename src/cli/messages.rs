@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::hints;
 use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 
@@ -47,7 +48,7 @@ pub(super) fn error(error: &Error) {
         }
     }
     say(&format!("error[{}]: {text}", error.code()));
-    if let Some(hint) = error.hint() {
+    if let Some(hint) = hints::hint(error) {
         say(&format!("hint: {hint}"));
     }
 }
@@ -55,7 +56,8 @@ pub(super) fn error(error: &Error) {
 /// Prints warnings, one line each.
 pub(super) fn warnings(warnings: &[Warning]) {
     for warning in warnings {
-        say(&format!("warning[{}]: {}", warning.code(), warning.text()));
+        let flag = hints::core::flag(warning).map_or_else(String::new, |flag| format!(" (`{flag}`)"));
+        say(&format!("warning[{}]: {warning}{flag}", warning.code()));
     }
 }
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use skyshed_core::Error as Core;
+use skyshed_core::error::UavError;
 
 use super::args::{EngineArgs, OutputArgs, SceneArgs, number};
 use super::plan::ready;
@@ -214,10 +216,10 @@ impl SampleJob<'_> {
                     let site = Site { id: (k + 1).to_string(), x: *x, y: *y, height: Height::AboveGround(*height) };
                     match Uav::place(&site, field, asked.radius) {
                         Ok(uav) => uavs.push(uav),
-                        Err(e) if e.code() == "E201" => {}
+                        Err(Core::Uav { why: UavError::InsideBuilding { .. }, .. }) => {}
                         // Over a building that stands where the terrain has no height.
-                        Err(e) if e.code() == "E204" => n_without_ground += 1,
-                        Err(e) => return Err(e),
+                        Err(Core::Uav { why: UavError::NoGround | UavError::OverNodata, .. }) => n_without_ground += 1,
+                        Err(e) => return Err(e.into()),
                     }
                 }
                 n_inside.push(places.len() - uavs.len() - n_without_ground);

@@ -25,7 +25,7 @@ use crate::words::{picture_provenance, pretty};
 /// The table of a map; as text where a spreadsheet would run its cells.
 pub(crate) fn table(report: &MapReport, is_text: bool) -> Result<Vec<u8>> {
     let rows = report.table();
-    encode_table(&if is_text { as_text(&rows) } else { rows })
+    Ok(encode_table(&if is_text { as_text(&rows) } else { rows })?)
 }
 
 /// Everything that outputs are made from.
@@ -48,11 +48,11 @@ impl Writer<'_> {
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
                     mask_values: self.options.mask_values,
                 };
-                add_map(batch, &result, path, format)
+                add_map(batch, &result, path, format)?;
             }
-            Format::Kmz => batch.add(path, &self.kmz(path)?),
+            Format::Kmz => batch.add(path, &self.kmz(path)?)?,
             Format::GeoJson if self.options.polygons.is_some() => {
-                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())
+                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())?;
             }
             Format::FlatGeobuf => {
                 let file = PolygonFile {
@@ -61,10 +61,11 @@ impl Writer<'_> {
                     title: &format!("Coverage of {}", self.of.scene.name),
                     provenance: &self.of.report.document(None).to_string(),
                 };
-                add_flatgeobuf(batch, &file, path)
+                add_flatgeobuf(batch, &file, path)?;
             }
-            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes)),
+            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))?,
         }
+        Ok(())
     }
 
     /// The files of an output that is no raster of values.
@@ -178,7 +179,7 @@ impl Writer<'_> {
         let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.of.report.rx_height_m));
         pictures
             .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
-        encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)
+        Ok(encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)?)
     }
 }
 
@@ -199,7 +200,7 @@ pub(crate) fn written_at_once<'a>(
 pub(crate) struct MaskFile<'a> {
     path: &'a Path,
     values: MaskValues,
-    strips: Option<Result<MaskStrips>>,
+    strips: Option<skyshed_core::Result<MaskStrips>>,
 }
 
 impl<'a> MaskFile<'a> {
@@ -225,6 +226,6 @@ impl<'a> MaskFile<'a> {
 
     /// The file with all parts.
     pub(crate) fn written(self) -> Result<Option<MaskStrips>> {
-        self.strips.transpose()
+        Ok(self.strips.transpose()?)
     }
 }

@@ -165,7 +165,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
 
 /// The terrain, opened.
 fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
-    job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
+    Ok(job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
 /// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
@@ -306,7 +306,7 @@ impl StripsRun<'_> {
     ) -> Result<Vec<u8>> {
         let factor = shown.factor;
         let grid = surface.grid().coarser(factor);
-        let field = HeightField::build(&grid, surface.highest(factor)?, &mut Vec::new());
+        let field = HeightField::build(&grid, surface.highest(factor)?).field;
         let map = Coverages {
             scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
             sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],
@@ -338,7 +338,7 @@ impl StripsRun<'_> {
             );
             return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
         };
-        Uav::place_streamed(site, scene, radius)
+        Ok(Uav::place_streamed(site, scene, radius)?)
     }
 }
 

@@ -222,7 +222,7 @@ fn other_cities(args: &InfoArgs, built_up: Option<BuiltUp>) -> Result<Vec<Height
             ground_m: args.scene.ground.unwrap_or(0.0),
         };
         let scene = city.city()?;
-        Ok(HeightField::build(&scene.grid, scene.solids, &mut Vec::new()))
+        Ok(HeightField::build(&scene.grid, scene.solids).field)
     };
     (1..=u64::from(args.cities)).map(city).collect()
 }

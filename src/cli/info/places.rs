@@ -183,12 +183,12 @@ impl Places {
 
 fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
-        return read_track(path, crs.as_ref(), BadRows::Refuse).map(What::Track);
+        return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
     }
     // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs)
         .ok_or_else(|| Error::internal(901, "a grid of one cell is valid"))?;
-    read_sites(path, &grid, 1, BadRows::Refuse).map(What::Uavs)
+    Ok(What::Uavs(read_sites(path, &grid, 1, BadRows::Refuse)?))
 }
 
 /// What a file is by its name and beginning: a table with positions, or GeoJSON without a polygon.

@@ -16,7 +16,7 @@ use crate::cli::{interrupt, messages};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
-use crate::height_field::{CellKind, HeightField};
+use crate::height_field::{Built, CellKind, HeightField};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::quantity::{Frame, VOID, counted, meters, tidy};
 use crate::raster::Crs;
@@ -128,7 +128,8 @@ impl Found {
             _ => None,
         };
         check_memory(&args.scene.scene, &grid, FIELD_BYTES_PER_CELL)?;
-        let field = HeightField::build(&grid, solids, &mut warnings);
+        let Built { field, warnings: odd } = HeightField::build(&grid, solids);
+        warnings.extend(odd);
         let counts = Counts::of(&field);
         let asked = uavs_asked(&args.uav, None, (false, false))?;
         warn_of_uavs_outside(&asked.typed, &grid, &mut warnings);
@@ -247,7 +248,7 @@ impl Found {
             batch.add(path, &args.out.table(&needs.table())?)?;
             batch.add(&with_suffix(path, ".json"), pretty(document).as_bytes())?;
         }
-        batch.commit()
+        Ok(batch.commit()?)
     }
 
     fn text(&self) -> String {

@@ -89,7 +89,11 @@ impl Inputs {
             heights,
             area: area(&args.area)?,
             weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,
-            sources: files.into_iter().flatten().map(|path| source_of(path, args.scene.hash)).collect::<Result<_>>()?,
+            sources: files
+                .into_iter()
+                .flatten()
+                .map(|path| source_of(path, args.scene.hash))
+                .collect::<skyshed_core::Result<_>>()?,
             spots,
             within: area(&args.within)?,
             keep_out: area(&args.keep_out)?,

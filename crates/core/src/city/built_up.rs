@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Exp1};
 
-use crate::error::{Error, Result};
+use crate::error::{CityError, Result};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps};
 
 /// The built-up parameters of a city.
@@ -33,8 +33,8 @@ impl BuiltUp {
     /// Usage error if a parameter is not finite or out of range, or the streets would be narrower than the lattice.
     pub fn new(built_up_ratio: f64, buildings_per_km2: f64, height_scale: f64) -> Result<Self> {
         let city = BuiltUp { built_up_ratio, buildings_per_km2, height_scale };
-        let refuse = |name: &str, value: f64, wanted: &str| {
-            Err(Error::usage(110, format!("cannot generate a city: {name} is `{value}`, wanted {wanted}")))
+        let refuse = |name: &'static str, found: f64, wanted: &'static str| {
+            Err(CityError::Parameter { name, found, wanted }.into())
         };
         if !(built_up_ratio > 0.0 && built_up_ratio < 1.0) {
             return refuse("α (built-up ratio)", built_up_ratio, "0 < α < 1");

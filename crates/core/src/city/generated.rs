@@ -1,7 +1,7 @@
 //! Generated cities: buildings on a Manhattan grid, as scenes.
 
 use super::{BuiltUp, City, DataArea, Footprint, FootprintFaults, Ground, Solids};
-use crate::error::{Error, Result};
+use crate::error::{CityError, Error, Fault, Result};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, STEPS_PER_UNIT, height_steps, whole};
 use crate::raster::GeoRef;
 
@@ -41,13 +41,7 @@ impl BuiltUpCity {
         let numbers: Vec<std::result::Result<f64, _>> = rest.split(',').map(|n| n.trim().parse::<f64>()).collect();
         Some(match numbers[..] {
             [Ok(alpha), Ok(beta), Ok(gamma)] => BuiltUp::new(alpha, beta, gamma),
-            _ => Err(Error::usage(
-                111,
-                format!("cannot read scene `{word}`: found `{rest}`, wanted a named environment or `α,β,γ`"),
-            )
-            .with_hint(
-                "itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, itu:ghent, or for example itu:0.3,500,15",
-            )),
+            _ => Err(CityError::Word { word: word.to_string(), found: rest.to_string() }.into()),
         })
     }
 
@@ -67,43 +61,24 @@ impl BuiltUpCity {
     /// # Errors
     /// Usage error for a bad size or cell; limit error above 65 536 m.
     pub fn city(&self) -> Result<City> {
-        let positive = |flag: &str, v: f64| {
-            if v > 0.0 && v.is_finite() {
-                Ok(())
-            } else {
-                Err(Error::usage(112, format!("cannot generate a city: `{flag}` is `{v}`, wanted above 0 m")))
+        for (length, found) in [("size", self.size_m), ("cell size", self.cell_m)] {
+            if !(found > 0.0 && found.is_finite()) {
+                return Err(CityError::Length { length, found }.into());
             }
-        };
-        positive("--size", self.size_m)?;
-        positive("--cell", self.cell_m)?;
+        }
         let n_margin = whole(self.margin_m / self.cell_m).ceil();
         let margin_m = n_margin * self.cell_m;
         let size_m = self.size_m + 2.0 * margin_m;
         if size_m > MAX_EXTENT_UNITS {
-            return Err(Error::limit(
-                502,
-                format!(
-                    "cannot generate a city: `--size` is {} m{}, wanted at most {MAX_EXTENT_UNITS} m",
-                    self.size_m,
-                    if margin_m > 0.0 { format!(", and {size_m} m with what whole discs take") } else { String::new() }
-                ),
-            ));
+            return Err(CityError::Size { size_m: self.size_m, whole_m: size_m }.into());
         }
         let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin;
         if n_cells > MAX_EXTENT_UNITS {
-            return Err(Error::limit(
-                502,
-                format!("cannot generate a city: {n_cells} cells a side, wanted at most {MAX_EXTENT_UNITS}"),
-            )
-            .with_hint("choose a larger `--cell`"));
+            return Err(CityError::Cells { found: n_cells }.into());
         }
         let n_buildings = (size_m / self.built_up.period()).powi(2);
         if n_buildings > MOST_BUILDINGS {
-            return Err(Error::limit(
-                502,
-                format!("cannot generate a city: about {n_buildings:.0} buildings, wanted at most {MOST_BUILDINGS}"),
-            )
-            .with_hint("choose a smaller `--size`, or a smaller β"));
+            return Err(CityError::Buildings { found: n_buildings, most: MOST_BUILDINGS }.into());
         }
         #[expect(
             clippy::cast_possible_truncation,
@@ -114,10 +89,8 @@ impl BuiltUpCity {
         let extent = self.cell_m * n_cells;
         // Not `-margin_m`, which would write −0 into files.
         let grid = GeoRef::new((0.0 - margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
-            .ok_or_else(|| Error::internal(901, "a checked city has a valid grid"))?;
-        let ground = height_steps(self.ground_m).ok_or_else(|| {
-            Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
-        })?;
+            .ok_or(Error::Fault(Fault::CityGrid))?;
+        let ground = height_steps(self.ground_m).ok_or(CityError::Ground { found: self.ground_m })?;
         Ok(City {
             name: format!("a generated city ({}; seed {})", self.built_up, self.seed),
             grid,

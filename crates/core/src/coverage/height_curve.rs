@@ -72,7 +72,7 @@ impl HeightCurve {
             })
             .collect();
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(Error::Interrupted);
         }
         let mut least = rows.concat();
         drop(rows);

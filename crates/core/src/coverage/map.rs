@@ -11,7 +11,7 @@ use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Answers, Decided, ShiftedRoofs};
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
-use crate::error::{Error, Result};
+use crate::error::{Error, MapError, Result};
 use crate::height_field::{Casters, GridPositions, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
 use crate::raster::{BitGrid, LargeVec, set_bits};
@@ -80,15 +80,10 @@ impl<'a> Mapper<'a> {
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
     /// one.
     pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
-        let refuse = |wrong: WrongMethod| {
-            Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
-                .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
-        };
+        let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
-            let text =
-                format!("layers of heights with `{method}`, which is approximate: they are exact, and would not agree");
-            return Err(Error::usage(118, text).with_hint("`--method auto`, or `--layers los` alone"));
+            return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }
         let cells = field.cells();
         let within = |cells: &'a BitGrid| match &options.within {
@@ -332,7 +327,7 @@ impl<'a> Mapper<'a> {
             tally
         };
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(Error::Interrupted);
         }
         let answers = Answers {
             field: self.field,

@@ -140,7 +140,7 @@ impl Answers<'_> {
         let mut moves = Vec::with_capacity(Move::ALL.len());
         for which in Move::ALL {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::interrupted());
+                return Err(Error::Interrupted);
             }
             let turned = self.after(which, roofs).map(|after| {
                 let mut turned = Turned::default();

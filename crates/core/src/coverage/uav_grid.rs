@@ -128,7 +128,7 @@ impl Mapper<'_> {
         };
         let seen = self.receivers().iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(Error::Interrupted);
         }
         // Bits beyond the last column are no places.
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());

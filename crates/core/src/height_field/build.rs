@@ -8,14 +8,24 @@ use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, cell_frame, co
 use crate::city::{DataArea, Footprint, Ground, Solids};
 use crate::error::Warning;
 use crate::overlay::Ring;
-use crate::quantity::{BLOCKS_ALL, counted};
+use crate::quantity::BLOCKS_ALL;
 use crate::raster::{BitGrid, CellLattice, GeoRef};
+
+/// A height field, and what was odd about its scene.
+#[derive(Debug, Clone)]
+pub struct Built {
+    /// The obstacles and what receivers stand on.
+    pub field: HeightField,
+    /// What was odd.
+    pub warnings: Vec<Warning>,
+}
 
 impl HeightField {
     /// Builds the obstacles of a scene: triangulates footprints, rounds nothing more.
     ///
     /// Cost: the triangulation, in parallel over footprints, and one test per cell near each piece.
-    pub fn build(grid: &GeoRef, solids: Solids, warnings: &mut Vec<Warning>) -> Self {
+    pub fn build(grid: &GeoRef, solids: Solids) -> Built {
+        let mut warnings = Vec::new();
         let nothing = BitGrid::new(0, 0);
         let no_cells = CellSets { open: nothing.clone(), building: nothing };
         let mut field = match solids {
@@ -31,7 +41,7 @@ impl HeightField {
                 HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
-                let prisms = prisms_of(&footprints, warnings);
+                let prisms = prisms_of(&footprints, &mut warnings);
                 let is_auto = matches!(data_area, DataArea::NearFootprints);
                 let known_ground = match data_area {
                     DataArea::All => None,
@@ -56,33 +66,24 @@ impl HeightField {
                 let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };
                 field.find_roofs();
                 field.find_cells_without_data();
-                if is_auto {
-                    field.know_all_if_little_is_open(warnings);
+                if is_auto && field.knows_all_as_little_is_open() {
+                    warnings.push(Warning::LittleOpenGround);
                 }
                 field
             }
         };
         field.cells = CellSets::of(&field);
-        field.warn_of_unknown_ground(warnings);
-        field
+        warnings.extend(field.unknown_ground());
+        Built { field, warnings }
     }
 
-    /// Warns of cells of a vector scene below which no terrain is known.
-    fn warn_of_unknown_ground(&self, warnings: &mut Vec<Warning>) {
+    /// Cells of a vector scene below which no terrain is known, if there are any.
+    fn unknown_ground(&self) -> Option<Warning> {
         let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
         let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
-        let n_unknown = of_data - self.cells.open.count() - self.cells.building.count();
-        if is_on_terrain && n_unknown > 0 {
-            let does = match self.max_top() {
-                BLOCKS_ALL => "it blocks everything",
-                _ => "it blocks nothing",
-            };
-            let cells = counted(n_unknown, "cell has", "cells have");
-            let text = format!(
-                "{cells} no ground: the terrain is void there, or ends before; {does} and holds no receiver (`--nodata-as`)"
-            );
-            warnings.push(Warning::new(340, text));
-        }
+        let cells = of_data - self.cells.open.count() - self.cells.building.count();
+        let block = self.max_top() == BLOCKS_ALL;
+        (is_on_terrain && cells > 0).then_some(Warning::UnknownGround { cells, block })
     }
 }
 
@@ -106,10 +107,7 @@ fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
         })
         .collect();
     for (footprint, _) in footprints.iter().zip(&cut).filter(|(_, (_, fell_back))| *fell_back) {
-        warnings.push(Warning::new(
-            345,
-            format!("footprint `{}` could not be triangulated; its convex hull is used instead", footprint.id),
-        ));
+        warnings.push(Warning::Hull { footprint: footprint.id.clone() });
     }
     let pieces = footprints.iter().zip(cut).enumerate().flat_map(|(building, (footprint, (rings, _)))| {
         let building = u32::try_from(building).unwrap_or(u32::MAX);
@@ -143,7 +141,7 @@ mod tests {
             faults: FootprintFaults::default(),
             data_area: DataArea::All,
         };
-        HeightField::build(&grid, solids, &mut Vec::new())
+        HeightField::build(&grid, solids).field
     }
 
     #[test]

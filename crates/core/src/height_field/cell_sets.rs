@@ -221,7 +221,7 @@ mod tests {
         for ground in [Ground::Surface, Ground::Flat(0), Ground::Terrain(Raster::new(grid.clone(), terrain))] {
             let surface = Raster::new(grid.clone(), heights(1));
             let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
-            let field = HeightField::build(&grid, solids, &mut Vec::new());
+            let field = HeightField::build(&grid, solids).field;
             let positions = field.positions();
             for cell in 0..303 {
                 let (row, col) = (cell / 101, cell % 101);

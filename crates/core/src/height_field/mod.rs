@@ -23,6 +23,7 @@ mod solid;
 mod tile_maxima;
 mod triangulate;
 
+pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::StandsOn;
 pub use coarser::Pooling;

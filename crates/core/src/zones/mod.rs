@@ -112,7 +112,7 @@ impl ZoneMap {
     ///
     /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
     /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
-    /// let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    /// let field = HeightField::build(&scene.grid, scene.solids).field;
     /// let zones = ZoneMap::of(&field, scene.built_up.as_ref());
     /// assert_eq!(zones.at(10.0, 10.0), Some(Zone::Crossroad));
     /// assert_eq!(zones.at(10.0, 30.0), Some(Zone::Street));

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use super::score::{quotient, word_sum};
 use super::{Candidate, Score, Scorer, Weights};
 use crate::coverage::{Control, maps_at_once};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::raster::BitGrid;
 
 /// Sets of wanted receivers, one per candidate, packed: words of cells without a wanted receiver are left out.
@@ -70,7 +70,7 @@ impl SeenSets {
         // Whole sets of cells are held for a few candidates at a time.
         for chunk in candidates.chunks(8 * maps_at_once()) {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::interrupted());
+                return Err(skyshed_core::Error::Interrupted.into());
             }
             let look = |candidate: &Candidate| {
                 let seen = scorer.mapper.seen(&candidate.uav);
@@ -170,7 +170,7 @@ pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let mut chosen: Vec<Chosen> = Vec::new();
     loop {
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(skyshed_core::Error::Interrupted.into());
         }
         let gains = sets.gains(&left);
         bound = bound.min(sum_of_largest(&gains, k).saturating_add(covered));
@@ -225,7 +225,7 @@ fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Re
     let mut since_better = 0;
     for _ in 0..n_steps {
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(skyshed_core::Error::Interrupted.into());
         }
         let planes = planes_of(&levels, &sets.wanted);
         let paid: Vec<u128> = (0..sets.len()).into_par_iter().map(|j| paid_by(sets, j, &planes)).collect();

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Candidate, Score, Scorer};
 use crate::coverage::Control;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// What was found over one place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub fn least_heights(
         let mut found = at(high);
         while found.reaches && low < high {
             if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::interrupted());
+                return Err(skyshed_core::Error::Interrupted.into());
             }
             let middle = low + (high - low) / 2;
             let tried = at(middle);

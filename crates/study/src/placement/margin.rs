@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Candidate;
 use crate::coverage::{Control, Mapper};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// The least margin of a candidate, or a bound on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ pub fn worst_margins(
     let mut known_hard: Vec<(usize, usize)> = Vec::new();
     loop {
         if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(skyshed_core::Error::Interrupted.into());
         }
         let order = ranked_margins(&found);
         let open: Vec<usize> =

@@ -253,7 +253,7 @@ mod tests {
         let built_up = BuiltUp::named("urban").expect("a known city");
         let city = BuiltUpCity { built_up, size_m: 170.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
         let scene = city.city().expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let zones = ZoneMap::of(&field, Some(&built_up));
         let options = MapOptions { radius: Some(70.0), ..MapOptions::default() };
         let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
@@ -285,7 +285,7 @@ mod tests {
         let built_up = BuiltUp::named("high-rise").expect("a known city");
         let city = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
         let scene = city.city().expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let zones = ZoneMap::of(&field, Some(&built_up));
         for zone in Zone::ALL {
             let middles = middles_of(&built_up, 300.0, zone);

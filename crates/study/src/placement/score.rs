@@ -6,7 +6,7 @@ use std::sync::atomic;
 use rayon::prelude::*;
 
 use crate::coverage::{Control, Mapper, Seen, Uav};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::raster::BitGrid;
 
 /// What each cell counts, as multiples of a power of two: so sums are exact in any order.
@@ -194,7 +194,7 @@ impl<'a> Scorer<'a> {
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         if control.stop.load(atomic::Ordering::Relaxed) {
-            return Err(Error::interrupted());
+            return Err(skyshed_core::Error::Interrupted.into());
         }
         let score = scorer.score(uav);
         control.done.fetch_add(1, atomic::Ordering::Relaxed);

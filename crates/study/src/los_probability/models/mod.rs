@@ -41,7 +41,7 @@
 //! link.built_up = BuiltUp::new(0.435, 4679.0, 8.8)?;
 //! let refusal = Model::AlHourani2014.p_los(&link).expect_err("Ghent is outside");
 //! assert!(refusal.to_string().contains("αβ = 2035"));
-//! # Ok::<(), skyshed_core::Error>(())
+//! # Ok::<(), skyshed_study::Error>(())
 //! ```
 
 pub mod alhourani2014;
