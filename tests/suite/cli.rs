@@ -154,7 +154,11 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: `--radius` is `0`, wanted above 0 m"),
         ("SMALL --uav 10,10,50 --radius -1", 2, "error[E113]: `--radius` is `-1`, wanted above 0 m"),
         ("SMALL --uav 10,10,50 --radius NaN", 2, "error[E101]: invalid value 'NaN' for '--radius <M>'"),
-        ("SMALL --uav 10,10,50 --cell 0", 2, "error[E112]: cannot generate a city: the cell size is `0`, wanted above 0 m"),
+        (
+            "SMALL --uav 10,10,50 --cell 0",
+            2,
+            "error[E112]: cannot generate a city: the cell size is `0`, wanted above 0 m",
+        ),
         ("map city.geojson --uav 1,1,50 -o out.png --cell -2", 2, "error[E112]: `--cell` is `-2`, wanted above 0 m"),
         ("map itu:urban --uav 1,1,50 -o out.png --size NaN", 2, "error[E101]: invalid value 'NaN' for '--size <M>'"),
         ("map itu:urban --uav 1,1,50 -o out.png --size -9", 2, "error[E112]: cannot generate a city: the size is `-9`"),

@@ -177,26 +177,6 @@ mod tests {
     }
 
     #[test]
-    fn an_l_shape_with_a_hole_is_covered_by_few_convex_pieces_of_the_same_area() {
-        let shell = vec![[0, 0], [100, 0], [100, 50], [50, 50], [50, 100], [0, 100]];
-        let hole = vec![[10, 10], [30, 10], [20, 30]];
-        let pieces = exact(&[shell, hole]);
-        let area: i128 = pieces.iter().map(|p| doubled_area(p)).sum();
-        assert_eq!(area, 2 * 7500 - 400);
-        assert!(pieces.iter().all(|p| is_convex(p) && doubled_area(p) > 0));
-        // Nine vertices and a hole take nine triangles.
-        assert!(pieces.len() <= 6, "{}", pieces.len());
-    }
-
-    #[test]
-    fn a_hole_that_touches_the_shell_is_kept_open() {
-        let shell = vec![[0, 0], [100, 0], [100, 100], [0, 100]];
-        let hole = vec![[0, 50], [90, 10], [90, 90]];
-        let area: i128 = exact(&[shell, hole]).iter().map(|p| doubled_area(p)).sum();
-        assert_eq!(area, 20_000 - 90 * 80);
-    }
-
-    #[test]
     fn a_pentagram_is_not_taken_for_convex() {
         let star = vec![[0, 100], [59, -81], [-95, 31], [95, 31], [-59, -81]];
         assert!(!is_convex(&star));
