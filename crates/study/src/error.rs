@@ -96,7 +96,6 @@ pub enum StressError {
 }
 
 impl Error {
-    /// Class and number.
     fn class_and_code(&self) -> (ErrorClass, u16) {
         use LosProbabilityError as P;
         match self {

@@ -11,8 +11,8 @@ use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Answers, Decided, ShiftedRoofs};
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
-use crate::error::{Error, MapError, Result};
-use crate::height_field::{Casters, GridPositions, HeightField, Station};
+use crate::error::{MapError, Result};
+use crate::height_field::{Casters, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
@@ -59,14 +59,15 @@ pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &
 /// A scene and options made ready for any number of UAVs.
 #[derive(Debug)]
 pub struct Mapper<'a> {
-    field: &'a HeightField,
-    options: &'a MapOptions,
-    engine: GridLos<'a>,
+    pub(super) field: &'a HeightField,
+    pub(super) options: &'a MapOptions,
+    /// Shared by all threads.
+    pub(super) engine: GridLos<'a>,
     /// The same, for many UAVs of which each has a thread of its own.
     alone: GridLos<'a>,
     why: &'static str,
     /// Receivers on the ground, on roofs, or both.
-    receivers: Vec<GridReceivers<'a>>,
+    pub(super) receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
     /// The scene with other roofs, where stability is asked for.
@@ -118,16 +119,6 @@ impl<'a> Mapper<'a> {
         self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
     }
 
-    /// The engine, shared by all threads.
-    pub(super) fn engine(&self) -> &GridLos<'a> {
-        &self.engine
-    }
-
-    /// Range \[CRS units\], if it is limited.
-    pub(super) fn radius(&self) -> Option<f64> {
-        self.options.radius
-    }
-
     /// Casts the shadows of these alone.
     pub(super) fn cast_only(&mut self, casters: Casters) {
         let casters = Arc::new(casters);
@@ -135,35 +126,15 @@ impl<'a> Mapper<'a> {
         self.alone = self.alone.clone().with_casters(casters);
     }
 
-    /// Number of cells of the grid.
-    pub(super) fn n_cells(&self) -> usize {
-        self.field.grid().n_cells()
-    }
-
-    /// Number of columns of the grid.
-    pub(super) fn n_cols(&self) -> usize {
-        self.field.grid().n_cols()
-    }
-
-    /// The scene.
-    pub(super) fn field(&self) -> &'a HeightField {
-        self.field
-    }
-
-    /// Receivers on the ground, on roofs, or both.
-    pub(super) fn receivers(&self) -> &[GridReceivers<'a>] {
-        &self.receivers
-    }
-
-    /// Positions of the receivers.
-    pub(super) fn positions(&self) -> &GridPositions {
-        self.engine.positions()
+    /// The cells in range of a UAV.
+    pub(super) fn range_of(&self, uav: &Uav) -> Range {
+        Range::of(self.engine.positions(), &uav.station.place, self.options.radius)
     }
 
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
     /// without a mask. For many UAVs at once: each is the work of one thread.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         self.receivers.iter().fold((0, 0), |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
             (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
@@ -173,7 +144,7 @@ impl<'a> Mapper<'a> {
     /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
     pub fn seen(&self, uav: &Uav) -> Seen {
         let grid = self.field.grid();
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
         self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
@@ -184,7 +155,7 @@ impl<'a> Mapper<'a> {
 
     /// The cells that hold receivers in range of a UAV.
     pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
-        Range::of(self.engine.positions(), &uav.station.place, self.options.radius).cut(&self.receiver_cells())
+        self.range_of(uav).cut(&self.receiver_cells())
     }
 
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
@@ -223,7 +194,7 @@ impl<'a> Mapper<'a> {
     /// by all threads of the current pool.
     ///
     /// # Errors
-    /// Only [`crate::ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }
@@ -239,7 +210,7 @@ impl<'a> Mapper<'a> {
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
         let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
         let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
@@ -326,9 +297,7 @@ impl<'a> Mapper<'a> {
             }
             tally
         };
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted);
-        }
+        control.check()?;
         let answers = Answers {
             field: self.field,
             engine: &self.engine,
@@ -357,7 +326,7 @@ impl<'a> Mapper<'a> {
     ///
     /// Cost: a walk along each link; on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let all = self.receivers.iter().flat_map(|receivers| {
             let rows = 0..receivers.cells.n_rows();
             rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
@@ -375,17 +344,20 @@ impl<'a> Mapper<'a> {
 
     /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
     pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
         in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
     }
 
     /// The receivers of a cell, on the ground or on the roof.
-    fn receivers_at(&self, cell: (usize, usize)) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
+    pub(super) fn receivers_at(
+        &self,
+        cell: (usize, usize),
+    ) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
         self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1)).map(move |r| (r, cell))
     }
 
-    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
+    pub(super) fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
         let cell = row * self.field.grid().n_cols() + col;
         let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
         least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1

@@ -1,7 +1,8 @@
 //! How a map is made, and how it is watched and stopped.
 
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use crate::error::{Error, Result};
 use crate::los::MethodChoice;
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::BitGrid;
@@ -79,4 +80,14 @@ pub struct Control {
     pub done: AtomicU64,
     /// Set it to stop at the next row.
     pub stop: AtomicBool,
+}
+
+impl Control {
+    /// Whether the work may go on.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when `stop` was set.
+    pub fn check(&self) -> Result<()> {
+        if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
+    }
 }

@@ -6,11 +6,9 @@
 //! down. The receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a
 //! surface model alone, where buildings are not known, all columns move.
 
-use std::sync::atomic::Ordering;
-
 use super::range::Range;
 use super::{Control, Uav};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::los::{GridLos, GridReceivers};
 use crate::raster::{BitGrid, set_bits};
@@ -131,7 +129,7 @@ impl Answers<'_> {
     /// Cost: eight times the line of sight of the map, by the same engine.
     ///
     /// # Errors
-    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
         let mut turns = vec![f32::NAN; self.field.grid().n_cells()];
         for (receivers, (wanted, _)) in self.receivers.iter().zip(self.decided) {
@@ -139,9 +137,7 @@ impl Answers<'_> {
         }
         let mut moves = Vec::with_capacity(Move::ALL.len());
         for which in Move::ALL {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
+            control.check()?;
             let turned = self.after(which, roofs).map(|after| {
                 let mut turned = Turned::default();
                 for ((_, before), after) in self.decided.iter().zip(&after) {

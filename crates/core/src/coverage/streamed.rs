@@ -106,9 +106,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
         let mut max_top = VOID;
         for window in row_bands(grid) {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
+            control.check()?;
             let field = HeightField::build(&grid.part(window), scene.solids(window)?).field;
             max_top = max_top.max(field.max_top());
             for ((stand, cells), range) in stands.iter().zip(&mut cells).zip(&mut ranges) {
@@ -162,9 +160,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut total = Tally::default();
         let mut mask = Vec::new();
         for window in row_bands(grid) {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
+            control.check()?;
             let field = HeightField::build(&grid.part(window), self.scene.solids(window)?).field;
             let in_band: Vec<GridReceivers<'_>> =
                 self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
@@ -237,9 +233,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             control.done.fetch_add(n_cells, Ordering::Relaxed);
             !control.stop.load(Ordering::Relaxed)
         })?;
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted);
-        }
+        control.check()?;
         Ok((wanted, swept.los))
     }
 }

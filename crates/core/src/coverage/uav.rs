@@ -155,7 +155,6 @@ impl Uav {
     }
 }
 
-/// The error of a site.
 fn refused(site: &Site, why: UavError) -> Error {
     let Site { id, x, y, height } = site.clone();
     Error::Uav { attempt: UavAttempt::Place { id, x, y, height }, why }

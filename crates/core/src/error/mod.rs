@@ -145,7 +145,6 @@ impl Error {
         }
     }
 
-    /// Class and number.
     fn class_and_code(&self) -> (ErrorClass, u16) {
         match self.innermost() {
             Error::City(error) => error.class_and_code(),

@@ -5,7 +5,6 @@ use std::borrow::Cow;
 /// Most characters of what was found that a message quotes.
 pub const MOST_FOUND: usize = 400;
 
-/// Most characters of a message.
 const MOST_CHARACTERS: usize = 4000;
 
 /// Text without control characters, in which passages in backticks are no longer than [`MOST_FOUND`]: what all messages are.

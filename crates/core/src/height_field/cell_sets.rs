@@ -13,10 +13,9 @@ use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
 impl CellSets {
-    /// The sets of a field.
     pub(super) fn of(field: &HeightField) -> Self {
         let mut cells = CellSets::with_all_data(field);
-        if let Some(without) = field.without_data() {
+        if let Some(without) = &field.without_data {
             let not = BitGrid::full(without.n_rows(), without.n_cols()).xor(without);
             cells = CellSets { open: cells.open.and(&not), building: cells.building.and(&not) };
         }
@@ -131,7 +130,6 @@ pub enum StandsOn<'a> {
 }
 
 impl HeightField {
-    /// The cells of a raster scene.
     pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
         let RasterSolid { columns, below, .. } = self.solid.raster()?;
         let ground = match below {

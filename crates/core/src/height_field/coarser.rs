@@ -38,14 +38,14 @@ impl HeightField {
         let cells = self.raster_cells()?;
         let grid = coarser_grid(self.grid(), factor)?;
         let pooled = |tops: &[i32]| {
-            Raster::new(grid.clone(), pool((tops, self.without_data()), self.grid(), (&grid, factor), pooling))
+            Raster::new(grid.clone(), pool((tops, self.without_data.as_ref()), self.grid(), (&grid, factor), pooling))
         };
         let (ground, building_threshold) = match cells.ground {
             RasterGround::Surface => (Ground::Surface, 0),
             RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
             RasterGround::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), building_threshold),
         };
-        let voids = self.without_data().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
+        let voids = self.without_data.as_ref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
         let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold, voids };
         Some(HeightField::build(&grid, solids).field)
     }
@@ -83,7 +83,7 @@ impl HeightField {
         let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
         let ground = Ground::Terrain(terrain());
         let solids =
-            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data().cloned() };
+            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data.clone() };
         Some(HeightField::build(self.grid(), solids).field)
     }
 
@@ -107,7 +107,7 @@ impl HeightField {
                 Ground::Terrain(Raster::new(grid.clone(), grounds))
             }
         };
-        let voids = self.without_data().cloned();
+        let voids = self.without_data.clone();
         let solids = Solids::Raster { surface, ground, building_threshold: 0, voids };
         Some(HeightField::build(grid, solids).field)
     }

@@ -42,11 +42,6 @@ pub struct CellSets {
 }
 
 impl HeightField {
-    /// Cells without data though a ground is known there, if there are any.
-    pub(super) fn without_data(&self) -> Option<&BitGrid> {
-        self.without_data.as_ref()
-    }
-
     /// Which cells are open ground and which are buildings.
     #[inline]
     pub fn cells(&self) -> &CellSets {

@@ -107,15 +107,4 @@ mod tests {
         assert_eq!(doubled(&united), 2 * (48 + 64 - (25 - 9) + 4 - 1));
         assert_eq!(union(Vec::new()), Vec::<Polygon>::new());
     }
-
-    #[test]
-    fn squares_on_one_another_are_joined_by_halves() {
-        // A staircase of 400 squares of side 400: all that hold the middle cross one another.
-        let stairs: Vec<Polygon> = (0..400).map(|k| square(k, k, 400)).collect();
-        assert!(crossings::are_many(stairs.iter().flatten()));
-        let united = union(stairs.clone());
-        assert_eq!((united.len(), united[0].len(), united[0][0].len()), (1, 1, 4 + 2 * 2 * 399));
-        // Each next square adds a strip of 400 and one of 399.
-        assert_eq!(doubled(&united), 2 * (400 * 400 + 399 * 799));
-    }
 }

@@ -190,12 +190,10 @@ impl<'a> Scorer<'a> {
 /// The scores of some UAVs, in their order; each is worked on by one thread. Adds 1 to `control.done` for each.
 ///
 /// # Errors
-/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
-        if control.stop.load(atomic::Ordering::Relaxed) {
-            return Err(skyshed_core::Error::Interrupted.into());
-        }
+        control.check()?;
         let score = scorer.score(uav);
         control.done.fetch_add(1, atomic::Ordering::Relaxed);
         Ok(score)

@@ -62,7 +62,7 @@ impl ReceiverHeights<'_> {
 }
 
 /// Decides which of the `wanted` receivers within `window` are in line of sight of `uav`: equal to
-/// [`columns_los`](super::columns_los) for each.
+/// [`columns_los`] for each.
 ///
 /// `wanted` has the shape of the columns. Threads of the current pool share the work; neither their number nor `level`
 /// changes the result.

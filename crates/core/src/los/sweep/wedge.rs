@@ -25,7 +25,6 @@ const SHORTEST_SLEEP: usize = 96;
 /// One line of cells across the direction of the sweep, as it is passed over.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Tops of its cells.
     pub(super) tops: &'a [i32],
     /// Lateral index of the first of them.
     pub(super) first: i64,
