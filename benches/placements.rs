@@ -82,7 +82,7 @@ fn search_of_10000_candidates(bencher: Bencher<'_, '_>, city: City) {
             let city =
                 BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 2.0, seed: cities::SEED, ground_m: 0.0 };
             let scene = city.city().expect("a city within the limits");
-            HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+            HeightField::build(&scene.grid, scene.solids).field
         }
         City::Munich => munich(2.0),
     };
@@ -104,7 +104,7 @@ fn munich(cell_m: f64) -> HeightField {
     let extent = Some([west, south, west + 1000.0, south + 1000.0]);
     let options = FootprintOptions { extent, cell_m: Some(cell_m), ..FootprintOptions::default() };
     let scene = read_footprints(&file, &options, &mut Vec::new()).expect("the map of Munich");
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     let side = field.grid().n_cols() as f64 * cell_m;
     assert!((side - 1000.0).abs() < 1e-6 && field.grid().n_rows() == field.grid().n_cols(), "{side} m");
     field

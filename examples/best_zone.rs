@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// What all receivers within 100 m of the placements over each zone see, in one city.
 fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
     let scene = city.city()?;
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     let zones = ZoneMap::of(&field, scene.built_up.as_ref());
     let options = MapOptions { radius: Some(RADIUS_M), ..MapOptions::default() };
     let mapper = Mapper::new(&field, &options)?;

@@ -26,13 +26,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let scene = read_footprints(&file, &FootprintOptions::default(), &mut Vec::new())?;
     let attribution = scene.attribution.clone();
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     let grid = field.grid();
 
     let place = |(id, x, y, height): (&str, f64, f64, f64)| {
         Uav::place(&Site { id: id.into(), x, y, height: Height::AboveGround(height) }, &field, None)
     };
-    let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed::Result<_>>()?;
+    let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed_core::Result<_>>()?;
     let options = MapOptions::default();
     let maps =
         Mapper::new(&field, &options)?.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?.sites;

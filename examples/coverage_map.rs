@@ -8,7 +8,7 @@ use std::path::Path;
 
 use skyshed_core::city::Site;
 use skyshed_core::coverage::{Control, MapOptions, Uav, map_site};
-use skyshed_core::height_field::HeightField;
+use skyshed_core::height_field::{Built, HeightField};
 use skyshed_core::quantity::Height;
 use skyshed_io::read::{FootprintOptions, read_footprints};
 use skyshed_render::{Layer, MapPicture, Mark, PictureForm, draw_map};
@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut warnings = Vec::new();
     let scene = read_footprints(&file, &FootprintOptions::default(), &mut warnings)?;
     let (grid, attribution) = (scene.grid.clone(), scene.attribution.clone());
-    let field = HeightField::build(&grid, scene.solids, &mut warnings);
+    let Built { field, warnings: odd } = HeightField::build(&grid, scene.solids);
+    warnings.extend(odd);
 
     let site = Site { id: "1".into(), x: 691_416.0, y: 5_334_517.0, height: Height::AboveGround(90.0) };
     let uav = Uav::place(&site, &field, None)?;

@@ -17,7 +17,7 @@ fn main() -> Result<()> {
         let built_up = BuiltUp::named(name).expect("a named environment");
         let scene =
             BuiltUpCity { built_up, size_m: 1000.0, margin_m: 0.0, cell_m: 1.0, seed: 7, ground_m: 0.0 }.city()?;
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let middle = (500.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
         let site = Site { id: "1".into(), x: middle, y: middle, height: Height::AboveGround(100.0) };
         let uav = Uav::place(&site, &field, None)?;

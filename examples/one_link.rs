@@ -14,7 +14,7 @@ use skyshed_core::quantity::{Height, height_steps, meters};
 fn main() -> Result<()> {
     let built_up = BuiltUp::named("urban").expect("`urban` is a named environment");
     let scene = BuiltUpCity { built_up, size_m: 500.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     println!("{built_up}: {} buildings", field.n_buildings());
 
     // A UAV over a crossroad, and a receiver 1.5 m above the street, farther and farther to the east.

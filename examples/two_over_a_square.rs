@@ -22,7 +22,7 @@ const HEIGHT_M: f64 = 100.0;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let scene = read_footprints(&file, &FootprintOptions::default(), &mut Vec::new())?;
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     // Every 20 m over the whole map, 100 m above the ground.
     let places = PlaceGrid::over(field.grid(), 20.0).ok_or("a step that fits")?;
     let rules = CandidateRules { over: None, within: None, keep_out: None, clearance: 0, radius: None };

@@ -27,6 +27,7 @@ mod chart;
 pub mod cli;
 mod comparison;
 mod conversion;
+mod error;
 mod expected;
 mod limits;
 mod link;
@@ -50,6 +51,7 @@ mod uav;
 mod words;
 mod zone_files;
 
+pub use error::{Error, ErrorClass, Result, Warning};
 pub use link::{Link, LinkObstruction};
 pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, SaveOptions, SiteFacts};
 pub use placements::{Placements, PlacementsRequest};
@@ -60,11 +62,10 @@ pub use sight::Receivers;
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;
-pub use skyshed_core::{Error, ErrorClass, Result, Warning};
 pub use skyshed_io::export::Layer;
 pub use uav::Uav;
 
-use skyshed_core::{city, coverage, error, height_field, los, quantity, raster, zones};
+use skyshed_core::{city, coverage, height_field, los, quantity, raster, zones};
 use skyshed_io::{crs, digest, export, formats, read};
 use skyshed_render as render;
 use skyshed_study::{accuracy, los_probability, placement};

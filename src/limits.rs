@@ -146,7 +146,7 @@ impl LimitsPlan {
         let of = |k: u64| {
             let other = SceneOptions { seed: Some(options.seed_of_all().wrapping_add(k)), ..options.clone() };
             let city = other.city(built_up).city()?;
-            Ok(HeightField::build(&city.grid, city.solids, &mut Vec::new()))
+            Ok(HeightField::build(&city.grid, city.solids).field)
         };
         (1..=u64::from(self.n_cities)).map(of).collect()
     }

@@ -91,6 +91,6 @@ impl Answer for Repairs {
         };
         let features = self.repairs.iter().map(point).collect();
         let document = feature_collection(&self.facts.grid, self.document(None), features);
-        batch.add(path, format!("{document}\n").as_bytes())
+        Ok(batch.add(path, format!("{document}\n").as_bytes())?)
     }
 }

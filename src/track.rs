@@ -343,6 +343,6 @@ impl Answer for TrackWalk {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        batch.add(path, &self.picture(format, look)?)
+        Ok(batch.add(path, &self.picture(format, look)?)?)
     }
 }

@@ -209,8 +209,8 @@ impl Answer for ZoneFiles {
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         match format {
             Format::GeoTiff => Ok(add_zones(batch, &self.zones, &self.provenance().to_string(), path)?),
-            Format::GeoJson => batch.add(path, format!("{}\n", self.features()).as_bytes()),
-            _ => batch.add(path, &self.picture(format, look)?),
+            Format::GeoJson => Ok(batch.add(path, format!("{}\n", self.features()).as_bytes())?),
+            _ => Ok(batch.add(path, &self.picture(format, look)?)?),
         }
     }
 }

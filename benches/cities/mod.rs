@@ -15,7 +15,7 @@ pub(crate) fn footprints(environment: &str, n: usize) -> HeightField {
     let scene = BuiltUpCity { built_up, size_m: n as f64, margin_m: 0.0, cell_m: 1.0, seed: SEED, ground_m: 0.0 }
         .city()
         .expect("a city within the limits");
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 /// The heights of a field at its cell centers \[1/1024 m\].
@@ -27,7 +27,7 @@ pub(crate) fn surface_of(field: &HeightField) -> Raster<i32> {
 /// A raster scene; a cell more than 0.25 m above the ground is a building.
 pub(crate) fn raster(grid: &GeoRef, surface: Raster<i32>, ground: Ground) -> HeightField {
     let building_threshold = height_steps(0.25).expect("in range");
-    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold, voids: None }, &mut Vec::new())
+    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold, voids: None }).field
 }
 
 /// A UAV over the center of the open cell nearest to the middle.

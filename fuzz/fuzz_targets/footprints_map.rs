@@ -75,7 +75,7 @@ fuzz_target!(|city: City| {
     let frame = Frame { x_origin: -2.0, y_origin: -2.0, unit_x: 1.0, unit_y: 1.0 };
     let solids =
         Solids::Vector { footprints, frame, ground: Ground::Flat(0), faults: FootprintFaults::default(), data_area: DataArea::All, };
-    let field = HeightField::build(&grid, solids, &mut Vec::new());
+    let field = HeightField::build(&grid, solids).field;
     let [x, y] = city.place.map(|v| f64::from(v) / 4.0 - 4.0);
     let height = Height::AboveDatum(f64::from(city.uav_height) / 4.0);
     let Ok(uav) = Uav::place(&Site { id: "1".into(), x, y, height }, &field, None) else { return };

@@ -9,7 +9,7 @@ use skyshed_core::height_field::HeightField;
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
 use skyshed_core::city::City;
-use skyshed::{ErrorClass, Result};
+use skyshed_core::{ErrorClass, Result};
 
 /// A folder of this process on a memory disk, if the machine has one.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -61,7 +61,7 @@ pub fn surface(name: &str, bytes: &[u8]) {
 
 fn build(scene: Option<City>) {
     if let Some(scene) = scene {
-        HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        HeightField::build(&scene.grid, scene.solids).field;
     }
 }
 

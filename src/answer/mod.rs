@@ -58,7 +58,7 @@ pub(crate) trait Answer {
     /// If the file cannot be made or written.
     fn add_table(&self, batch: &mut Batch, path: &Path, look: &Look) -> Result<()> {
         batch.add(path, &encoded(&self.table(), look.csv_text)?)?;
-        batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())
+        Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())?)
     }
 
     /// Adds the files of any other format: pictures, rasters, features.

@@ -43,7 +43,7 @@ fn cell(value: &Value) -> String {
 /// # Errors
 /// If it cannot be encoded.
 pub(crate) fn encoded(rows: &Rows, is_text: bool) -> Result<Vec<u8>> {
-    if is_text { encode_table(&as_text(rows)) } else { encode_table(rows) }
+    if is_text { Ok(encode_table(&as_text(rows))?) } else { Ok(encode_table(rows)?) }
 }
 
 #[cfg(test)]

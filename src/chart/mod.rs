@@ -135,6 +135,6 @@ impl Answer for Chart {
             Contest::Scene(of) => figure::of_scene(look, &of.0, &of.1),
             Contest::PLos(report) => figure::of_plos(look, report),
         };
-        batch.add(path, &picture.draw(&look.form(format), &picture_provenance(&self.provenance()))?)
+        Ok(batch.add(path, &picture.draw(&look.form(format), &picture_provenance(&self.provenance()))?)?)
     }
 }

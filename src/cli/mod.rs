@@ -5,6 +5,7 @@
 
 mod args;
 mod commands;
+mod hints;
 mod interrupt;
 mod program;
 mod refusal;

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::hints;
 use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 
@@ -64,7 +65,7 @@ pub(super) fn error(error: &Error) {
         }
     }
     say_labelled(&format!("error[{}]", error.code()), RED, &text);
-    if let Some(hint) = error.hint() {
+    if let Some(hint) = hints::hint(error) {
         say(&format!("hint: {hint}"));
     }
 }
@@ -73,7 +74,8 @@ pub(super) fn error(error: &Error) {
 pub(super) fn warnings(warnings: &[Warning]) {
     const YELLOW: u8 = 33;
     for warning in warnings {
-        say_labelled(&format!("warning[{}]", warning.code()), YELLOW, warning.text());
+        let flag = hints::core::flag(warning).map_or_else(String::new, |flag| format!(" (`{flag}`)"));
+        say_labelled(&format!("warning[{}]", warning.code()), YELLOW, &format!("{warning}{flag}"));
     }
 }
 

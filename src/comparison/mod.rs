@@ -299,14 +299,14 @@ impl Answer for Comparison {
             }
             Format::Html => {
                 let page = Figure::new(self, look).page(&provenance);
-                batch.add(path, &drawn(page.map(String::into_bytes))?)
+                Ok(batch.add(path, &drawn(page.map(String::into_bytes))?)?)
             }
             _ => {
                 let provenance = picture_provenance(&provenance);
                 let figure = Figure::new(self, look);
                 let sheet =
                     figure.with_sheet(|sheet| render::draw_compare_sheet(sheet, &look.form(format), &provenance));
-                batch.add(path, &drawn(sheet)?)
+                Ok(batch.add(path, &drawn(sheet)?)?)
             }
         }
     }

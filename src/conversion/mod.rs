@@ -187,7 +187,7 @@ impl Conversion {
         if let Some(wkt) = self.scene.grid().crs().and_then(wkt_of) {
             batch.add(&path.with_extension("prj"), wkt.as_bytes())?;
         }
-        batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())
+        Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())?)
     }
 }
 
@@ -224,20 +224,20 @@ impl Answer for Conversion {
     fn add_table(&self, batch: &mut Batch, path: &Path, _: &Look) -> Result<()> {
         let (footprints, frame) = self.vectors(path)?;
         batch.add(path, &encode_table(&ns3_boxes(footprints, *frame, path)?)?)?;
-        batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())
+        Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())?)
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         match format {
-            Format::GeoTiff => batch.add(path, &self.geotiff()?),
+            Format::GeoTiff => Ok(batch.add(path, &self.geotiff()?)?),
             Format::AsciiGrid => self.add_ascii_grid(batch, path),
             Format::GeoJson => {
                 let (footprints, frame) = self.vectors(path)?;
                 let document = features::of_footprints(footprints, *frame, self.scene.grid(), self.provenance());
-                batch.add(path, format!("{document}\n").as_bytes())
+                Ok(batch.add(path, format!("{document}\n").as_bytes())?)
             }
             Format::Mitsuba => self.add_mitsuba(batch, path),
-            _ => batch.add(path, &self.picture(format, look)?),
+            _ => Ok(batch.add(path, &self.picture(format, look)?)?),
         }
     }
 }

@@ -175,7 +175,7 @@ impl Link {
         let outputs = check_outputs(&[path.as_ref().into()], rules)?;
         let mut batch = Batch::new(false);
         add_outputs(self, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        batch.commit().map(|_| ())
+        Ok(batch.commit().map(|_| ())?)
     }
 }
 
@@ -213,7 +213,7 @@ impl Answer for Link {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        batch.add(path, &profile::draw(self, format, look)?)
+        Ok(batch.add(path, &profile::draw(self, format, look)?)?)
     }
 }
 

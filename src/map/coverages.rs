@@ -102,7 +102,7 @@ impl Coverages {
         }
         let mut batch = Batch::new(options.overwrite);
         add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&options.look, Spent::default()))?;
-        batch.commit().map(|_| ())
+        Ok(batch.commit().map(|_| ())?)
     }
 
     /// Margins of the receivers of the first UAV, of so many at most.

@@ -153,7 +153,7 @@ impl Answer for Curves {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        batch.add(path, &self.plot(look, format)?)
+        Ok(batch.add(path, &self.plot(look, format)?)?)
     }
 }
 

@@ -54,13 +54,13 @@ impl Answer for Writer<'_> {
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
                     mask_values: self.options.mask_values,
                 };
-                add_map(batch, &result, path, format)
+                add_map(batch, &result, path, format)?;
             }
-            Format::Kmz => batch.add(path, &self.kmz(path)?),
+            Format::Kmz => batch.add(path, &self.kmz(path)?)?,
             Format::GeoJson if self.options.polygons.is_some() => {
-                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())
+                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())?;
             }
-            Format::GeoJson => batch.add(path, pretty(&self.of.report.geojson()).as_bytes()),
+            Format::GeoJson => batch.add(path, pretty(&self.of.report.geojson()).as_bytes())?,
             Format::FlatGeobuf => {
                 let file = PolygonFile {
                     georef: self.of.scene.field.grid(),
@@ -68,16 +68,17 @@ impl Answer for Writer<'_> {
                     title: &format!("Coverage of {}", self.of.scene.name),
                     provenance: &self.of.report.document(None).to_string(),
                 };
-                add_flatgeobuf(batch, &file, path)
+                add_flatgeobuf(batch, &file, path)?;
             }
             Format::Png if self.options.bare => {
-                self.bare(path)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
+                self.bare(path)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))?
             }
             _ => {
                 let drawing = MapDrawing { of: self.of, look, counts: None, note: None };
-                batch.add(path, &drawing.draw(format, &self.provenance_words())?)
+                batch.add(path, &drawing.draw(format, &self.provenance_words())?)?;
             }
         }
+        Ok(())
     }
 }
 
@@ -170,7 +171,7 @@ impl Writer<'_> {
         let (receivers, _) = sight.receivers().cell_names(&self.of.scene.field);
         let receivers = format!("Receivers: {receivers}, {} m high", tidy(sight.rx_height_m()));
         pictures.push((LEGEND.into(), drawn(render::draw_overlay_legend(&uavs, &receivers, &provenance))?));
-        encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)
+        Ok(encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)?)
     }
 }
 
@@ -191,7 +192,7 @@ pub(crate) fn written_at_once<'a>(
 pub(crate) struct MaskFile<'a> {
     path: &'a Path,
     values: MaskValues,
-    strips: Option<Result<MaskStrips>>,
+    strips: Option<skyshed_core::Result<MaskStrips>>,
 }
 
 impl<'a> MaskFile<'a> {
@@ -217,6 +218,6 @@ impl<'a> MaskFile<'a> {
 
     /// The file with all parts.
     pub(crate) fn written(self) -> Result<Option<MaskStrips>> {
-        self.strips.transpose()
+        Ok(self.strips.transpose()?)
     }
 }

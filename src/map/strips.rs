@@ -166,7 +166,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
 
 /// The terrain, opened.
 fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
-    job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
+    Ok(job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
 /// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
@@ -280,7 +280,7 @@ impl StripsRun<'_> {
             );
             return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
         };
-        Uav::place_streamed(site, scene, radius)
+        Ok(Uav::place_streamed(site, scene, radius)?)
     }
 }
 
@@ -314,8 +314,8 @@ impl Answer for StripFiles<'_> {
                 let of = (self.scene.grid(), self.coverage.uav.id.as_str(), provenance.as_str());
                 Ok(add_mask_geotiff(batch, path, &self.pyramid, of, self.run.job.save.mask_values)?)
             }
-            (Format::GeoJson, _) => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
-            (_, Some(shown)) if format.is_picture() => batch.add(path, &self.picture(shown, format, look)?),
+            (Format::GeoJson, _) => Ok(batch.add(path, pretty(&self.report.geojson()).as_bytes())?),
+            (_, Some(shown)) if format.is_picture() => Ok(batch.add(path, &self.picture(shown, format, look)?)?),
             _ => Ok(()),
         }
     }
@@ -327,7 +327,7 @@ impl StripFiles<'_> {
         let StripFiles { scene: surface, report, coverage, .. } = *self;
         let factor = shown.factor;
         let grid = surface.grid().coarser(factor);
-        let field = HeightField::build(&grid, surface.highest(factor)?, &mut Vec::new());
+        let field = HeightField::build(&grid, surface.highest(factor)?).field;
         let map = Coverages {
             scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
             sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],

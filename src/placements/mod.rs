@@ -324,10 +324,10 @@ impl Answer for Placements {
             return winner_map::add(self, batch, path, format, look);
         }
         match (format, &self.places) {
-            (Format::GeoJson, _) => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
+            (Format::GeoJson, _) => Ok(batch.add(path, pretty(&self.report.geojson()).as_bytes())?),
             (_, None) => Err(Error::usage(109, "only candidates on a grid make a picture or a raster")),
-            (Format::GeoTiff, Some(places)) => batch.add(path, &self.raster(places)?),
-            (_, Some(places)) => batch.add(path, &heat_map::draw(self, places, format, look)?),
+            (Format::GeoTiff, Some(places)) => Ok(batch.add(path, &self.raster(places)?)?),
+            (_, Some(places)) => Ok(batch.add(path, &heat_map::draw(self, places, format, look)?)?),
         }
     }
 }

@@ -177,7 +177,7 @@ impl Placements {
         let outputs = check_outputs(&[path.as_ref().into()], rules)?;
         let mut batch = Batch::new(false);
         add_outputs(self, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        batch.commit().map(|_| ())
+        Ok(batch.commit().map(|_| ())?)
     }
 }
 

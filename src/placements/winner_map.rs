@@ -24,7 +24,7 @@ pub(super) fn add(job: &Placements, batch: &mut Batch, path: &Path, format: Form
         return Err(Error::site(209, text).with_hint("without `--map` the other results are written"));
     };
     if format != Format::GeoTiff {
-        return batch.add(path, &picture(job, maps, format, look)?);
+        return Ok(batch.add(path, &picture(job, maps, format, look)?)?);
     }
     let result = MapResult {
         georef: job.scene.grid(),

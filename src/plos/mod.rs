@@ -483,8 +483,8 @@ impl Answer for PlosStudy {
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         match format {
-            Format::Npz => batch.add(path, &encode_arrays(&self.report)?),
-            _ => batch.add(path, &plot::draw(self, format, look)?),
+            Format::Npz => Ok(batch.add(path, &encode_arrays(&self.report)?)?),
+            _ => Ok(batch.add(path, &plot::draw(self, format, look)?)?),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::report::{PlosRow, PlosValue, RealCityFacts};
 use super::sweep::{Far, Sweeps};
 use crate::city::{BuiltUp, Source};
 use crate::error::{Error, Result, Warning};
-use crate::height_field::{HeightField, Place, Station};
+use crate::height_field::{Built, HeightField, Place, Station};
 use crate::los::{Method, MethodChoice, WrongMethod};
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::los_probability::fit::BuiltUpFit;
@@ -94,7 +94,8 @@ impl Real {
         let grid = scene.grid.clone();
         let heights = scene.solids.building_heights();
         check_memory(&word.display(), &grid, 2 * FIELD_BYTES_PER_CELL)?;
-        let field = HeightField::build(&grid, scene.solids, warnings);
+        let Built { field, warnings: odd } = HeightField::build(&grid, scene.solids);
+        warnings.extend(odd);
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = grid.meters_per_unit();

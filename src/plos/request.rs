@@ -127,7 +127,7 @@ impl PLos {
         let outputs = check_outputs(&[path.as_ref().into()], rules)?;
         let mut batch = Batch::new(false);
         add_outputs(&self.0, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        batch.commit().map(|_| ())
+        Ok(batch.commit().map(|_| ())?)
     }
 }
 

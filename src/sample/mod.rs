@@ -277,7 +277,7 @@ impl Answer for Sample {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        batch.add(path, &plot::draw(self, format, look)?)
+        Ok(batch.add(path, &plot::draw(self, format, look)?)?)
     }
 }
 

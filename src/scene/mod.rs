@@ -14,7 +14,7 @@ pub use options::SceneOptions;
 pub(crate) use options::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
 use crate::error::{Result, Warning};
-use crate::height_field::HeightField;
+use crate::height_field::{Built, HeightField};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::raster::GeoRef;
@@ -78,7 +78,8 @@ impl Scene {
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
-        let field = HeightField::build(&grid, solids, &mut warnings);
+        let Built { field, warnings: odd } = HeightField::build(&grid, solids);
+        warnings.extend(odd);
         let build = start.elapsed().as_secs_f64() - read_s;
         Ok(Scene {
             word: word.display().to_string(),

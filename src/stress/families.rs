@@ -68,7 +68,7 @@ impl Answer for Stress {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        batch.add(path, &picture(&self.report, format, look)?)
+        Ok(batch.add(path, &picture(&self.report, format, look)?)?)
     }
 }
 

@@ -100,6 +100,6 @@ impl Answer for StressScene {
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         let drawing = MapDrawing { of: &self.map, look, counts: None, note: None };
-        batch.add(path, &drawing.draw(format, &picture_provenance(&self.provenance()))?)
+        Ok(batch.add(path, &drawing.draw(format, &picture_provenance(&self.provenance()))?)?)
     }
 }

@@ -234,7 +234,7 @@ impl Answer for Survey {
 
     fn add(&self, batch: &mut Batch, path: &Path, _: Format, _: &Look) -> Result<()> {
         match &self.tiles {
-            Some(tiles) => batch.add(path, &tiles.raster(&self.provenance())?),
+            Some(tiles) => Ok(batch.add(path, &tiles.raster(&self.provenance())?)?),
             None => Ok(()),
         }
     }

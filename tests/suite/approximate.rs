@@ -212,7 +212,7 @@ fn raster_city(name: &str, seed: u64) -> HeightField {
         ground_m: 0.0,
     };
     let scene = city.city().unwrap();
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     as_raster(&field, Ground::Flat(0), 0, &mut Random(1))
 }
 

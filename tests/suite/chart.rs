@@ -198,7 +198,7 @@ fn rough_field() -> (HeightField, Uav) {
     let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect::<Vec<_>>();
     let surface = Raster::new(georef.clone(), tops);
     let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 256, voids: None };
-    let field = HeightField::build(&georef, solids, &mut Vec::new());
+    let field = HeightField::build(&georef, solids).field;
     let site = Site { id: "1".into(), x: 20.25, y: 17.75, height: Height::AboveGround(35.0) };
     let uav = Uav::place(&site, &field, None).unwrap();
     (field, uav)

@@ -154,10 +154,14 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: `--radius` is `0`, wanted above 0 m"),
         ("SMALL --uav 10,10,50 --radius -1", 2, "error[E113]: `--radius` is `-1`, wanted above 0 m"),
         ("SMALL --uav 10,10,50 --radius NaN", 2, "error[E101]: invalid value 'NaN' for '--radius <M>'"),
-        ("SMALL --uav 10,10,50 --cell 0", 2, "error[E112]: cannot generate a city: `--cell` is `0`, wanted above 0 m"),
+        (
+            "SMALL --uav 10,10,50 --cell 0",
+            2,
+            "error[E112]: cannot generate a city: the cell size is `0`, wanted above 0 m",
+        ),
         ("map city.geojson --uav 1,1,50 -o out.png --cell -2", 2, "error[E112]: `--cell` is `-2`, wanted above 0 m"),
         ("map itu:urban --uav 1,1,50 -o out.png --size NaN", 2, "error[E101]: invalid value 'NaN' for '--size <M>'"),
-        ("map itu:urban --uav 1,1,50 -o out.png --size -9", 2, "error[E112]: cannot generate a city: `--size` is `-9`"),
+        ("map itu:urban --uav 1,1,50 -o out.png --size -9", 2, "error[E112]: cannot generate a city: the size is `-9`"),
         ("map itu:1.5,500,15 --uav 1,1,50 -o out.png", 2, "error[E110]: cannot generate a city: α (built-up ratio) is"),
         ("map itu:0.3,500 --uav 1,1,50 -o out.png", 2, "error[E111]: cannot read scene `itu:0.3,500`: found `0.3,500`"),
         ("map itu:0.3,500,nan --uav 1,1,50 -o out.png", 2, "error[E110]: cannot generate a city: γ (height scale) is"),
@@ -277,7 +281,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav 10,10,40000", 4, "error[E205]: cannot place UAV `1` at (10, 10) with height 40000agl: 40000 m"),
         ("link itu:urban --uav 10,10,50 --rx 30,30,1", 4, "error[E201]: cannot place the receiver at (30, 30) with"),
         // Limits.
-        ("map itu:urban --size 70000 --uav 10,10,50 -o out.png", 5, "error[E502]: cannot generate a city: `--size` is"),
+        ("map itu:urban --size 70000 --uav 10,10,50 -o out.png", 5, "error[E502]: cannot generate a city: the size is"),
         (
             "map itu:urban --cell 0.001 --uav 10,10,50 -o out.png",
             5,

@@ -31,7 +31,7 @@ fn squares(buildings: &[([i32; 2], i32)]) -> HeightField {
         faults: FootprintFaults::default(),
         data_area: DataArea::All,
     };
-    HeightField::build(&grid, solids, &mut Vec::new())
+    HeightField::build(&grid, solids).field
 }
 
 fn uav(field: &HeightField, (x, y, height): (f64, f64, f64), radius: Option<f64>) -> Uav {
@@ -74,7 +74,7 @@ fn maps_are_the_same_without_what_was_dropped() {
         let built_up = BuiltUp::named(name).unwrap();
         let city = BuiltUpCity { built_up, size_m: 400.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
         let scene = city.city().unwrap();
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         #[expect(clippy::cast_precision_loss, reason = "a few hundred meters")]
         let (x, y, z) = (random.within(0, 399) as f64, random.within(0, 399) as f64, random.within(100, 300) as f64);
         let radius = random.choose(&[30.0, 100.0, 1000.0]);

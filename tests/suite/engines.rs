@@ -28,7 +28,7 @@ fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
         ground_m: 0.0,
     };
     let scene = city.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 /// A raster scene of the surface of another, each roof cell raised by up to `noise` lattice steps.
@@ -40,7 +40,7 @@ pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random:
     });
     let surface = Raster::new(field.grid().clone(), cells.collect::<Vec<_>>());
     let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
-    HeightField::build(field.grid(), solids, &mut Vec::new())
+    HeightField::build(field.grid(), solids).field
 }
 
 fn by(field: &HeightField, uav: &Uav, method: MethodChoice, receivers: Receivers, radius: Option<f64>) -> SiteCoverage {
@@ -169,7 +169,7 @@ fn hostile_rasters_agree_with_rays_from_every_kind_of_place() {
             let uav_z = 30 * 1024;
             let surface = Raster::new(grid.clone(), hostile(kind, n, uav_z));
             let solids = Solids::Raster { surface, ground: Ground::Surface, building_threshold: 256, voids: None };
-            let field = HeightField::build(&grid, solids, &mut Vec::new());
+            let field = HeightField::build(&grid, solids).field;
             let half = f64::from(n / 2);
             let mut total = (0, 0);
             let places = [
@@ -222,7 +222,7 @@ fn real_surfaces_agree_with_rays() {
     for path in &files {
         // Masks and outputs are no surfaces, and some cases are no rasters.
         let Ok(scene) = read_surface(path, &SurfaceOptions::default(), &mut Vec::new()) else { continue };
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let grid = field.grid().clone();
         let mut random = Random(grid.n_cells() as u64);
         let n_uavs = if slow() { 12 } else { 2 };

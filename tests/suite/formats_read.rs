@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use skyshed::{Error, ErrorClass, Warning};
 use skyshed_core::raster::CellWindow;
+use skyshed_core::{Error, ErrorClass, Warning};
 use skyshed_io::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
 
 use crate::plain_tiff::{Cells, PlainTiff};

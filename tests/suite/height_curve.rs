@@ -94,7 +94,7 @@ fn plateau(random: &mut Random) -> HeightField {
     let cells = (0..24 * 24).map(|_| height(random)).collect::<Vec<_>>();
     let surface = Raster::new(grid.clone(), cells);
     let solids = Solids::Raster { surface, ground: Ground::Flat(ground), building_threshold: 256, voids: None };
-    HeightField::build(&grid, solids, &mut Vec::new())
+    HeightField::build(&grid, solids).field
 }
 
 #[test]
@@ -176,7 +176,7 @@ fn a_wall_that_blocks_everything_is_never_overcome() {
         building_threshold: 256,
         voids: None,
     };
-    let field = HeightField::build(&grid, solids, &mut Vec::new());
+    let field = HeightField::build(&grid, solids).field;
     assert_ne!(field.ground_at(&field.place(2.5, 0.5)), VOID);
     let uav = uav_at(&field, 2.5, 0.5, 10 * M);
     let options = options(Receivers::Ground, None);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use skyshed::ErrorClass;
+use skyshed_core::ErrorClass;
 use skyshed_core::city::City;
 use skyshed_core::height_field::HeightField;
 use skyshed_io::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
@@ -37,7 +37,7 @@ fn opened(damaged: &Path) -> PathBuf {
     if is_beside { damaged.with_extension("shp") } else { damaged.to_path_buf() }
 }
 
-fn read(path: &Path) -> skyshed::Result<City> {
+fn read(path: &Path) -> skyshed_core::Result<City> {
     let is_mesh = path.extension().is_some_and(|e| e == "obj" || e == "ply");
     let warnings = &mut Vec::new();
     if is_mesh {
@@ -54,7 +54,7 @@ fn survives(damaged: &Path, how: &str) -> bool {
     let scene = read(&opened(damaged));
     let is_scene = match scene {
         Ok(scene) => {
-            HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+            HeightField::build(&scene.grid, scene.solids);
             true
         }
         // A height or a number of cells may become too large; nothing else is the user's fault.

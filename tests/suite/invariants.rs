@@ -310,7 +310,7 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
         building_threshold: 256,
         voids: None,
     };
-    HeightField::build(&grid, solids, &mut Vec::new())
+    HeightField::build(&grid, solids).field
 }
 
 /// A town of random polygons, 7 m apart, on flat ground; edges run through cell centers.
@@ -335,7 +335,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
         faults: FootprintFaults::default(),
         data_area: DataArea::All,
     };
-    HeightField::build(&grid, solids, &mut Vec::new())
+    HeightField::build(&grid, solids).field
 }
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
@@ -519,7 +519,7 @@ fn a_receiver_on_a_roof_sees_what_its_own_roof_does_not_hide() {
         faults: FootprintFaults::default(),
         data_area: DataArea::All,
     };
-    let field = HeightField::build(&grid, solids, &mut Vec::new());
+    let field = HeightField::build(&grid, solids).field;
     for (x, z, rx_height, n_los) in
         [(6.0, 20_480, 1536, 16), (0.5, 5_000, 0, 0), (0.5, 11_776, 1536, 16), (0.5, 10_240, 0, 16)]
     {

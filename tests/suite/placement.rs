@@ -49,7 +49,7 @@ fn the_best_candidate_is_that_of_a_brute_force_by_rays() {
         ground_m: 0.0,
     };
     let city = city.city().unwrap();
-    let city = HeightField::build(&city.grid, city.solids, &mut Vec::new());
+    let city = HeightField::build(&city.grid, city.solids).field;
     for field in [raster_town(&mut random, 24), vector_town(&mut random, 28), city] {
         let candidates = candidates(&field, (field.grid().x_max() - field.grid().x_min()) / 5.0);
         assert!(candidates.len() > 20);

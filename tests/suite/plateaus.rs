@@ -148,7 +148,7 @@ fn city(name: &str, seed: u64) -> HeightField {
     let built_up = BuiltUp::named(name).unwrap();
     let scene =
         BuiltUpCity { built_up, size_m: 520.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use rayon::prelude::*;
 use skyshed_core::city::{City, Solids};
-use skyshed_core::height_field::{ConvexPieces, HeightField, Ring, convex_pieces};
+use skyshed_core::height_field::{Built, ConvexPieces, HeightField, Ring, convex_pieces};
 use skyshed_core::overlay::even_odd;
 use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
@@ -300,8 +300,7 @@ fn ten_thousand_invalid_polygons_keep_the_area_of_their_shells_less_holes_and_ar
         n_crossing += usize::from(wanted > 0.0);
     }
     assert!(n_empty > n / 20 && n_crossing > n / 2, "{n_empty} {n_crossing}");
-    let mut warnings = Vec::new();
-    let field = HeightField::build(&scene.grid, scene.solids.clone(), &mut warnings);
+    let Built { field, warnings } = HeightField::build(&scene.grid, scene.solids.clone());
     assert_eq!(warnings.len(), 0, "{warnings:?}");
     let pieces = field.prisms().unwrap();
     let covered: f64 = pieces.pieces().iter().map(|p| doubled_area(&wide(pieces.ring(p))) as f64).sum();

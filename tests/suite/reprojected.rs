@@ -3,10 +3,10 @@
 
 use std::process::Command;
 
-use skyshed::{Result, Warning};
 use skyshed_core::city::{City, Ground, Solids};
 use skyshed_core::quantity::{VOID, meters};
 use skyshed_core::raster::{Crs, GeoRef, Raster};
+use skyshed_core::{Result, Warning};
 use skyshed_io::crs;
 use skyshed_io::crs::Transformation;
 use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};

@@ -43,7 +43,7 @@ fn from_maps(built_up: BuiltUp, n_cities: u64) -> Vec<Vec<Estimate>> {
     for seed in 1..=n_cities {
         let city = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
         let scene = city.city().unwrap();
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let zones = ZoneMap::of(&field, Some(&built_up));
         let parts = ReceiverParts::new(&field.cells().open, &zones);
         let blocks = CellBlocks::new(field.grid(), 1.0, size_m);

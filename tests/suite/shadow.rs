@@ -310,7 +310,7 @@ pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightFie
     let city =
         BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m, seed, ground_m: 0.0 };
     let scene = city.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 /// UAVs over a street, a crossroad, a roof and beside the city, at heights from 2 to 500 m; not inside a building.
@@ -383,7 +383,7 @@ fn munich(terrain: bool) -> HeightField {
         ..FootprintOptions::default()
     };
     let scene = read_footprints(&maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 #[test]

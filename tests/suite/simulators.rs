@@ -177,7 +177,7 @@ fn the_simulators_agree_with_rays_through_the_city_as_built() {
                 ground_m: 0.0,
             };
             let scene = city.city().unwrap();
-            built = Some((key, HeightField::build(&scene.grid, scene.solids, &mut Vec::new())));
+            built = Some((key, HeightField::build(&scene.grid, scene.solids).field));
         }
         let prisms = built.as_ref().and_then(|(_, field)| field.prisms()).unwrap();
         links.iter().filter(|link| prisms_los(prisms, link.uav, link.receiver)).count() as u64

@@ -32,7 +32,7 @@ fn stability(field: &HeightField, uav: &Uav, options: &MapOptions) -> Stability 
 fn row(tops: &[i32], ground: Ground) -> HeightField {
     let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, tops.len()), None).unwrap();
     let surface = Raster::new(grid.clone(), tops.to_vec());
-    HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: 256, voids: None }, &mut Vec::new())
+    HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: 256, voids: None }).field
 }
 
 fn uav_at(field: &HeightField, x: f64, y: f64, z: i32) -> Uav {

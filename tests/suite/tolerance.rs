@@ -15,7 +15,7 @@ use crate::program::Folder;
 use crate::support::{Random, slow, truth};
 
 fn built(scene: City) -> HeightField {
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
@@ -154,7 +154,7 @@ fn a_difference_is_counted_by_hand() {
         building_threshold: 256,
         voids: None,
     };
-    let field = HeightField::build(&grid, solids, &mut Vec::new());
+    let field = HeightField::build(&grid, solids).field;
     let uav =
         Uav::place(&Site { id: "1".into(), x: 1.5, y: 8.5, height: Height::AboveGround(10.0) }, &field, None).unwrap();
     // Exact: 16 columns in front are LoS, 15 behind are not: P = 256/496. Pooled by 2: the wall takes columns 16 and 17, so

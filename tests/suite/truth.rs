@@ -169,7 +169,7 @@ fn compare(comparison: Comparison) -> usize {
         Solids::Vector { footprints, .. } => footprints.clone(),
         Solids::Raster { .. } => Vec::new(),
     };
-    let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    let field = HeightField::build(&scene.grid, scene.solids).field;
     let referee = Referee::new(&field, footprints);
     let facts: Value = serde_json::from_str(&std::fs::read_to_string(truth.join("truth.json")).unwrap()).unwrap();
     let mut n_evaluated = 0;
@@ -301,7 +301,7 @@ fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
             Solids::Vector { footprints, .. } => footprints.clone(),
             Solids::Raster { .. } => Vec::new(),
         };
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let referee = Referee::new(&field, prisms);
         let n_links = if crate::support::slow() { 6_000 } else { 600 };
         let mut random = Random(11);

@@ -31,7 +31,7 @@ fn vector_scene(rings: Vec<Vec<[i32; 2]>>, width: usize, height: usize) -> Heigh
         faults: FootprintFaults::default(),
         data_area: DataArea::All,
     };
-    HeightField::build(&grid, solids, &mut Vec::new())
+    HeightField::build(&grid, solids).field
 }
 
 /// A drawing whose letters are squares of 5 m: `#` is built; all else is open.
@@ -225,7 +225,7 @@ fn a_kiosk_in_a_street_does_not_divide_it() {
 
 fn city(built_up: BuiltUp, size_m: f64) -> HeightField {
     let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids).field
 }
 
 /// Shares of open cells with the same zone: of all, and of those a period or more from the frame.
@@ -289,8 +289,8 @@ fn as_raster(field: &HeightField, cell: (f64, f64)) -> HeightField {
     HeightField::build(
         &grid,
         Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS, voids: None },
-        &mut Vec::new(),
     )
+    .field
 }
 
 #[test]
@@ -392,7 +392,7 @@ fn munich() -> City {
 }
 
 fn build(scene: &City) -> HeightField {
-    HeightField::build(&scene.grid, scene.solids.clone(), &mut Vec::new())
+    HeightField::build(&scene.grid, scene.solids.clone()).field
 }
 
 #[test]
@@ -490,11 +490,9 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
         for ground in [Ground::Flat(0), Ground::Surface] {
             let is_known = matches!(ground, Ground::Flat(_));
             let surface = Raster::new(grid.clone(), heights.clone());
-            let field = HeightField::build(
-                &grid,
-                Solids::Raster { surface, ground, building_threshold: STEPS, voids: None },
-                &mut Vec::new(),
-            );
+            let field =
+                HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: STEPS, voids: None })
+                    .field;
             let map = ZoneMap::of(&field, None);
             assert_eq!(ZoneMap::if_known(&field, None), is_known.then(|| map.clone()));
             if is_known {

@@ -1,7 +1,10 @@
 //! What is learned with the engines: how likely line of sight is, where to hover, what a method costs and errs.
 
 pub mod accuracy;
+pub mod error;
 pub mod los_probability;
 pub mod placement;
 
-use skyshed_core::{city, coverage, error, height_field, los, outlines, overlay, quantity, raster, zones};
+pub use error::{Error, Result};
+
+use skyshed_core::{city, coverage, height_field, los, outlines, overlay, quantity, raster, zones};

@@ -61,7 +61,7 @@ impl OutputArgs {
             return Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"));
         }
         let all: Vec<PathBuf> = self.output.iter().chain(csv).cloned().collect();
-        check_outputs(&all, OutputRules { allowed, inputs, overwrite: self.overwrite, bare: false })
+        Ok(check_outputs(&all, OutputRules { allowed, inputs, overwrite: self.overwrite, bare: false })?)
     }
 
     /// How files without pictures look.

@@ -1,4 +1,4 @@
-//! Generated cities: the Manhattan grid of the built-up parameters α, β, γ of ITU-R P.1410.
+//! The Manhattan grid of the built-up parameters α, β, γ of ITU-R P.1410.
 //!
 //! Square buildings of width w stand on a square lattice, separated by streets of width s (Saboor et al. 2023,
 //! eqs. 2–3), and their heights are independent Rayleigh variates of scale γ (eq. 1). The height of building (i, j) of a
@@ -12,12 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Exp1};
 
-use super::Footprint;
-use super::faults::FootprintFaults;
-use super::{City, DataArea, Ground, Solids};
-use crate::error::{Error, Result};
-use crate::quantity::{Frame, MAX_EXTENT_UNITS, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, whole};
-use crate::raster::GeoRef;
+use crate::error::{CityError, Result};
+use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps};
 
 /// The built-up parameters of a city.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +33,8 @@ impl BuiltUp {
     /// Usage error if a parameter is not finite or out of range, or the streets would be narrower than the lattice.
     pub fn new(built_up_ratio: f64, buildings_per_km2: f64, height_scale: f64) -> Result<Self> {
         let city = BuiltUp { built_up_ratio, buildings_per_km2, height_scale };
-        let refuse = |name: &str, value: f64, wanted: &str| {
-            Err(Error::usage(110, format!("cannot generate a city: {name} is `{value}`, wanted {wanted}")))
+        let refuse = |name: &'static str, found: f64, wanted: &'static str| {
+            Err(CityError::Parameter { name, found, wanted }.into())
         };
         if !(built_up_ratio > 0.0 && built_up_ratio < 1.0) {
             return refuse("α (built-up ratio)", built_up_ratio, "0 < α < 1");
@@ -156,168 +152,6 @@ impl fmt::Display for BuiltUp {
     }
 }
 
-/// The most buildings of one generated city.
-const MOST_BUILDINGS: f64 = 1e7;
-
-/// What a building takes in a scene and its height field.
-const BYTES_PER_BUILDING: f64 = 300.0;
-
-/// A generated city: its parameters, extent, seed and grid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BuiltUpCity {
-    /// Built-up parameters.
-    pub built_up: BuiltUp,
-    /// Edge length of the square city \[m\].
-    pub size_m: f64,
-    /// How far ground and buildings go on beyond it on all sides \[m\]: 0, or for discs around places at its edge.
-    pub margin_m: f64,
-    /// Edge length of a cell of the receivers' grid \[m\].
-    pub cell_m: f64,
-    /// Seed of the building heights.
-    pub seed: u64,
-    /// Height of the ground above the datum \[m\].
-    pub ground_m: f64,
-}
-
-impl BuiltUpCity {
-    /// Parameters from a scene word such as `itu:urban` or `itu:0.3,500,15`; `None` if it does not begin with `itu:`.
-    ///
-    /// # Errors
-    /// Usage error if what follows is neither a known environment nor three valid numbers.
-    pub fn parse_built_up(word: &str) -> Option<Result<BuiltUp>> {
-        let rest = word.strip_prefix("itu:")?;
-        if let Some(known) = BuiltUp::named(&rest.to_lowercase()) {
-            return Some(Ok(known));
-        }
-        let numbers: Vec<std::result::Result<f64, _>> = rest.split(',').map(|n| n.trim().parse::<f64>()).collect();
-        Some(match numbers[..] {
-            [Ok(alpha), Ok(beta), Ok(gamma)] => BuiltUp::new(alpha, beta, gamma),
-            _ => Err(Error::usage(
-                111,
-                format!("cannot read scene `{word}`: found `{rest}`, wanted a named environment or `α,β,γ`"),
-            )
-            .with_hint(
-                "itu:suburban, itu:urban, itu:dense-urban, itu:high-rise, itu:ghent, or for example itu:0.3,500,15",
-            )),
-        })
-    }
-
-    /// About how much memory the scene takes \[bytes\]: its buildings, and 8 for each cell of a map. `None` if it is refused
-    /// for its size, its buildings or its cells anyway.
-    pub fn memory(&self) -> Option<u64> {
-        let size_m = self.size_m + 2.0 * self.margin_m;
-        let (n_buildings, n_cells) = ((size_m / self.built_up.period()).powi(2), size_m / self.cell_m);
-        let is_possible = size_m.max(n_cells) <= MAX_EXTENT_UNITS && n_buildings <= MOST_BUILDINGS;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate; saturating")]
-        is_possible.then(|| (BYTES_PER_BUILDING * n_buildings + 8.0 * n_cells.powi(2)) as u64)
-    }
-
-    /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
-    /// margin if there is one. A margin changes no building within the city.
-    ///
-    /// # Errors
-    /// Usage error for a bad size or cell; limit error above 65 536 m.
-    pub fn city(&self) -> Result<City> {
-        let positive = |flag: &str, v: f64| {
-            if v > 0.0 && v.is_finite() {
-                Ok(())
-            } else {
-                Err(Error::usage(112, format!("cannot generate a city: `{flag}` is `{v}`, wanted above 0 m")))
-            }
-        };
-        positive("--size", self.size_m)?;
-        positive("--cell", self.cell_m)?;
-        let n_margin = whole(self.margin_m / self.cell_m).ceil();
-        let margin_m = n_margin * self.cell_m;
-        let size_m = self.size_m + 2.0 * margin_m;
-        if size_m > MAX_EXTENT_UNITS {
-            return Err(Error::limit(
-                502,
-                format!(
-                    "cannot generate a city: `--size` is {} m{}, wanted at most {MAX_EXTENT_UNITS} m",
-                    self.size_m,
-                    if margin_m > 0.0 { format!(", and {size_m} m with what whole discs take") } else { String::new() }
-                ),
-            ));
-        }
-        let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin;
-        if n_cells > MAX_EXTENT_UNITS {
-            return Err(Error::limit(
-                502,
-                format!("cannot generate a city: {n_cells} cells a side, wanted at most {MAX_EXTENT_UNITS}"),
-            )
-            .with_hint("choose a larger `--cell`"));
-        }
-        let n_buildings = (size_m / self.built_up.period()).powi(2);
-        if n_buildings > MOST_BUILDINGS {
-            return Err(Error::limit(
-                502,
-                format!("cannot generate a city: about {n_buildings:.0} buildings, wanted at most {MOST_BUILDINGS}"),
-            )
-            .with_hint("choose a smaller `--size`, or a smaller β"));
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "1 ≤ n ≤ 65536 by the checks above"
-        )]
-        let n = n_cells as usize;
-        let extent = self.cell_m * n_cells;
-        // Not `-margin_m`, which would write −0 into files.
-        let grid = GeoRef::new((0.0 - margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
-            .ok_or_else(|| Error::internal(901, "a checked city has a valid grid"))?;
-        let ground = height_steps(self.ground_m).ok_or_else(|| {
-            Error::usage(113, format!("cannot place the ground at `{}` m: wanted within ±32768 m", self.ground_m))
-        })?;
-        Ok(City {
-            name: format!("a generated city ({}; seed {})", self.built_up, self.seed),
-            grid,
-            solids: Solids::Vector {
-                footprints: self.footprints(ground, margin_m),
-                frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
-                ground: Ground::Flat(ground),
-                faults: FootprintFaults::default(),
-                data_area: DataArea::All,
-            },
-            built_up: Some(self.built_up),
-            sources: Vec::new(),
-            attribution: None,
-            height_gap: None,
-        })
-    }
-
-    /// The buildings row by row from the south-west, cut at the edge.
-    fn footprints(&self, ground: i32, margin_m: f64) -> Vec<Footprint> {
-        let (street, period) = (self.built_up.street_width(), self.built_up.period());
-        #[expect(clippy::cast_possible_truncation, reason = "at most 65536 m in steps of 1/1024 m")]
-        let edge = |v: f64| (v * f64::from(STEPS_PER_UNIT)).round() as i64;
-        let (low, high) = (edge(-margin_m), edge(self.size_m + margin_m));
-        #[expect(clippy::cast_possible_truncation, reason = "between the edges, which are within ±2^26")]
-        let cut = |v: i64| v.clamp(low, high) as i32;
-        #[expect(clippy::cast_possible_truncation, reason = "a city has far fewer than 2^31 columns")]
-        let first = -((margin_m / period).ceil() as i32);
-        let spans: Vec<(i32, [i32; 2])> = (first..)
-            .take_while(|k| f64::from(*k) * period + street < self.size_m + margin_m)
-            .map(|k| (k, self.built_up.building_span(k).map(cut)))
-            .filter(|(_, [a, b])| a < b)
-            .collect();
-        let mut heights = self.built_up.heights(self.seed);
-        let mut footprints = Vec::with_capacity(spans.len() * spans.len());
-        for &(j, [y0, y1]) in &spans {
-            for &(i, [x0, x1]) in &spans {
-                let height = heights.steps(i, j);
-                footprints.push(Footprint {
-                    id: format!("{i},{j}"),
-                    polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
-                    top: ground + height,
-                    base: Some(ground),
-                });
-            }
-        }
-        footprints
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -326,25 +160,6 @@ mod tests {
     fn drawn(built_up: BuiltUp, seed: u64, n: i32) -> Vec<f64> {
         let mut heights = built_up.heights(seed);
         (0..n * n).map(|k| heights.meters(k / n, k % n)).collect()
-    }
-
-    #[test]
-    fn widths_of_the_named_environments_are_those_of_the_literature() {
-        // reference: w, s [m] = (11.547005, 24.967832), (24.494897, 20.226462), (40.824829, 16.910198).
-        for (name, w, s) in
-            [("suburban", 11.547_005, 24.967_832), ("urban", 24.494_897, 20.226_462), ("dense", 40.824_829, 16.910_198)]
-        {
-            let city = BuiltUp::named(name).expect("a known name");
-            assert!((city.building_width() - w).abs() < 1e-6 && (city.street_width() - s).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn the_corner_of_a_generated_city_is_a_zero_without_sign() {
-        let built_up = BuiltUp::named("urban").expect("a known name");
-        let city = BuiltUpCity { built_up, size_m: 100.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 };
-        let grid = city.city().expect("a city").grid;
-        assert_eq!([grid.x_min(), grid.y_min()].map(f64::to_bits), [0, 0]);
     }
 
     #[test]
@@ -364,23 +179,5 @@ mod tests {
         for (a, b, g) in [(1.0, 500.0, 15.0), (0.3, 0.0, 15.0), (0.3, 500.0, -1.0), (f64::NAN, 500.0, 15.0)] {
             assert!(BuiltUp::new(a, b, g).is_err());
         }
-        assert!(BuiltUpCity::parse_built_up("itu:0.3,500").is_some_and(|r| r.is_err()));
-        assert!(BuiltUpCity::parse_built_up("city.tif").is_none());
-    }
-
-    #[test]
-    fn heights_have_the_mean_and_the_tail_of_a_rayleigh_distribution() {
-        let city = BuiltUp::named("urban").expect("a known name");
-        let heights = drawn(city, 7, 200);
-        assert!(heights.iter().all(|h| *h < city.tallest()));
-        let n = heights.len() as f64;
-        let mean = heights.iter().sum::<f64>() / n;
-        // Mean γ·√(π/2), standard deviation γ·√(2 − π/2); four standard errors.
-        let (expected, deviation) = (15.0 * (std::f64::consts::PI / 2.0).sqrt(), 15.0 * 0.655_136_377_562_033_4);
-        assert!((mean - expected).abs() < 4.0 * deviation / n.sqrt(), "mean {mean}, wanted {expected}");
-        // P(H > 2γ) = e^-2.
-        let share = heights.iter().filter(|h| **h > 30.0).count() as f64 / n;
-        let p = (-2.0_f64).exp();
-        assert!((share - p).abs() < 4.0 * (p * (1.0 - p) / n).sqrt());
     }
 }

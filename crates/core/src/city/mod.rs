@@ -7,13 +7,15 @@ mod area;
 mod built_up;
 mod faults;
 mod footprint;
+mod generated;
 mod site;
 mod windowed;
 
 pub use area::Area;
-pub use built_up::{BuildingHeights, BuiltUp, BuiltUpCity};
+pub use built_up::{BuildingHeights, BuiltUp};
 pub use faults::{Fault, FootprintFaults, LEFT_OUT};
 pub use footprint::{BuildingHeight, Footprint};
+pub use generated::BuiltUpCity;
 pub use site::{GivenSite, Site};
 pub use windowed::{WindowedBase, WindowedSolids, row_bands};
 

@@ -45,7 +45,6 @@ impl<'a> RowSets<'a> {
         self.los.iter_mut().zip(los).for_each(|(sum, more)| *sum |= more);
     }
 
-    /// The words of the row.
     pub(super) fn words(&self) -> impl Iterator<Item = WordSets> {
         let (from, to) = self.in_range;
         (0..self.receivers.len()).map(move |k| {
@@ -65,7 +64,6 @@ impl<'a> RowSets<'a> {
     }
 }
 
-/// Writes the classes of a row.
 pub(super) fn write_classes(sets: &RowSets<'_>, mask: &mut [u8]) {
     dispatch!(Level::new(), simd => write_words(simd, sets, mask));
 }

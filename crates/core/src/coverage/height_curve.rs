@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::cell_heights::surface_under;
 use super::{Control, SiteCoverage, Uav, class};
-use crate::error::{Error, ErrorClass, Result};
+use crate::error::Result;
 use crate::height_field::{CellKind, HeightField, Station};
 use crate::los::link_least_step;
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID};
@@ -43,7 +43,7 @@ impl HeightCurve {
     /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
     ///
     /// # Errors
-    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
         let n_cols = field.grid().n_cols();
         let positions = field.positions();
@@ -71,9 +71,7 @@ impl HeightCurve {
                 least
             })
             .collect();
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written"));
-        }
+        control.check()?;
         let mut least = rows.concat();
         drop(rows);
         least.par_sort_unstable();

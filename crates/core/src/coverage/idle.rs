@@ -6,7 +6,6 @@
 
 use super::Uav;
 use super::map::Mapper;
-use super::range::Range;
 use crate::height_field::{Caster, Prisms, Station};
 
 /// Footprints of a scene, by what they can do to a run.
@@ -69,11 +68,11 @@ impl Mapper<'_> {
     ///
     /// Cost: a look at each piece of a footprint.
     pub fn drop_idle(&mut self, uavs: &[Uav]) -> IdleFootprints {
-        let Some(prisms) = self.field().prisms() else { return IdleFootprints::default() };
+        let Some(prisms) = self.field.prisms() else { return IdleFootprints::default() };
         let links = self.links_of(uavs);
         let kept = prisms.casters().kept(|c: &Caster| !links.is_too_low(c.top) && !links.is_beyond(c.bounds));
         self.cast_only(kept);
-        count(prisms, self.field().n_buildings(), &links)
+        count(prisms, self.field.n_buildings(), &links)
     }
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
@@ -82,18 +81,18 @@ impl Mapper<'_> {
             let place = uav.station.on_prisms();
             links = links.with_point((place.x, place.y));
             links.lowest = links.lowest.min(uav.station.z);
-            let window = Range::of(self.positions(), &uav.station.place, self.radius()).window();
+            let window = self.range_of(uav).window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }
             for (row, col) in
                 [(window.row, window.col), (window.row + window.n_rows - 1, window.col + window.n_cols - 1)]
             {
-                let corner = Station { place: self.positions().center(row, col), z: 0 }.on_prisms();
+                let corner = Station { place: self.engine.positions().center(row, col), z: 0 }.on_prisms();
                 links = links.with_point((corner.x, corner.y));
             }
         }
-        let lowest = self.receivers().iter().filter_map(|receivers| receivers.lowest()).min();
+        let lowest = self.receivers.iter().filter_map(|receivers| receivers.lowest()).min();
         // A lattice step to spare: how stable answers are is found by moving the UAV by one.
         LinkBox {
             west: links.west - 1,

@@ -35,7 +35,7 @@ impl Mapper<'_> {
     /// The outcome does not depend on the number of threads.
     ///
     /// # Errors
-    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map_many(
         &self,
         uavs: &[Uav],
@@ -45,7 +45,7 @@ impl Mapper<'_> {
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<ManyMaps> {
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
-        let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.n_cells()));
+        let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.field.grid().n_cells()));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
                 [one] => {

@@ -2,89 +2,22 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, least_height_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
-use super::stability::{Decided, ShiftedRoofs};
-use super::{Stability, Tally, Uav};
-use crate::error::{Error, ErrorClass, Result};
-use crate::height_field::{Casters, GridPositions, HeightField, Station};
-use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod, link_los};
-use crate::quantity::STEPS_PER_UNIT;
+use super::stability::{Answers, Decided, ShiftedRoofs};
+use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
+use crate::error::{MapError, Result};
+use crate::height_field::{Casters, HeightField, Station};
+use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
 use crate::raster::{BitGrid, LargeVec, set_bits};
 
 /// Strips in which a map is decided that is handed over while it is made.
 const STRIPS: usize = 4;
-
-/// Which cells hold receivers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Receivers {
-    /// All cells of open ground.
-    #[default]
-    Ground,
-    /// Building cells only, standing on the roof.
-    Roof,
-    /// Both.
-    All,
-}
-
-/// How a map is made.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MapOptions {
-    /// Height of the receivers above what they stand on \[1/1024 m\].
-    pub rx_height: i32,
-    /// Which cells hold receivers.
-    pub receivers: Receivers,
-    /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
-    pub within: Option<BitGrid>,
-    /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
-    pub radius: Option<f64>,
-    /// Length of a CRS unit \[m\], for elevation angles.
-    pub meters_per_unit: f64,
-    /// Which layers of heights to make.
-    pub layers: HeightLayers,
-    /// Which engine decides; all are exact but those that say they are not.
-    pub method: MethodChoice,
-}
-
-impl Default for MapOptions {
-    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
-    fn default() -> Self {
-        MapOptions {
-            rx_height: 3 * STEPS_PER_UNIT / 2,
-            receivers: Receivers::Ground,
-            within: None,
-            radius: None,
-            meters_per_unit: 1.0,
-            layers: HeightLayers::default(),
-            method: MethodChoice::Auto,
-        }
-    }
-}
-
-/// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct HeightLayers {
-    /// Receiver height less the least visible height.
-    pub margin: bool,
-    /// Least receiver height in line of sight.
-    pub least_receiver_height: bool,
-    /// Least UAV height, over its place, that sees the receiver.
-    pub least_height: bool,
-    /// How many of eight moves by one lattice step turn the answer, see [`Stability`].
-    pub stability: bool,
-}
-
-impl HeightLayers {
-    /// Whether a link must be walked for any of them.
-    fn has_heights(self) -> bool {
-        self.margin || self.least_receiver_height || self.least_height
-    }
-}
 
 /// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
 #[derive(Debug, Clone)]
@@ -115,15 +48,6 @@ pub struct Seen {
     pub los: BitGrid,
 }
 
-/// Progress out of, and the wish to stop into, a running map.
-#[derive(Debug, Default)]
-pub struct Control {
-    /// Cells decided so far.
-    pub done: AtomicU64,
-    /// Set it to stop at the next row.
-    pub stop: AtomicBool,
-}
-
 /// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
 ///
 /// # Errors
@@ -135,14 +59,15 @@ pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &
 /// A scene and options made ready for any number of UAVs.
 #[derive(Debug)]
 pub struct Mapper<'a> {
-    field: &'a HeightField,
-    options: &'a MapOptions,
-    engine: GridLos<'a>,
+    pub(super) field: &'a HeightField,
+    pub(super) options: &'a MapOptions,
+    /// Shared by all threads.
+    pub(super) engine: GridLos<'a>,
     /// The same, for many UAVs of which each has a thread of its own.
     alone: GridLos<'a>,
     why: &'static str,
     /// Receivers on the ground, on roofs, or both.
-    receivers: Vec<GridReceivers<'a>>,
+    pub(super) receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
     /// The scene with other roofs, where stability is asked for.
@@ -156,15 +81,10 @@ impl<'a> Mapper<'a> {
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
     /// one.
     pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
-        let refuse = |wrong: WrongMethod| {
-            Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
-                .with_hint(format!("`--method auto` takes `{}` here; `ray` decides any scene", wrong.instead.name()))
-        };
+        let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
-            let text =
-                format!("layers of heights with `{method}`, which is approximate: they are exact, and would not agree");
-            return Err(Error::usage(118, text).with_hint("`--method auto`, or `--layers los` alone"));
+            return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }
         let cells = field.cells();
         let within = |cells: &'a BitGrid| match &options.within {
@@ -199,16 +119,6 @@ impl<'a> Mapper<'a> {
         self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
     }
 
-    /// The engine, shared by all threads.
-    pub(super) fn engine(&self) -> &GridLos<'a> {
-        &self.engine
-    }
-
-    /// Range \[CRS units\], if it is limited.
-    pub(super) fn radius(&self) -> Option<f64> {
-        self.options.radius
-    }
-
     /// Casts the shadows of these alone.
     pub(super) fn cast_only(&mut self, casters: Casters) {
         let casters = Arc::new(casters);
@@ -216,35 +126,15 @@ impl<'a> Mapper<'a> {
         self.alone = self.alone.clone().with_casters(casters);
     }
 
-    /// Number of cells of the grid.
-    pub(super) fn n_cells(&self) -> usize {
-        self.field.grid().n_cells()
-    }
-
-    /// Number of columns of the grid.
-    pub(super) fn n_cols(&self) -> usize {
-        self.field.grid().n_cols()
-    }
-
-    /// The scene.
-    pub(super) fn field(&self) -> &'a HeightField {
-        self.field
-    }
-
-    /// Receivers on the ground, on roofs, or both.
-    pub(super) fn receivers(&self) -> &[GridReceivers<'a>] {
-        &self.receivers
-    }
-
-    /// Positions of the receivers.
-    pub(super) fn positions(&self) -> &GridPositions {
-        self.engine.positions()
+    /// The cells in range of a UAV.
+    pub(super) fn range_of(&self, uav: &Uav) -> Range {
+        Range::of(self.engine.positions(), &uav.station.place, self.options.radius)
     }
 
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
     /// without a mask. For many UAVs at once: each is the work of one thread.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         self.receivers.iter().fold((0, 0), |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
             (sum.0 + wanted.as_ref().unwrap_or(&receivers.cells).count(), sum.1 + los.count())
@@ -254,7 +144,7 @@ impl<'a> Mapper<'a> {
     /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
     pub fn seen(&self, uav: &Uav) -> Seen {
         let grid = self.field.grid();
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
         self.receivers.iter().fold(Seen { receivers: none(), los: none() }, |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
@@ -265,7 +155,7 @@ impl<'a> Mapper<'a> {
 
     /// The cells that hold receivers in range of a UAV.
     pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
-        Range::of(self.engine.positions(), &uav.station.place, self.options.radius).cut(&self.receiver_cells())
+        self.range_of(uav).cut(&self.receiver_cells())
     }
 
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
@@ -304,7 +194,7 @@ impl<'a> Mapper<'a> {
     /// by all threads of the current pool.
     ///
     /// # Errors
-    /// Only [`ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }
@@ -320,7 +210,7 @@ impl<'a> Mapper<'a> {
     ) -> Result<SiteCoverage> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
         let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
         let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
@@ -407,11 +297,17 @@ impl<'a> Mapper<'a> {
             }
             tally
         };
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
-        let stability =
-            self.roofs.as_ref().filter(|_| keep).map(|roofs| self.stability((uav, &range), &decided, roofs, control));
+        control.check()?;
+        let answers = Answers {
+            field: self.field,
+            engine: &self.engine,
+            receivers: &self.receivers,
+            radius: self.options.radius,
+            uav,
+            range: &range,
+            decided: &decided,
+        };
+        let stability = self.roofs.as_ref().filter(|_| keep).map(|roofs| answers.stability(roofs, control));
         let stability = stability.transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
@@ -430,7 +326,7 @@ impl<'a> Mapper<'a> {
     ///
     /// Cost: a walk along each link; on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let all = self.receivers.iter().flat_map(|receivers| {
             let rows = 0..receivers.cells.n_rows();
             rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
@@ -448,17 +344,20 @@ impl<'a> Mapper<'a> {
 
     /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
     pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
-        let range = Range::of(self.engine.positions(), &uav.station.place, self.options.radius);
+        let range = self.range_of(uav);
         let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
         in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
     }
 
     /// The receivers of a cell, on the ground or on the roof.
-    fn receivers_at(&self, cell: (usize, usize)) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
+    pub(super) fn receivers_at(
+        &self,
+        cell: (usize, usize),
+    ) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
         self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1)).map(move |r| (r, cell))
     }
 
-    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
+    pub(super) fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
         let cell = row * self.field.grid().n_cols() + col;
         let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
         least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
@@ -476,11 +375,6 @@ impl<'a> Mapper<'a> {
             first_cell: row * grid.n_cols(),
         }
     }
-}
-
-/// The error of work that was told to stop.
-pub fn interrupted() -> Error {
-    Error::new(ErrorClass::Interrupted, 130, "interrupted; nothing was written")
 }
 
 /// The receiver of a UAV with the least margin.

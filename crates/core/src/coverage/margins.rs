@@ -5,11 +5,8 @@
 
 use rayon::prelude::*;
 
-use super::cell_heights::least_height_and_margin;
 use super::map::Mapper;
 use super::{SiteCoverage, class};
-use crate::height_field::Station;
-use crate::raster::BitGrid;
 
 /// Margins of some receivers of a map.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,12 +69,10 @@ impl Mapper<'_> {
     }
 
     fn margin(&self, map: &SiteCoverage, cell: usize) -> f32 {
-        let n_cols = self.n_cols();
-        let (row, col) = (cell / n_cols, cell % n_cols);
-        let holds = |cells: &BitGrid| cells.contains(row, col);
-        let Some(receivers) = self.receivers().iter().find(|r| holds(&r.cells)) else { return f32::NAN };
-        let receiver = Station { place: self.positions().center(row, col), z: receivers.height(cell) };
-        let margin = least_height_and_margin(self.field(), &map.uav, &receiver, receivers.base(cell)).1;
+        let n_cols = self.field.grid().n_cols();
+        let at = (cell / n_cols, cell % n_cols);
+        let Some((receivers, _)) = self.receivers_at(at).next() else { return f32::NAN };
+        let margin = self.margin_at(&map.uav, receivers, at);
         debug_assert!(!self.method().0.is_exact() || (map.mask[cell] == class::LOS) == (margin >= 0.0));
         margin
     }

@@ -152,31 +152,6 @@ pub fn count_sets(masks: &[&[u8]]) -> Option<Vec<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::GeoRef;
-
-    #[test]
-    fn every_combination_of_classes_is_counted_once() {
-        let classes = [0, 1, 2, 3, 255];
-        let (first, second): (Vec<u8>, Vec<u8>) = classes.iter().flat_map(|a| classes.map(|b| (*a, b))).unzip();
-        let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (5, 5), None).expect("a valid grid");
-        let blocks = CellBlocks::new(&grid, 1.0, 2.0);
-        let cells = CellGroups { blocks: &blocks, groups: &[0; 25], n_cols: 5 };
-        let by_block = count_pairs::<1>(&first, &second, &cells);
-        assert_eq!(by_block.len(), 9);
-        let sum = by_block.iter().fold(PairCounts::default(), |sum, [counts]| sum.plus(counts));
-        let wanted = PairCounts {
-            both: 1,
-            only_first: 1,
-            only_second: 1,
-            neither: 1,
-            receivers_of_first: 6,
-            receivers_of_second: 6,
-        };
-        assert_eq!(sum, wanted);
-        // Rows are the first mask's classes: the north-west block holds NLoS and LoS of both.
-        assert_eq!((by_block[0][0].compared(), by_block[1][0].receivers_of_first), (4, 4));
-        assert_eq!(difference_layer(&first, &second)[..7], [0, 2, 255, 255, 255, 1, 3]);
-    }
 
     #[test]
     fn sets_tell_who_sees_what() {

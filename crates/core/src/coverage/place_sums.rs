@@ -29,7 +29,6 @@ impl PlaceSums {
         }
     }
 
-    /// Adds 2^`plane`.
     fn add_bit(&mut self, places: &BitGrid, plane: usize) {
         self.carry.copy_from_slice(places.words());
         self.add_carry(plane);

@@ -6,14 +6,11 @@
 //! down. The receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a
 //! surface model alone, where buildings are not known, all columns move.
 
-use std::sync::atomic::Ordering;
-
-use super::Uav;
-use super::map::{Mapper, interrupted};
 use super::range::Range;
+use super::{Control, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
-use crate::los::GridLos;
+use crate::los::{GridLos, GridReceivers};
 use crate::raster::{BitGrid, set_bits};
 
 /// One thing moved by one step of the lattice: 1/1024 m, of a raster horizontally 1/1024 of a cell.
@@ -113,32 +110,37 @@ impl ShiftedRoofs {
 /// The receivers of one kind that are in range, where not all are, and those in line of sight.
 pub(super) type Decided = (Option<BitGrid>, BitGrid);
 
-impl Mapper<'_> {
-    /// The stability of what a UAV sees, `decided` for the kinds of receivers in `range`.
+/// What a UAV sees of a scene, and how that was decided.
+pub(super) struct Answers<'a> {
+    pub(super) field: &'a HeightField,
+    pub(super) engine: &'a GridLos<'a>,
+    /// Receivers on the ground, on roofs, or both; `decided` for each.
+    pub(super) receivers: &'a [GridReceivers<'a>],
+    pub(super) decided: &'a [Decided],
+    /// Range \[CRS units\], if it is limited.
+    pub(super) radius: Option<f64>,
+    pub(super) uav: &'a Uav,
+    pub(super) range: &'a Range,
+}
+
+impl Answers<'_> {
+    /// How stable the answers are.
     ///
     /// Cost: eight times the line of sight of the map, by the same engine.
     ///
     /// # Errors
-    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
-    pub(super) fn stability(
-        &self,
-        (uav, range): (&Uav, &Range),
-        decided: &[Decided],
-        roofs: &ShiftedRoofs,
-        control: &super::Control,
-    ) -> Result<Stability> {
-        let mut turns = vec![f32::NAN; self.n_cells()];
-        for (receivers, (wanted, _)) in self.receivers().iter().zip(decided) {
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
+    pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
+        let mut turns = vec![f32::NAN; self.field.grid().n_cells()];
+        for (receivers, (wanted, _)) in self.receivers.iter().zip(self.decided) {
             each_cell(wanted.as_ref().unwrap_or(&receivers.cells), |cell| turns[cell] = 0.0);
         }
         let mut moves = Vec::with_capacity(Move::ALL.len());
         for which in Move::ALL {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
-            }
-            let turned = self.after(which, (uav, range), decided, roofs).map(|after| {
+            control.check()?;
+            let turned = self.after(which, roofs).map(|after| {
                 let mut turned = Turned::default();
-                for ((_, before), after) in decided.iter().zip(&after) {
+                for ((_, before), after) in self.decided.iter().zip(&after) {
                     let both = before.count_in(after);
                     turned.gained += after.count() - both;
                     turned.lost += before.count() - both;
@@ -153,27 +155,21 @@ impl Mapper<'_> {
     }
 
     /// The receivers in line of sight after a move, kind by kind; or why it cannot be made.
-    fn after(
-        &self,
-        which: Move,
-        (uav, range): (&Uav, &Range),
-        decided: &[Decided],
-        roofs: &ShiftedRoofs,
-    ) -> std::result::Result<Vec<BitGrid>, String> {
+    fn after(&self, which: Move, roofs: &ShiftedRoofs) -> std::result::Result<Vec<BitGrid>, String> {
         let (field, engine) = match which {
             Move::RoofsUp | Move::RoofsDown => {
                 let field = roofs.after(which)?;
-                (field, &GridLos::new(field, self.method().0).map_err(|wrong| wrong.why.to_string())?)
+                (field, &GridLos::new(field, self.engine.method()).map_err(|wrong| wrong.why.to_string())?)
             }
-            _ => (self.field(), self.engine()),
+            _ => (self.field, self.engine),
         };
         // Who is in range does not change: what turns is an answer.
-        let moved = uav.moved(field, which.steps(), self.radius()).map_err(|e| e.to_string())?;
-        let window = range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius()));
-        let los = |(receivers, (wanted, _)): (&crate::los::GridReceivers<'_>, &Decided)| {
+        let moved = self.uav.moved(field, which.steps(), self.radius).map_err(|e| e.to_string())?;
+        let window = self.range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius));
+        let los = |(receivers, (wanted, _)): (&GridReceivers<'_>, &Decided)| {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
         };
-        Ok(self.receivers().iter().zip(decided).map(los).collect())
+        Ok(self.receivers.iter().zip(self.decided).map(los).collect())
     }
 }
 

@@ -7,11 +7,10 @@ use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::elevation::RowElevations;
-use super::map::interrupted;
 use super::range::Range;
 use super::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, MapError, Result};
 use crate::height_field::{GridPositions, HeightField};
 use crate::los::{
     ColumnsReader, GridReceivers, MethodChoice, SimdLevel, StreamLimits, StreamedHeights, StreamedScene,
@@ -60,7 +59,7 @@ impl<S: WindowedSolids> Columns<'_, S> {
                 Ok((surface.into_cells().into_vec(), Some(terrain.into_cells().into_vec())))
             }
             Solids::Raster { surface, .. } => Ok((surface.into_cells().into_vec(), None)),
-            Solids::Vector { .. } => Err(Error::internal(902, "windows of a raster were asked for")),
+            Solids::Vector { .. } => Err(Error::Fault(Fault::NoRaster)),
         }
     }
 }
@@ -89,21 +88,14 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// lattice has; those of the scene; and that of [`super::Mapper::map`] when `control.stop` was set.
     pub fn new(scene: &'a S, options: &'a MapOptions, control: &Control) -> Result<Self> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
-            let text = "the method that was asked for cannot decide this scene, which does not fit in memory";
-            return Err(Error::usage(118, text).with_hint("`--method auto` takes `sweep` here"));
+            return Err(MapError::StreamedMethod.into());
         }
         if options.layers != HeightLayers::default() || options.within.is_some() {
-            let text = "layers of heights and zones need the whole scene in memory, in which it does not fit";
-            return Err(Error::usage(118, text).with_hint("`--layers los`, and receivers in no zone"));
+            return Err(MapError::StreamedLayers.into());
         }
         let grid = scene.grid();
         if grid.n_rows().max(grid.n_cols()) as f64 > MAX_EXTENT_UNITS {
-            let text = format!(
-                "cannot map {} × {} cells strip by strip: wanted at most {MAX_EXTENT_UNITS} a side",
-                grid.n_cols(),
-                grid.n_rows()
-            );
-            return Err(Error::limit(502, text));
+            return Err(MapError::StreamedCells { n_cols: grid.n_cols(), n_rows: grid.n_rows() }.into());
         }
         let stands: &[Stand] = match options.receivers {
             Receivers::Ground => &[Stand::Ground],
@@ -114,10 +106,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
         let mut max_top = VOID;
         for window in row_bands(grid) {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
-            }
-            let field = HeightField::build(&grid.part(window), scene.solids(window)?, &mut Vec::new());
+            control.check()?;
+            let field = HeightField::build(&grid.part(window), scene.solids(window)?).field;
             max_top = max_top.max(field.max_top());
             for ((stand, cells), range) in stands.iter().zip(&mut cells).zip(&mut ranges) {
                 let receivers = receivers_of(&field, *stand, options);
@@ -170,10 +160,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut total = Tally::default();
         let mut mask = Vec::new();
         for window in row_bands(grid) {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
-            }
-            let field = HeightField::build(&grid.part(window), self.scene.solids(window)?, &mut Vec::new());
+            control.check()?;
+            let field = HeightField::build(&grid.part(window), self.scene.solids(window)?).field;
             let in_band: Vec<GridReceivers<'_>> =
                 self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
             mask.resize(window.n_rows * n_cols, 0);
@@ -245,9 +233,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             control.done.fetch_add(n_cells, Ordering::Relaxed);
             !control.stop.load(Ordering::Relaxed)
         })?;
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
+        control.check()?;
         Ok((wanted, swept.los))
     }
 }

@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::map::interrupted;
 use super::place_sums::PlaceSums;
 use super::range::Range;
 use super::{Control, Mapper, Uav};
@@ -47,7 +46,7 @@ impl Mapper<'_> {
     /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, or if
     /// they are not all at one height where the grid puts them.
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
-        let field = self.field();
+        let field = self.field;
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
         let xs: Vec<i64> = positions.prisms_xs().collect();
@@ -67,7 +66,7 @@ impl Mapper<'_> {
 
     /// Whether [`Mapper::count_grid`] can count these UAVs and should take less time than [`Mapper::count`] for each.
     pub fn is_counted_sooner(&self, uavs: &UavGrid) -> bool {
-        let Some(positions) = self.engine().uav_positions(&uavs.shadows, uavs.z) else { return false };
+        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z) else { return false };
         // PERF: µs of one thread, fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs; only their
         // ratio matters. Of 65 trials it takes the slower way in 6: three ties, and at most 1.9 times the time where UAVs are
         // so high (200 m) that counting them together takes half as long. The passes over words matter for millions of places.
@@ -76,15 +75,15 @@ impl Mapper<'_> {
             [positions.casters.all().len(), uavs.grid.n_rows(), uavs.places.words().len()].map(|n| n as f64);
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let [n_uavs, receivers] =
-            [uavs.places.count(), self.receivers().iter().map(|r| r.cells.count()).sum()].map(|n| n as f64);
-        let (casters, rows) = self.radius().map_or((casters, rows), |radius| {
-            let grid = self.field().grid();
+            [uavs.places.count(), self.receivers.iter().map(|r| r.cells.count()).sum()].map(|n| n as f64);
+        let (casters, rows) = self.options.radius.map_or((casters, rows), |radius| {
+            let grid = self.field.grid();
             let area = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min());
             let disc = std::f64::consts::PI * radius * radius;
             (casters * (disc / area).min(1.0), rows.min(2.0 * radius / uavs.grid.cell_height()))
         });
         let one_uav = 40.0 + 0.2 * casters;
-        let of_range = if self.radius().is_some() { 2.0 } else { 1.0 };
+        let of_range = if self.options.radius.is_some() { 2.0 } else { 1.0 };
         let one_receiver = (5.0 + 0.005 * casters) * (0.4 + 0.006 * rows) * of_range + 0.0025 * words;
         receivers * one_receiver < n_uavs * one_uav
     }
@@ -95,19 +94,19 @@ impl Mapper<'_> {
     /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
     ///
     /// # Errors
-    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn count_grid(
         &self,
         uavs: &UavGrid,
         weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
     ) -> Result<Option<Vec<u128>>> {
-        let Some(positions) = self.engine().uav_positions(&uavs.shadows, uavs.z) else { return Ok(None) };
+        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z) else { return Ok(None) };
         let whole = positions.anywhere(&uavs.places);
-        let (n_rows, n_cols) = (self.field().grid().n_rows(), self.field().grid().n_cols());
+        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
         let tiles_per_row = n_cols.div_ceil(SIDES[0]);
         let n_tiles = n_rows.div_ceil(SIDES[0]) * tiles_per_row;
-        let progress = Progress { n_uavs: uavs.places.count(), n_steps: n_tiles * self.receivers().len(), control };
+        let progress = Progress { n_uavs: uavs.places.count(), n_steps: n_tiles * self.receivers.len(), control };
         let n_done = AtomicU64::new(0);
         // One worker to a thread, each with sums of its own: they are large where places are many.
         let of_worker = |receivers: &GridReceivers<'_>, next: &AtomicUsize| {
@@ -127,10 +126,8 @@ impl Mapper<'_> {
             let workers = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1);
             workers.map(|_| of_worker(receivers, &next)).reduce_with(|a, b| a.plus(&b))
         };
-        let seen = self.receivers().iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
+        let seen = self.receivers.iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
+        control.check()?;
         // Bits beyond the last column are no places.
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
         let cut = |sums: Vec<u128>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect();
@@ -146,7 +143,6 @@ struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Step `k` is done.
     fn step(&self, k: u64) {
         let up_to = |k: u64| u128::from(self.n_uavs) * u128::from(k) / self.n_steps.max(1) as u128;
         let share = up_to(k + 1) - up_to(k);
@@ -154,7 +150,6 @@ impl Progress<'_> {
     }
 }
 
-/// The counting of one thread.
 struct Counting<'a> {
     mapper: &'a Mapper<'a>,
     uavs: &'a UavGrid,
@@ -201,8 +196,8 @@ impl<'a> Counting<'a> {
 
     /// The rows and columns of places out of which all is out of range of some cells, if range is limited.
     fn near(&self, cells: &[(usize, usize)]) -> Option<(Span, Span)> {
-        let radius = self.mapper.radius()?;
-        let (grid, places) = (self.mapper.field().grid(), &self.uavs.grid);
+        let radius = self.mapper.options.radius?;
+        let (grid, places) = (self.mapper.field.grid(), &self.uavs.grid);
         let (first, last) = (cells.first()?, cells.last()?);
         let cols = || cells.iter().map(|(_, col)| *col);
         let (west, north) = grid.world_from_cell(first.0, cols().min()?);
@@ -232,7 +227,7 @@ impl<'a> Counting<'a> {
 
     fn station(&self, (row, col): (usize, usize)) -> Station {
         let z = self.receivers.height(row * self.receivers.cells.n_cols() + col);
-        Station { place: self.mapper.positions().center(row, col), z }
+        Station { place: self.mapper.engine.positions().center(row, col), z }
     }
 
     /// The box around the receivers of some cells.
@@ -254,7 +249,7 @@ impl<'a> Counting<'a> {
         let weight = (self.weight)(row * self.receivers.cells.n_cols() + col);
         let station = self.station((row, col));
         // The steps from a cell to a place are those from the place to the cell.
-        let range = Range::of(&self.uavs.positions, &station.place, self.mapper.radius());
+        let range = Range::of(&self.uavs.positions, &station.place, self.mapper.options.radius);
         let mut asked = range.cut(&in_view.positions);
         self.positions.los(in_view, station.on_prisms(), &mut asked);
         self.seen.add(&asked, weight);

@@ -7,24 +7,15 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use super::{CellKind, Columns, HeightField};
+use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::{CellKind, CellSets, Columns, HeightField};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
-/// The cells of open ground and those of buildings; all others are void.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CellSets {
-    /// Open ground.
-    pub open: BitGrid,
-    /// Buildings.
-    pub building: BitGrid,
-}
-
 impl CellSets {
-    /// The sets of a field.
     pub(super) fn of(field: &HeightField) -> Self {
         let mut cells = CellSets::with_all_data(field);
-        if let Some(without) = field.without_data() {
+        if let Some(without) = &field.without_data {
             let not = BitGrid::full(without.n_rows(), without.n_cols()).xor(without);
             cells = CellSets { open: cells.open.and(&not), building: cells.building.and(&not) };
         }
@@ -139,6 +130,47 @@ pub enum StandsOn<'a> {
 }
 
 impl HeightField {
+    pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
+        let RasterSolid { columns, below, .. } = self.solid.raster()?;
+        let ground = match below {
+            Below::Surface => RasterGround::Surface,
+            Below::Flat { z, building_threshold } => {
+                RasterGround::Flat { z: *z, building_threshold: *building_threshold }
+            }
+            Below::Terrain { tops, building_threshold } => {
+                RasterGround::Terrain { tops, building_threshold: *building_threshold }
+            }
+        };
+        Some(RasterCells { tops: columns.tops(), ground })
+    }
+
+    /// The one height of the ground under all open cells, if it is flat.
+    pub(super) fn flat_ground(&self) -> Option<i32> {
+        match &self.solid {
+            Solid::Raster(RasterSolid { below: Below::Flat { z, .. }, .. }) => Some(*z),
+            Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
+            Solid::Raster(_) | Solid::Vector(_) => None,
+        }
+    }
+
+    /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
+    fn ground_on_grid(&self) -> Option<&[i32]> {
+        match &self.solid {
+            Solid::Raster(RasterSolid { below: Below::Terrain { tops, .. }, .. }) => Some(tops),
+            Solid::Raster(RasterSolid { below: Below::Surface, columns, .. }) => Some(columns.tops()),
+            Solid::Raster(RasterSolid { below: Below::Flat { .. }, .. }) => None,
+            Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
+        }
+    }
+
+    /// The roof of each building cell.
+    fn roofs_on_grid(&self) -> &[i32] {
+        match &self.solid {
+            Solid::Raster(raster) => raster.columns.tops(),
+            Solid::Vector(vector) => &vector.roofs,
+        }
+    }
+
     /// The ground under the open cells.
     pub fn ground_of_cells(&self) -> StandsOn<'_> {
         if let Some(z) = self.flat_ground() {
@@ -187,7 +219,7 @@ mod tests {
         for ground in [Ground::Surface, Ground::Flat(0), Ground::Terrain(Raster::new(grid.clone(), terrain))] {
             let surface = Raster::new(grid.clone(), heights(1));
             let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
-            let field = HeightField::build(&grid, solids, &mut Vec::new());
+            let field = HeightField::build(&grid, solids).field;
             let positions = field.positions();
             for cell in 0..303 {
                 let (row, col) = (cell / 101, cell % 101);

@@ -38,16 +38,16 @@ impl HeightField {
         let cells = self.raster_cells()?;
         let grid = coarser_grid(self.grid(), factor)?;
         let pooled = |tops: &[i32]| {
-            Raster::new(grid.clone(), pool((tops, self.without_data()), self.grid(), (&grid, factor), pooling))
+            Raster::new(grid.clone(), pool((tops, self.without_data.as_ref()), self.grid(), (&grid, factor), pooling))
         };
         let (ground, building_threshold) = match cells.ground {
             RasterGround::Surface => (Ground::Surface, 0),
             RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
             RasterGround::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), building_threshold),
         };
-        let voids = self.without_data().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
+        let voids = self.without_data.as_ref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
         let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold, voids };
-        Some(HeightField::build(&grid, solids, &mut Vec::new()))
+        Some(HeightField::build(&grid, solids).field)
     }
 
     /// A vector scene with receivers on cells `factor` times as large; its solids stay what they are, so each of the fewer
@@ -83,8 +83,8 @@ impl HeightField {
         let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
         let ground = Ground::Terrain(terrain());
         let solids =
-            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data().cloned() };
-        Some(HeightField::build(self.grid(), solids, &mut Vec::new()))
+            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data.clone() };
+        Some(HeightField::build(self.grid(), solids).field)
     }
 
     /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground
@@ -107,9 +107,9 @@ impl HeightField {
                 Ground::Terrain(Raster::new(grid.clone(), grounds))
             }
         };
-        let voids = self.without_data().cloned();
+        let voids = self.without_data.clone();
         let solids = Solids::Raster { surface, ground, building_threshold: 0, voids };
-        Some(HeightField::build(grid, solids, &mut Vec::new()))
+        Some(HeightField::build(grid, solids).field)
     }
 }
 
@@ -187,7 +187,7 @@ mod tests {
         let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
         let solids =
             Solids::Raster { surface: Raster::new(grid.clone(), tops), ground, building_threshold: 256, voids: None };
-        HeightField::build(&grid, solids, &mut Vec::new())
+        HeightField::build(&grid, solids).field
     }
 
     #[test]
@@ -211,7 +211,7 @@ mod tests {
         voids.set(0, 0, false);
         let surface = Raster::new(grid.clone(), vec![20, 0, 3, 5, 0, 0, 3, 5]);
         let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 0, voids: Some(voids) };
-        let field = HeightField::build(&grid, solids, &mut Vec::new());
+        let field = HeightField::build(&grid, solids).field;
         let tops = |pooling| field.coarser(2, pooling).expect("a raster").columns().expect("columns").tops().to_vec();
         assert_eq!((tops(Pooling::Mean), tops(Pooling::Maximum)), (vec![20, 4], vec![20, 5]));
     }
@@ -231,7 +231,7 @@ mod tests {
         let scene = BuiltUpCity { built_up, size_m: 90.0, margin_m: 0.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }
             .city()
             .expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+        let field = HeightField::build(&scene.grid, scene.solids).field;
         let raster = field.rasterized().expect("footprints");
         assert_eq!((raster.surface_m(), raster.cells()), (field.surface_m(), field.cells()));
         let fewer = field.with_coarser_receivers(4).expect("footprints");

@@ -186,12 +186,4 @@ mod tests {
         assert_eq!((columns.min_top(), columns.max_top()), (1, 6));
         assert_eq!(Columns::new(1, 2, vec![VOID, 3]).min_top(), VOID);
     }
-
-    #[test]
-    fn a_point_on_an_edge_is_inside_only_what_both_cells_share() {
-        let columns = Columns::new(1, 2, vec![7, 3]);
-        assert_eq!(columns.solid_below(512, 512), 7);
-        assert_eq!(columns.solid_below(1024, 512), 3);
-        assert_eq!(columns.solid_below(0, 512), VOID);
-    }
 }

@@ -4,7 +4,6 @@ use super::HeightField;
 use super::known_ground::KnownGround;
 use super::solid::Solid;
 use crate::city::BuildingHeight;
-use crate::error::Warning;
 use crate::quantity::VOID;
 use crate::raster::BitGrid;
 
@@ -21,23 +20,18 @@ impl HeightField {
         self.solid.vector()?.known_ground.as_ref()
     }
 
-    /// Takes all ground for known where less than a tenth of what is near the footprints is open: a lone building says nothing
-    /// of a city.
-    pub(super) fn know_all_if_little_is_open(&mut self, warnings: &mut Vec<Warning>) {
-        let Solid::Vector(vector) = &mut self.solid else { return };
-        if vector.known_ground.is_none() {
-            return;
-        }
+    /// Takes all ground for known where less than a tenth of what is near the footprints is open, and says whether: a lone
+    /// building says nothing of a city.
+    pub(super) fn knows_all_as_little_is_open(&mut self) -> bool {
+        let Solid::Vector(vector) = &mut self.solid else { return false };
         let n_known = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
         let n_built = vector.roofs.iter().filter(|roof| **roof != VOID).count() as u64;
-        if n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known {
-            return;
+        let is_open = n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known;
+        if vector.known_ground.is_none() || is_open {
+            return false;
         }
         (vector.known_ground, self.without_data) = (None, None);
-        warnings.push(Warning::new(
-            379,
-            "hardly any open ground lies between the footprints, so all ground counts as known (`--data-area auto|all|FILE`)",
-        ));
+        true
     }
 
     /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.

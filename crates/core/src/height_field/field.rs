@@ -2,13 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::cell_sets::{RasterCells, RasterGround};
-use super::known_ground::KnownGround;
-use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
-use super::{CellSets, Columns, ConvexPieces, Place, Plateaus, Prisms, Ring, cell_frame, convex_pieces};
-use crate::city::{DataArea, Footprint, Ground, Solids};
-use crate::error::Warning;
-use crate::quantity::{BLOCKS_ALL, Frame, VOID, counted, meters};
+use super::positions::RangeLattice;
+use super::solid::{Below, RasterSolid, Solid, VectorGround};
+use super::{Columns, GridPositions, Place, Plateaus, Prisms, cell_frame};
+use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -35,131 +32,20 @@ pub enum CellKind {
     Void,
 }
 
+/// The cells of open ground and those of buildings; all others are void.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CellSets {
+    /// Open ground.
+    pub open: BitGrid,
+    /// Buildings.
+    pub building: BitGrid,
+}
+
 impl HeightField {
-    /// Builds the obstacles of a scene: triangulates footprints, rounds nothing more.
-    ///
-    /// Cost: the triangulation, in parallel over footprints, and one test per cell near each piece.
-    pub fn build(grid: &GeoRef, solids: Solids, warnings: &mut Vec<Warning>) -> Self {
-        let nothing = BitGrid::new(0, 0);
-        let no_cells = CellSets { open: nothing.clone(), building: nothing };
-        let mut field = match solids {
-            Solids::Raster { surface, ground, building_threshold, voids } => {
-                let georef = surface.georef().clone();
-                let below = match ground {
-                    Ground::Surface => Below::Surface,
-                    Ground::Flat(z) => Below::Flat { z, building_threshold },
-                    Ground::Terrain(terrain) => Below::Terrain { tops: terrain.into_cells(), building_threshold },
-                };
-                let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
-                let solid = Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), below });
-                HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
-            }
-            Solids::Vector { footprints, frame, ground, data_area, .. } => {
-                let prisms = prisms_of(&footprints, warnings);
-                let is_auto = matches!(data_area, DataArea::NearFootprints);
-                let known_ground = match data_area {
-                    DataArea::All => None,
-                    DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid),
-                    DataArea::Within(area) => Some(KnownGround::Area(area)),
-                };
-                let building_ids = footprints.into_iter().map(|f| f.id).collect();
-                let ground = match ground {
-                    Ground::Terrain(terrain) => {
-                        let georef = terrain.georef().clone();
-                        let lattice = CellLattice::under(&frame, &georef);
-                        let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
-                        // PERF: the ground is asked for cell by cell.
-                        columns.tops();
-                        VectorGround::Terrain { columns: columns.with_cells_of(lattice.steps), frame: lattice.frame }
-                    }
-                    Ground::Flat(z) => VectorGround::Flat(z),
-                    Ground::Surface => VectorGround::Flat(0),
-                };
-                let solid = VectorSolid { prisms, frame, ground, roofs: Vec::new(), known_ground, building_ids };
-                let solid = Solid::Vector(solid);
-                let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };
-                field.find_roofs();
-                field.find_cells_without_data();
-                if is_auto {
-                    field.know_all_if_little_is_open(warnings);
-                }
-                field
-            }
-        };
-        field.cells = CellSets::of(&field);
-        field.warn_of_unknown_ground(warnings);
-        field
-    }
-
-    /// Warns of cells of a vector scene below which no terrain is known.
-    fn warn_of_unknown_ground(&self, warnings: &mut Vec<Warning>) {
-        let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
-        let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
-        let n_unknown = of_data - self.cells.open.count() - self.cells.building.count();
-        if is_on_terrain && n_unknown > 0 {
-            let does = match self.max_top() {
-                BLOCKS_ALL => "it blocks everything",
-                _ => "it blocks nothing",
-            };
-            let cells = counted(n_unknown, "cell has", "cells have");
-            let text = format!(
-                "{cells} no ground: the terrain is void there, or ends before; {does} and holds no receiver (`--nodata-as`)"
-            );
-            warnings.push(Warning::new(340, text));
-        }
-    }
-
-    /// Cells without data though a ground is known there, if there are any.
-    pub(super) fn without_data(&self) -> Option<&BitGrid> {
-        self.without_data.as_ref()
-    }
-
     /// Which cells are open ground and which are buildings.
     #[inline]
     pub fn cells(&self) -> &CellSets {
         &self.cells
-    }
-
-    /// The cells of a raster scene.
-    pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
-        let RasterSolid { columns, below, .. } = self.solid.raster()?;
-        let ground = match below {
-            Below::Surface => RasterGround::Surface,
-            Below::Flat { z, building_threshold } => {
-                RasterGround::Flat { z: *z, building_threshold: *building_threshold }
-            }
-            Below::Terrain { tops, building_threshold } => {
-                RasterGround::Terrain { tops, building_threshold: *building_threshold }
-            }
-        };
-        Some(RasterCells { tops: columns.tops(), ground })
-    }
-
-    /// The one height of the ground under all open cells, if it is flat.
-    pub(super) fn flat_ground(&self) -> Option<i32> {
-        match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Flat { z, .. }, .. }) => Some(*z),
-            Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
-            Solid::Raster(_) | Solid::Vector(_) => None,
-        }
-    }
-
-    /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
-    pub(super) fn ground_on_grid(&self) -> Option<&[i32]> {
-        match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Terrain { tops, .. }, .. }) => Some(tops),
-            Solid::Raster(RasterSolid { below: Below::Surface, columns, .. }) => Some(columns.tops()),
-            Solid::Raster(RasterSolid { below: Below::Flat { .. }, .. }) => None,
-            Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
-        }
-    }
-
-    /// The roof of each building cell.
-    pub(super) fn roofs_on_grid(&self) -> &[i32] {
-        match &self.solid {
-            Solid::Raster(raster) => raster.columns.tops(),
-            Solid::Vector(vector) => &vector.roofs,
-        }
     }
 
     /// Whether the cells of the columns are those of the receivers' grid.
@@ -372,12 +258,60 @@ impl HeightField {
         });
         cells
     }
+
+    /// A world position on the lattices: rounded to that of the prisms, if there are any, and from there to that of the columns.
+    pub fn place(&self, x: f64, y: f64) -> Place {
+        let on_prisms = self.prisms_frame().map(|frame| frame.lattice_from_world(x, y));
+        let on_columns = match on_prisms {
+            Some(position) => self.on_columns(position),
+            None => self.columns_frame().map_or((0, 0), |frame| frame.lattice_from_world(x, y)),
+        };
+        Place { x, y, on_prisms: on_prisms.unwrap_or((0, 0)), on_columns }
+    }
+
+    /// A position of the prisms' lattice on that of the columns.
+    fn on_columns(&self, (x, y): (i64, i64)) -> (i64, i64) {
+        let (Some(prisms), Some(columns)) = (self.prisms_frame(), self.columns_frame()) else { return (0, 0) };
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let (x, y) = prisms.world_from_lattice(x as f64, y as f64);
+        columns.lattice_from_world(x, y)
+    }
+
+    /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
+    /// there are any, else the columns.
+    pub fn neighbor(&self, place: &Place, (east, north): (i64, i64)) -> Place {
+        let Some(frame) = self.prisms_frame().or(self.columns_frame()) else { return *place };
+        let steps = f64::from(STEPS_PER_UNIT);
+        #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+        let (dx, dy) = (east as f64 / steps * frame.unit_x, north as f64 / steps * frame.unit_y);
+        let mut moved = self.place(place.x + dx, place.y + dy);
+        // Rounding the sum could make no step of one, or two.
+        let by = |(x, y): (i64, i64)| (x + east, y + north);
+        match self.prisms() {
+            Some(_) => {
+                moved.on_prisms = by(place.on_prisms);
+                moved.on_columns = self.on_columns(moved.on_prisms);
+            }
+            None => moved.on_columns = by(place.on_columns),
+        }
+        moved
+    }
+
+    /// The cell centers of the receivers' grid on the lattices.
+    pub fn positions(&self) -> GridPositions {
+        self.positions_on(&self.grid)
+    }
+
+    /// The cell centers of any grid on the lattices.
+    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
+        GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
+    }
 }
 
 impl RasterSolid {
     /// What a cell is, given the top of its column.
     #[inline]
-    fn kind_of(&self, top: i32, cell: usize) -> CellKind {
+    pub(super) fn kind_of(&self, top: i32, cell: usize) -> CellKind {
         if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
@@ -395,84 +329,5 @@ impl RasterSolid {
             Below::Flat { z, building_threshold } => above(*z, *building_threshold),
             Below::Terrain { tops, building_threshold } => above(tops[cell], *building_threshold),
         }
-    }
-}
-
-/// Convex pieces of all footprints, in the order of the footprints.
-fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
-    let cut: Vec<(Vec<Ring>, bool)> = footprints
-        .par_iter()
-        .map(|footprint| {
-            let mut pieces = Vec::new();
-            let mut fell_back = false;
-            for polygon in &footprint.polygons {
-                match convex_pieces(polygon) {
-                    ConvexPieces::Exact(rings) => pieces.extend(rings),
-                    ConvexPieces::Hull(ring) => {
-                        fell_back = true;
-                        pieces.extend((ring.len() >= 3).then_some(ring));
-                    }
-                }
-            }
-            (pieces, fell_back)
-        })
-        .collect();
-    for (footprint, _) in footprints.iter().zip(&cut).filter(|(_, (_, fell_back))| *fell_back) {
-        warnings.push(Warning::new(
-            345,
-            format!("footprint `{}` could not be triangulated; its convex hull is used instead", footprint.id),
-        ));
-    }
-    let pieces = footprints.iter().zip(cut).enumerate().flat_map(|(building, (footprint, (rings, _)))| {
-        let building = u32::try_from(building).unwrap_or(u32::MAX);
-        rings.into_iter().map(move |ring| (ring, footprint.top, building))
-    });
-    Prisms::new(pieces)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::city::FootprintFaults;
-
-    fn square_scene() -> HeightField {
-        // A 4 m square building whose edges pass through cell centers, 10 m high, on ground at 2 m.
-        let grid = GeoRef::new((0.0, 8.0), (1.0, 1.0), (8, 8), None).expect("a valid grid");
-        let (low, high) = (1536, 1536 + 4096);
-        let footprint = Footprint {
-            id: "a".into(),
-            polygons: vec![vec![vec![[low, low], [high, low], [high, high], [low, high]]]],
-            top: 12 * 1024,
-            base: Some(2 * 1024),
-        };
-        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
-        let solids = Solids::Vector {
-            footprints: vec![footprint],
-            frame,
-            ground: Ground::Flat(2 * 1024),
-            faults: FootprintFaults::default(),
-            data_area: DataArea::All,
-        };
-        HeightField::build(&grid, solids, &mut Vec::new())
-    }
-
-    #[test]
-    fn a_cell_whose_center_is_on_a_free_wall_is_open_ground() {
-        let field = square_scene();
-        let positions = field.positions();
-        let n_buildings = (0..64)
-            .filter(|i| matches!(field.cell_kind(*i, &positions.center(i / 8, i % 8)), CellKind::Building(_)))
-            .count();
-        // Centers at 1.5, 2.5 … 5.5 along each axis touch the square; three of the five are strictly inside.
-        assert_eq!(n_buildings, 9);
-    }
-
-    #[test]
-    fn the_roof_and_the_ground_are_told_at_any_point() {
-        let field = square_scene();
-        assert_eq!(field.roof_at(&field.place(3.0, 3.0)), Some(12 * 1024));
-        assert_eq!(field.roof_at(&field.place(0.5, 3.0)), None);
-        assert_eq!(field.ground_at(&field.place(100.0, -3.0)), 2048);
-        assert_eq!(field.inside_prisms_below(&field.place(1.5, 3.0)), VOID);
     }
 }

@@ -5,7 +5,8 @@
 //! both ends of that edge, so one exact orientation test at each end decides. Long edges are dropped first, because they
 //! stand between large pieces. For a triangulated polygon the outcome has at most four times the pieces of the best.
 
-use super::triangulate::{Ring, turn, without_collinear};
+use super::rings::{turn, without_collinear};
+use crate::overlay::Ring;
 
 /// Joins convex counterclockwise rings where the union is convex. Vertices on a straight edge are removed.
 ///
@@ -90,7 +91,7 @@ fn join(p: &Ring, q: &Ring, a: [i32; 2], b: [i32; 2]) -> Option<Ring> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::triangulate::doubled_area;
+    use super::super::rings::doubled_area;
     use super::*;
 
     fn rectangle(x0: i32, y0: i32, x1: i32, y1: i32) -> Ring {

@@ -4,6 +4,7 @@
 //! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
+mod build;
 mod casters;
 mod cell_sets;
 mod columns;
@@ -16,18 +17,22 @@ mod merge;
 mod plateaus;
 mod positions;
 mod prisms;
+mod rings;
 mod roofs;
 mod solid;
 mod tile_maxima;
 mod triangulate;
 
+pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
-pub use cell_sets::{CellSets, StandsOn};
+pub use cell_sets::StandsOn;
 pub use coarser::Pooling;
 pub use columns::Columns;
-pub use field::{CellKind, HeightField};
+pub use field::{CellKind, CellSets, HeightField};
 pub use plateaus::{Plateau, Plateaus};
 pub use positions::{GridPositions, Place, Station, cell_frame};
 pub use prisms::{Buckets, Piece, Prisms};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
-pub use triangulate::{ConvexPieces, Ring, convex_pieces};
+pub use triangulate::{ConvexPieces, convex_pieces};
+
+pub use crate::overlay::Ring;

@@ -1,6 +1,5 @@
 //! Positions of a scene on the lattices of its solids.
 
-use super::HeightField;
 use crate::quantity::{Frame, LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{CellLattice, GeoRef};
 
@@ -49,13 +48,13 @@ impl Station {
 /// sides stay so, whatever their size is. In a raster scene it is that of the columns, in a vector scene no coarser than
 /// that of the prisms.
 #[derive(Debug, Clone, Copy)]
-struct RangeLattice {
+pub(super) struct RangeLattice {
     frame: Frame,
     steps_per_cell: f64,
 }
 
 impl RangeLattice {
-    fn of(receivers: &GeoRef, has_prisms: bool) -> Self {
+    pub(super) fn of(receivers: &GeoRef, has_prisms: bool) -> Self {
         let frame = cell_frame(receivers);
         let cells = if has_prisms { frame.unit_x.max(frame.unit_y).ceil().max(1.0) } else { 1.0 };
         RangeLattice { frame, steps_per_cell: cells * f64::from(STEPS_PER_UNIT) }
@@ -92,7 +91,7 @@ impl GridPositions {
         GridPositions::new(grid, RangeLattice::of(grid, false), |x, y| Place::on_cells(grid, x, y))
     }
 
-    fn new(grid: &GeoRef, range: RangeLattice, place: impl Fn(f64, f64) -> Place) -> Self {
+    pub(super) fn new(grid: &GeoRef, range: RangeLattice, place: impl Fn(f64, f64) -> Place) -> Self {
         let xs = (0..grid.n_cols()).map(|col| {
             let place = place(grid.world_from_cell(0, col).0, grid.y_min());
             (place.x, place.on_prisms.0, place.on_columns.0, range.at(place.x, place.y).0)
@@ -147,56 +146,6 @@ impl GridPositions {
     /// Positions of the rows of cells on the prisms' lattice, north to south.
     pub fn prisms_ys(&self) -> impl Iterator<Item = i64> {
         self.ys.iter().map(|y| y.1)
-    }
-}
-
-impl HeightField {
-    /// A world position on the lattices: rounded to that of the prisms, if there are any, and from there to that of the columns.
-    pub fn place(&self, x: f64, y: f64) -> Place {
-        let on_prisms = self.prisms_frame().map(|frame| frame.lattice_from_world(x, y));
-        let on_columns = match on_prisms {
-            Some(position) => self.on_columns(position),
-            None => self.columns_frame().map_or((0, 0), |frame| frame.lattice_from_world(x, y)),
-        };
-        Place { x, y, on_prisms: on_prisms.unwrap_or((0, 0)), on_columns }
-    }
-
-    /// A position of the prisms' lattice on that of the columns.
-    fn on_columns(&self, (x, y): (i64, i64)) -> (i64, i64) {
-        let (Some(prisms), Some(columns)) = (self.prisms_frame(), self.columns_frame()) else { return (0, 0) };
-        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
-        let (x, y) = prisms.world_from_lattice(x as f64, y as f64);
-        columns.lattice_from_world(x, y)
-    }
-
-    /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
-    /// there are any, else the columns.
-    pub fn neighbor(&self, place: &Place, (east, north): (i64, i64)) -> Place {
-        let Some(frame) = self.prisms_frame().or(self.columns_frame()) else { return *place };
-        let steps = f64::from(STEPS_PER_UNIT);
-        #[expect(clippy::cast_precision_loss, reason = "a few steps")]
-        let (dx, dy) = (east as f64 / steps * frame.unit_x, north as f64 / steps * frame.unit_y);
-        let mut moved = self.place(place.x + dx, place.y + dy);
-        // Rounding the sum could make no step of one, or two.
-        let by = |(x, y): (i64, i64)| (x + east, y + north);
-        match self.prisms() {
-            Some(_) => {
-                moved.on_prisms = by(place.on_prisms);
-                moved.on_columns = self.on_columns(moved.on_prisms);
-            }
-            None => moved.on_columns = by(place.on_columns),
-        }
-        moved
-    }
-
-    /// The cell centers of the receivers' grid on the lattices.
-    pub fn positions(&self) -> GridPositions {
-        self.positions_on(&self.grid)
-    }
-
-    /// The cell centers of any grid on the lattices.
-    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
-        GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
     }
 }
 

@@ -273,34 +273,11 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
 
 #[cfg(test)]
 mod tests {
-    use super::super::triangulate::Ring;
     use super::*;
+    use crate::overlay::Ring;
 
     fn square(x: i32, y: i32, edge: i32) -> Ring {
         vec![[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]]
-    }
-
-    #[test]
-    fn a_shared_wall_is_inside_up_to_the_lower_roof_and_a_free_wall_is_not() {
-        let prisms = Prisms::new([(square(0, 0, 100), 30, 0), (square(100, 0, 100), 20, 1)]);
-        assert_eq!(prisms.solid_below(50, 50), 30);
-        assert_eq!(prisms.solid_below(100, 50), 20);
-        assert_eq!(prisms.solid_below(0, 50), VOID);
-        assert_eq!(prisms.solid_below(100, 0), VOID);
-        assert_eq!(prisms.solid_below(500, 50), VOID);
-    }
-
-    #[test]
-    fn the_point_where_four_prisms_meet_is_inside_up_to_the_lowest() {
-        let mut four = vec![
-            (square(0, 0, 100), 30, 0),
-            (square(100, 0, 100), 20, 1),
-            (square(0, 100, 100), 25, 2),
-            (square(100, 100, 100), 40, 3),
-        ];
-        assert_eq!(Prisms::new(four.clone()).solid_below(100, 100), 20);
-        four.remove(1);
-        assert_eq!(Prisms::new(four).solid_below(100, 100), VOID);
     }
 
     #[test]

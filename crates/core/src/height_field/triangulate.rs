@@ -11,9 +11,8 @@ use std::collections::HashMap;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::merge::merged;
-
-/// A ring of lattice points, not closed (the first point is not repeated).
-pub type Ring = Vec<[i32; 2]>;
+use super::rings::{doubled_area, turn, without_collinear};
+use crate::overlay::Ring;
 
 /// The outcome of [`convex_pieces`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,40 +36,6 @@ pub fn convex_pieces(contours: &[Ring]) -> ConvexPieces {
     match triangles(contours) {
         Some(triangles) => ConvexPieces::Exact(merged(triangles)),
         None => ConvexPieces::Hull(convex_hull(contours.iter().flatten().copied().collect())),
-    }
-}
-
-/// Twice the area between a ring and its winding: positive counterclockwise.
-pub(super) fn doubled_area(ring: &[[i32; 2]]) -> i128 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| i128::from(a[0]) * i128::from(b[1]) - i128::from(b[0]) * i128::from(a[1])).sum()
-}
-
-/// Twice the signed area of the triangle `a`, `b`, `c`. Coordinates differ by at most 2^28, so this is exact.
-pub(super) fn turn(a: [i32; 2], b: [i32; 2], c: [i32; 2]) -> i64 {
-    let d = |p: [i32; 2], q: [i32; 2]| (i64::from(q[0]) - i64::from(p[0]), i64::from(q[1]) - i64::from(p[1]));
-    let ((ux, uy), (vx, vy)) = (d(a, b), d(a, c));
-    ux * vy - uy * vx
-}
-
-pub(super) fn without_collinear(ring: &[[i32; 2]]) -> Ring {
-    let mut kept: Ring = Vec::with_capacity(ring.len());
-    for &p in ring {
-        while kept.last() == Some(&p) || (kept.len() >= 2 && turn(kept[kept.len() - 2], kept[kept.len() - 1], p) == 0) {
-            kept.pop();
-        }
-        kept.push(p);
-    }
-    // The seam between the last and the first point.
-    loop {
-        let n = kept.len();
-        if n >= 3 && turn(kept[n - 2], kept[n - 1], kept[0]) == 0 {
-            kept.pop();
-        } else if n >= 3 && turn(kept[n - 1], kept[0], kept[1]) == 0 {
-            kept.remove(0);
-        } else {
-            return kept;
-        }
     }
 }
 
@@ -209,26 +174,6 @@ mod tests {
     fn a_rectangle_stays_one_piece_whatever_its_winding_and_extra_vertices() {
         let clockwise = vec![[0, 0], [0, 5], [0, 10], [20, 10], [20, 0]];
         assert_eq!(exact(&[clockwise]), vec![vec![[20, 0], [20, 10], [0, 10], [0, 0]]]);
-    }
-
-    #[test]
-    fn an_l_shape_with_a_hole_is_covered_by_few_convex_pieces_of_the_same_area() {
-        let shell = vec![[0, 0], [100, 0], [100, 50], [50, 50], [50, 100], [0, 100]];
-        let hole = vec![[10, 10], [30, 10], [20, 30]];
-        let pieces = exact(&[shell, hole]);
-        let area: i128 = pieces.iter().map(|p| doubled_area(p)).sum();
-        assert_eq!(area, 2 * 7500 - 400);
-        assert!(pieces.iter().all(|p| is_convex(p) && doubled_area(p) > 0));
-        // Nine vertices and a hole take nine triangles.
-        assert!(pieces.len() <= 6, "{}", pieces.len());
-    }
-
-    #[test]
-    fn a_hole_that_touches_the_shell_is_kept_open() {
-        let shell = vec![[0, 0], [100, 0], [100, 100], [0, 100]];
-        let hole = vec![[0, 50], [90, 10], [90, 90]];
-        let area: i128 = exact(&[shell, hole]).iter().map(|p| doubled_area(p)).sum();
-        assert_eq!(area, 20_000 - 90 * 80);
     }
 
     #[test]

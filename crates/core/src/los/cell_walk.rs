@@ -80,39 +80,3 @@ impl CellWalk {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn cells(from: (i64, i64), to: (i64, i64)) -> Vec<(i64, i64)> {
-        let mut walk = CellWalk::new(from, to, [10; 2]);
-        let mut cells = vec![walk.cell];
-        while walk.exit().is_some() {
-            walk.advance();
-            cells.push(walk.cell);
-        }
-        cells
-    }
-
-    #[test]
-    fn a_diagonal_steps_both_ways_at_a_corner() {
-        assert_eq!(cells((5, 5), (25, 25)), [(0, 0), (1, 1), (2, 2)]);
-        assert_eq!(cells((25, 25), (5, 5)), [(2, 2), (1, 1), (0, 0)]);
-        assert_eq!(cells((5, 25), (25, 5)), [(0, 2), (1, 1), (2, 0)]);
-    }
-
-    #[test]
-    fn an_axis_parallel_segment_stays_in_its_row_and_ends_before_the_line_it_only_touches() {
-        assert_eq!(cells((5, 5), (30, 5)), [(0, 0), (1, 0), (2, 0)]);
-        assert_eq!(cells((5, 30), (5, 5)), [(0, 2), (0, 1), (0, 0)]);
-        assert_eq!(cells((5, 10), (25, 10)), [(0, 1), (1, 1), (2, 1)]);
-    }
-
-    #[test]
-    fn a_slanted_segment_visits_each_cell_it_has_length_in() {
-        assert_eq!(cells((0, 0), (20, 10)), [(0, 0), (1, 0)]);
-        assert_eq!(cells((1, 1), (29, 9)), [(0, 0), (1, 0), (2, 0)]);
-        assert_eq!(cells((-5, -5), (5, 0)), [(-1, -1), (0, -1)]);
-    }
-}

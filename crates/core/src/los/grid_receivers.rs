@@ -133,7 +133,6 @@ impl<'a> GridReceivers<'a> {
     }
 }
 
-/// The range of no heights.
 const NO_RANGE: (i32, i32) = (i32::MAX, i32::MIN);
 
 fn widest(a: (i32, i32), b: (i32, i32)) -> (i32, i32) {

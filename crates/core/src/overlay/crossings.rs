@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Ring;
+use super::rings::Ring;
 
 /// Crossings that any region may have, beside [`CROSSINGS_PER_EDGE`].
 const MOST_CROSSINGS: usize = 100_000;

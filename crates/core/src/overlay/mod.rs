@@ -5,6 +5,7 @@
 //! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
 
 mod crossings;
+mod rings;
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
@@ -12,13 +13,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 pub use crossings::{Tangle, tangle};
-
-/// Lattice points around a region or a hole, not closed: the first is not repeated.
-pub type Ring = Vec<[i32; 2]>;
-
-/// A shell and its holes. Those that are made here have edges that do not cross, counterclockwise shells and clockwise
-/// holes.
-pub type Polygon = Vec<Ring>;
+pub use rings::{Polygon, Ring};
 
 /// The region that rings enclose by the even-odd rule.
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
@@ -111,16 +106,5 @@ mod tests {
         let united = union(vec![court, square(3, 3, 8), square(2, 2, 2)]);
         assert_eq!(doubled(&united), 2 * (48 + 64 - (25 - 9) + 4 - 1));
         assert_eq!(union(Vec::new()), Vec::<Polygon>::new());
-    }
-
-    #[test]
-    fn squares_on_one_another_are_joined_by_halves() {
-        // A staircase of 400 squares of side 400: all that hold the middle cross one another.
-        let stairs: Vec<Polygon> = (0..400).map(|k| square(k, k, 400)).collect();
-        assert!(crossings::are_many(stairs.iter().flatten()));
-        let united = union(stairs.clone());
-        assert_eq!((united.len(), united[0].len(), united[0][0].len()), (1, 1, 4 + 2 * 2 * 399));
-        // Each next square adds a strip of 400 and one of 399.
-        assert_eq!(doubled(&united), 2 * (400 * 400 + 399 * 799));
     }
 }

@@ -5,8 +5,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::Zone;
 use super::mesh::{Mesh, Side};
+use super::zone::Zone;
 
 /// A gate narrower than this \[m\] is no way through.
 const NARROWEST_PASSAGE_M: f64 = 1.0;
@@ -39,7 +39,6 @@ const LARGEST_CROSSING_WIDTHS2: f64 = 30.0;
 /// The same for the part of it at the frame, where what lies beyond is not known.
 const LARGEST_CROSSING_AT_FRAME_WIDTHS2: f64 = 2.0;
 
-/// The zone of each triangle.
 pub(super) fn zones_of(mesh: &Mesh) -> Vec<Zone> {
     let n = mesh.triangles.len();
     let mut gates = Gates::of(mesh);

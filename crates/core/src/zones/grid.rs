@@ -1,7 +1,7 @@
 //! The zones of a generated city, by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad is where
 //! both hold. Positions are compared on the lattice, where the buildings are.
 
-use super::{NONE, Zone};
+use super::zone::{NONE, Zone};
 use crate::city::BuiltUp;
 use crate::height_field::HeightField;
 use crate::quantity::STEPS_PER_UNIT;

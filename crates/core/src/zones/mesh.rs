@@ -54,7 +54,6 @@ pub(super) enum Side {
 }
 
 impl Mesh {
-    /// The ends of a side.
     pub(super) fn ends(&self, triangle: usize, side: usize) -> [[f64; 2]; 2] {
         let corners = self.triangles[triangle].corners;
         [self.points[corners[side]], self.points[corners[(side + 1) % 3]]]
@@ -72,14 +71,12 @@ impl Mesh {
         ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0
     }
 
-    /// Whether a corner of a triangle is on the frame.
     pub(super) fn meets_frame(&self, triangle: usize) -> bool {
         #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
         let is_on_frame = |p: [f64; 2]| (0..4).any(|k| p[k % 2] == self.frame[k]);
         self.triangles[triangle].corners.iter().any(|corner| is_on_frame(self.points[*corner]))
     }
 
-    /// Middle of a side.
     pub(super) fn middle(&self, triangle: usize, side: usize) -> [f64; 2] {
         let [a, b] = self.ends(triangle, side);
         [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])]

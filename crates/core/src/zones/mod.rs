@@ -58,74 +58,13 @@ mod mesh;
 mod crossings;
 mod open_space;
 mod parts;
+mod zone;
+
+pub use zone::{N_CODES, NONE, Zone};
 
 use crate::city::BuiltUp;
 use crate::height_field::HeightField;
 use crate::raster::{BitGrid, GeoRef};
-
-/// What a place in a city is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Zone {
-    /// Open ground that is neither of the next two.
-    Street,
-    /// Where three or more streets meet.
-    Crossroad,
-    /// Open ground that one block encloses.
-    Courtyard,
-    /// A building.
-    Rooftop,
-}
-
-/// The code of a cell without a zone: nodata, or a surface model alone, in which no building is known.
-pub const NONE: u8 = 0;
-
-impl Zone {
-    /// All zones in the order of their codes.
-    pub const ALL: [Zone; 4] = [Zone::Street, Zone::Crossroad, Zone::Courtyard, Zone::Rooftop];
-
-    /// The word for it in tables and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Zone::Street => "street",
-            Zone::Crossroad => "crossroad",
-            Zone::Courtyard => "courtyard",
-            Zone::Rooftop => "rooftop",
-        }
-    }
-
-    /// The zone of a word.
-    pub fn named(name: &str) -> Option<Zone> {
-        Zone::ALL.into_iter().find(|zone| zone.name() == name)
-    }
-
-    /// Its number in rasters, from 1.
-    pub fn code(self) -> u8 {
-        match self {
-            Zone::Street => 1,
-            Zone::Crossroad => 2,
-            Zone::Courtyard => 3,
-            Zone::Rooftop => 4,
-        }
-    }
-
-    /// Its color as red, green, blue: sand, purple, green, gray, distinct in lightness for any eyes.
-    pub fn color(self) -> [u8; 3] {
-        match self {
-            Zone::Street => [0xF0, 0xE3, 0xB8],
-            Zone::Crossroad => [0x88, 0x22, 0x66],
-            Zone::Courtyard => [0x44, 0xA0, 0x7E],
-            Zone::Rooftop => [0xC3, 0xC6, 0xC9],
-        }
-    }
-
-    /// The zone with this number; [`NONE`] and numbers above 4 are none.
-    pub fn of_code(code: u8) -> Option<Zone> {
-        Zone::ALL.into_iter().find(|zone| zone.code() == code)
-    }
-}
-
-/// Number of codes: those of the zones and [`NONE`].
-pub const N_CODES: usize = 5;
 
 /// How the zones of a scene were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -173,7 +112,7 @@ impl ZoneMap {
     ///
     /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
     /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
-    /// let field = HeightField::build(&scene.grid, scene.solids, &mut Vec::new());
+    /// let field = HeightField::build(&scene.grid, scene.solids).field;
     /// let zones = ZoneMap::of(&field, scene.built_up.as_ref());
     /// assert_eq!(zones.at(10.0, 10.0), Some(Zone::Crossroad));
     /// assert_eq!(zones.at(10.0, 30.0), Some(Zone::Street));
@@ -289,19 +228,5 @@ impl ZoneMap {
     /// Number of cells in no zone.
     pub fn n_without(&self) -> u64 {
         self.codes.len() as u64 - self.counts.iter().sum::<u64>()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn zones_have_names_and_codes() {
-        for zone in Zone::ALL {
-            assert_eq!(Zone::named(zone.name()), Some(zone));
-            assert_eq!(Zone::of_code(zone.code()), Some(zone));
-        }
-        assert_eq!((Zone::of_code(NONE), Zone::of_code(9), Zone::named("park")), (None, None, None));
     }
 }

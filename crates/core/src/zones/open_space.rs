@@ -3,7 +3,7 @@
 use super::crossings::zones_of;
 use super::mesh::Mesh;
 use super::outline::Outlines;
-use super::{NONE, Zone};
+use super::zone::{NONE, Zone};
 use crate::height_field::HeightField;
 
 /// The zone codes of the cells, row by row from the north-west.

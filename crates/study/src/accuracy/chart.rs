@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::comparison::Comparison;
 use super::{Simpler, moved_to};
 use crate::coverage::{MapOptions, Mapper, Seen, Uav};
-use crate::error::{Error, ErrorClass, Result};
+use crate::error::{ChartError, Result};
 use crate::height_field::{HeightField, Pooling};
 use crate::los::{Method, MethodChoice, StepLength};
 use crate::raster::BitGrid;
@@ -131,10 +131,8 @@ impl Contestant {
             (MethodChoice::R2, true) => on(Ground::Raster)(Method::R2),
             (MethodChoice::Sweep, true) => on(Ground::Raster)(Method::Sweep),
             (choice, _) => {
-                let method = Method::choose(field, choice).map_err(|wrong| {
-                    Error::usage(118, format!("the method that was asked for cannot decide this scene: {}", wrong.why))
-                        .with_hint(format!("`{}` can", wrong.instead.name()))
-                })?;
+                let method = Method::choose(field, choice)
+                    .map_err(|wrong| ChartError::Method { why: wrong.why, instead: wrong.instead.name() })?;
                 on(Ground::Scene)(method.0)
             }
         };
@@ -231,7 +229,7 @@ impl Prepared<'_> {
     /// # Errors
     /// As [`Mapper::new`].
     pub fn mapper(&self) -> Result<Mapper<'_>> {
-        Mapper::new(&self.field, &self.options)
+        Ok(Mapper::new(&self.field, &self.options)?)
     }
 
     /// What each UAV sees, one after the other: this is what is timed. A shadow is cast by one thread.
@@ -277,8 +275,7 @@ impl Truth {
         let (by_ray, _) = see(&MapOptions { within: Some(sample.clone()), ..exact(MethodChoice::Ray) })?;
         for (uav, (all, by_ray)) in uavs.iter().zip(seen.iter().zip(&by_ray)) {
             if all.los.clone().and(&sample) != by_ray.los {
-                let text = format!("cannot chart: `{method}` and `ray` differ for UAV `{}`", uav.id);
-                return Err(Error::new(ErrorClass::Check, 603, text));
+                return Err(ChartError::EnginesDiffer { method: method.name(), uav: uav.id.clone() }.into());
             }
         }
         let checked = by_ray.iter().map(|seen| seen.receivers.count()).sum();

@@ -144,7 +144,6 @@ pub fn coarsest_within(
 
 /// Receivers of one UAV with their exact answers.
 struct Sample {
-    /// All receivers in range.
     receivers: BitGrid,
     n_receivers: u64,
     /// Row, column and answer of those drawn; each of them once if they are all.

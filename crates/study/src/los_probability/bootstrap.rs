@@ -50,7 +50,6 @@ impl Drawing {
 pub(super) struct Spread {
     /// Percentile interval, which holds the value.
     pub(super) interval: (f64, f64),
-    /// Standard error.
     pub(super) std_error: f64,
 }
 

@@ -22,7 +22,7 @@ use super::points::unit_interval;
 use super::setting::Setting;
 use super::street_grid::GridZone;
 use crate::city::BuiltUp;
-use crate::error::{Error, Result};
+use crate::error::{LosProbabilityError, Result};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
 
 /// The most buildings of one city; each takes 4 bytes per thread.
@@ -81,18 +81,11 @@ impl CitySimulator {
     pub fn new(settings: &[Setting], n_users: u32) -> Result<Self> {
         let built_up = settings.first().expect("there is a setting").built_up;
         assert!(settings.iter().all(|s| s.built_up == built_up), "one simulator serves one kind of city");
-        let farthest = settings.iter().map(|s| s.reach.farthest()).fold(0.0, f64::max);
-        let n_periods = (farthest / built_up.period()).ceil() + 1.0;
-        let n_buildings = (2.0 * n_periods + 1.0).powi(2);
-        if n_buildings > MOST_BUILDINGS {
-            return Err(Error::limit(
-                502,
-                format!(
-                    "cannot simulate whole cities: links of {farthest:.0} m need cities of {n_buildings:.0} buildings, \
-                     wanted at most {MOST_BUILDINGS}"
-                ),
-            )
-            .with_hint("`--method geometry` or `--method product` draw no whole city; or choose larger angles"));
+        let farthest_m = settings.iter().map(|s| s.reach.farthest()).fold(0.0, f64::max);
+        let n_periods = (farthest_m / built_up.period()).ceil() + 1.0;
+        let buildings = (2.0 * n_periods + 1.0).powi(2);
+        if buildings > MOST_BUILDINGS {
+            return Err(LosProbabilityError::CityTooLarge { farthest_m, buildings, most: MOST_BUILDINGS }.into());
         }
         #[expect(clippy::cast_possible_truncation, reason = "at most 5000 by the check above")]
         let n_around = n_periods as i32;

@@ -63,7 +63,6 @@ impl Band {
 /// Bands that may overlap, cut at the ends of all of them: a user is in one part at most, and a band is the sum of its parts.
 struct BandParts {
     parts: Vec<Band>,
-    /// The parts of each band.
     of_bands: Vec<std::ops::Range<usize>>,
 }
 

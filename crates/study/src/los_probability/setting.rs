@@ -2,7 +2,7 @@
 
 use super::street_grid::{GridZone, StreetGrid};
 use crate::city::BuiltUp;
-use crate::error::{Error, Result};
+use crate::error::{Error, LosProbabilityError, Result};
 use crate::quantity::{MAX_EXTENT_UNITS, MAX_HEIGHT_M};
 
 /// Which users are counted.
@@ -253,8 +253,8 @@ pub fn unit_vector(degrees: f64) -> (f64, f64) {
     (cos, sin)
 }
 
-fn out_of_range(what: &str, found: f64, wanted: &str) -> Error {
-    Error::usage(120, format!("cannot compute P_LoS: {what} is `{found}`, wanted {wanted}"))
+fn out_of_range(what: &'static str, found: f64, wanted: &'static str) -> Error {
+    LosProbabilityError::OutOfRange { what, found, wanted }.into()
 }
 
 fn checked_rise(uav_height_m: f64, rx_height_m: f64) -> Result<f64> {
@@ -262,7 +262,7 @@ fn checked_rise(uav_height_m: f64, rx_height_m: f64) -> Result<f64> {
         return Err(out_of_range("the receivers' height", rx_height_m, "at least 0 m"));
     }
     if !(uav_height_m > rx_height_m && uav_height_m.is_finite()) {
-        return Err(out_of_range("the UAV's height", uav_height_m, &format!("above the receivers, {rx_height_m} m")));
+        return Err(LosProbabilityError::BelowReceivers { uav_height_m, rx_height_m }.into());
     }
     if uav_height_m > MAX_HEIGHT_M {
         return Err(out_of_range("the UAV's height", uav_height_m, "at most 32768 m"));
@@ -272,12 +272,9 @@ fn checked_rise(uav_height_m: f64, rx_height_m: f64) -> Result<f64> {
 
 /// Links are at most half of the lattice's extent, so that a city around the UAV is on it.
 fn checked_distance(distance_m: f64, cause: &str) -> Result<()> {
-    const MOST: f64 = MAX_EXTENT_UNITS / 2.0;
-    if distance_m > MOST {
-        return Err(Error::limit(
-            502,
-            format!("cannot compute P_LoS: {cause} puts users {distance_m:.0} m away, wanted at most {MOST} m"),
-        ));
+    const MOST_M: f64 = MAX_EXTENT_UNITS / 2.0;
+    if distance_m > MOST_M {
+        return Err(LosProbabilityError::TooFar { cause: cause.to_string(), distance_m, most_m: MOST_M }.into());
     }
     Ok(())
 }

@@ -79,11 +79,6 @@ impl StreetGrid {
         self.period
     }
 
-    /// Share of the open ground that is crossroads: s / (2w + s).
-    pub fn crossroad_share(&self) -> f64 {
-        self.street / (2.0 * self.period - self.street)
-    }
-
     /// The zone of a place.
     pub fn zone(&self, x: f64, y: f64) -> GridZone {
         let is_street = |v: f64| v.rem_euclid(self.period) <= self.street;

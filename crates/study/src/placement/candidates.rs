@@ -2,11 +2,13 @@
 
 use crate::city::{Area, Site};
 use crate::coverage::{Placement, Uav, surface_under};
-use crate::error::{ErrorClass, Result};
+use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::quantity::{Height, VOID, whole};
 use crate::raster::GeoRef;
 use crate::zones::{Zone, ZoneMap};
+use skyshed_core::Error as Core;
+use skyshed_core::error::UavError;
 
 /// A grid of places: the centers of square cells over the extent of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -173,12 +175,14 @@ pub(super) fn candidate(
     let site = Site { id: String::new(), x: spot.x, y: spot.y, height: spot.height };
     let uav = match Uav::place(&site, field, rules.radius) {
         Ok(uav) => uav,
-        Err(error) if error.class() != ErrorClass::Site => return Err(error),
-        Err(error) => match error.code().as_str() {
-            "E201" | "E202" => return Ok(Err(|s| &mut s.inside)),
-            "E204" => return Ok(Err(|s| &mut s.no_base)),
-            _ => return Err(error),
-        },
+        Err(Core::Uav { why: UavError::InsideBuilding { .. } | UavError::BelowGround { .. }, .. }) => {
+            return Ok(Err(|s| &mut s.inside));
+        }
+        Err(Core::Uav {
+            why: UavError::NoGround | UavError::NoRoofKnown | UavError::NoBuilding | UavError::OverNodata,
+            ..
+        }) => return Ok(Err(|s| &mut s.no_base)),
+        Err(error) => return Err(error.into()),
     };
     let is_building = uav.placement == Placement::Rooftop;
     let mut zone = None;

@@ -29,7 +29,7 @@ use rayon::prelude::*;
 
 use super::score::{quotient, word_sum};
 use super::{Candidate, Score, Scorer, Weights};
-use crate::coverage::{Control, interrupted, maps_at_once};
+use crate::coverage::{Control, maps_at_once};
 use crate::error::Result;
 use crate::raster::BitGrid;
 
@@ -63,15 +63,13 @@ impl SeenSets {
     /// What some candidates see, and their scores: as [`super::scores`] finds them. Adds 1 to `control.done` for each.
     ///
     /// # Errors
-    /// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+    /// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
     pub fn of(scorer: &Scorer<'_>, candidates: &[Candidate], control: &Control) -> Result<(Vec<Score>, SeenSets)> {
         let mut scores = Vec::with_capacity(candidates.len());
         let mut sets = SeenSets::over(&scorer.mapper.receiver_cells(), scorer.weights);
         // Whole sets of cells are held for a few candidates at a time.
         for chunk in candidates.chunks(8 * maps_at_once()) {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
-            }
+            control.check()?;
             let look = |candidate: &Candidate| {
                 let seen = scorer.mapper.seen(&candidate.uav);
                 control.done.fetch_add(1, Ordering::Relaxed);
@@ -82,11 +80,6 @@ impl SeenSets {
             sets.extend(&seen);
         }
         Ok((scores, sets))
-    }
-
-    /// Bytes that one set takes.
-    pub fn bytes_per_set(&self) -> usize {
-        8 * self.kept.len()
     }
 
     /// Adds sets of cells, of which the wanted ones count.
@@ -162,16 +155,14 @@ impl Cover {
 /// `k`. Every gain is computed in every round, because the bound asks for all of them.
 ///
 /// # Errors
-/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let mut left = sets.wanted.clone();
     let wanted = sets.value(&left, &left);
     let (mut bound, mut covered) = (wanted, 0);
     let mut chosen: Vec<Chosen> = Vec::new();
     loop {
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
+        control.check()?;
         let gains = sets.gains(&left);
         bound = bound.min(sum_of_largest(&gains, k).saturating_add(covered));
         // The first of the largest.
@@ -224,9 +215,7 @@ fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Re
     let mut stride = f64::from(LEVELS) / 4.0;
     let mut since_better = 0;
     for _ in 0..n_steps {
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
+        control.check()?;
         let planes = planes_of(&levels, &sets.wanted);
         let paid: Vec<u128> = (0..sets.len()).into_par_iter().map(|j| paid_by(sets, j, &planes)).collect();
         let all = planes.iter().enumerate().map(|(b, plane)| sets.value(plane, &sets.wanted) << b).sum::<u128>();

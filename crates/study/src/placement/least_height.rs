@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::{Candidate, Score, Scorer};
-use crate::coverage::{Control, interrupted};
+use crate::coverage::Control;
 use crate::error::Result;
 
 /// What was found over one place.
@@ -26,7 +26,7 @@ pub struct LeastHeight {
 /// height, and the outcome is that of trying every height. Shares are compared as they are printed: as doubles.
 ///
 /// # Errors
-/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn least_heights(
     scorer: &Scorer<'_>,
     candidates: &[Candidate],
@@ -49,9 +49,7 @@ pub fn least_heights(
         let (mut low, mut high) = (0, place.len() - 1);
         let mut found = at(high);
         while found.reaches && low < high {
-            if control.stop.load(Ordering::Relaxed) {
-                return Err(interrupted());
-            }
+            control.check()?;
             let middle = low + (high - low) / 2;
             let tried = at(middle);
             if tried.reaches {

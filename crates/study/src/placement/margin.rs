@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::Candidate;
-use crate::coverage::{Control, Mapper, interrupted};
+use crate::coverage::{Control, Mapper};
 use crate::error::Result;
 
 /// The least margin of a candidate, or a bound on it.
@@ -30,7 +30,7 @@ const BATCH: usize = 8;
 /// few.
 ///
 /// # Errors
-/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn worst_margins(
     mapper: &Mapper<'_>,
     candidates: &[Candidate],
@@ -41,9 +41,7 @@ pub fn worst_margins(
     let mut found: Vec<Option<WorstMargin>> = vec![Some(unknown); candidates.len()];
     let mut known_hard: Vec<(usize, usize)> = Vec::new();
     loop {
-        if control.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
+        control.check()?;
         let order = ranked_margins(&found);
         let open: Vec<usize> =
             order.into_iter().take(n_exact).filter(|k| found[*k].is_some_and(|w| !w.exact)).take(BATCH).collect();

@@ -11,7 +11,7 @@
 //! * [`least_heights`]: for each place the least height of a list that reaches a share.
 //! * [`worst_margins`]: the least margin over all wanted receivers, largest where nobody is far out of sight.
 //! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled placements.
-//! * [`SeenSets`] and [`cover`]: several UAVs that together see most, with an upper bound on what any choice could see.
+//! * [`SeenSets`] and [`cover()`]: several UAVs that together see most, with an upper bound on what any choice could see.
 //!
 //! Sums are integers (weights count multiples of a power of two), so nothing depends on the number of threads.
 

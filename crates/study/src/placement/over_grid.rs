@@ -13,7 +13,7 @@ use crate::los::Method;
 /// Adds the number of candidates to `control.done` as it goes.
 ///
 /// # Errors
-/// Only [`crate::error::ErrorClass::Interrupted`], when `control.stop` was set.
+/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn scores_over_grid(
     scorer: &Scorer<'_>,
     places: &PlaceGrid,

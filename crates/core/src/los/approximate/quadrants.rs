@@ -65,7 +65,6 @@ pub(super) fn by_quadrants(
 }
 
 impl<'a> Quadrant<'a> {
-    /// The four quadrants of a window.
     pub(super) fn all(columns: &'a Columns, uav: LatticePoint, window: CellWindow) -> [Quadrant<'a>; 4] {
         #[expect(clippy::cast_precision_loss, reason = "positions are below 2^27")]
         let cells = |v: i64| v as f64 / f64::from(STEPS_PER_UNIT);

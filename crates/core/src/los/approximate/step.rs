@@ -121,35 +121,6 @@ impl Samples<'_> {
 mod tests {
     use super::*;
 
-    fn row(heights: &[i32]) -> Columns {
-        Columns::new(1, heights.len(), heights.iter().map(|h| h * STEPS_PER_UNIT).collect::<Vec<_>>())
-    }
-
-    fn at(x: f64, z: f64) -> LatticePoint {
-        #[expect(clippy::cast_possible_truncation, reason = "small test coordinates")]
-        LatticePoint { x: (x * 1024.0) as i64, y: 512, z: (z * 1024.0) as i64 }
-    }
-
-    #[test]
-    fn a_wall_between_two_samples_is_missed_and_one_below_a_sample_is_not() {
-        // From x = 0.5 to 6.5: samples every 2 cells at 2.5 and 4.5, every cell at 1.5 … 5.5.
-        let walls = row(&[0, 0, 0, 9, 0, 0, 0]);
-        let (receiver, uav) = (at(0.5, 0.0), at(6.5, 10.0));
-        let los = |cells: f64| step_los(&walls, uav, receiver, StepLength::new(cells).unwrap());
-        assert!(los(2.0));
-        assert!(!los(1.0));
-        assert!(!super::super::super::columns_los(&walls, uav, receiver));
-    }
-
-    #[test]
-    fn a_sample_on_a_border_takes_the_lower_cell() {
-        // One sample in the middle of the link, at x = 3.5, or on the border at x = 3.
-        let walls = row(&[0, 0, 0, 9, 0, 0, 0]);
-        let half = StepLength::new(3.0).unwrap();
-        assert!(!step_los(&walls, at(6.5, 10.0), at(0.5, 0.0), half));
-        assert!(step_los(&walls, at(5.5, 10.0), at(0.5, 0.0), half));
-    }
-
     #[test]
     fn lengths_are_thousandths_of_a_cell() {
         assert_eq!(StepLength::new(0.25).map(StepLength::cells), Some(0.25));

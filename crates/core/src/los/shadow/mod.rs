@@ -44,7 +44,7 @@
 //!
 //! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
 //! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
-//! what stands before them hides no more ([`super::horizon`]), so that most of the ground is cleared about once. Blocks of
+//! what stands before them hides no more ([`horizon`]), so that most of the ground is cleared about once. Blocks of
 //! neighboring casters go nearest first, one sector of azimuths after the other, so that the far ones find their ground dark:
 //! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
 //! likewise.

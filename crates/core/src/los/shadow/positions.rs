@@ -16,7 +16,7 @@
 //! **Exactness.** Only positions surely inside of all four shadows are in the umbra. The outline around what a caster may
 //! hide holds its closed shadows from everywhere in the tile, so a wall that it shares with another caster, along which only
 //! `ray` can tell, runs through no position that is left if it is left out. What is left is decided as by
-//! [`super::los`], doubts by `ray`.
+//! [`crate::los`], doubts by `ray`.
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -63,7 +63,6 @@ pub struct ReceiverTile {
 pub struct InView {
     /// Positions that are not hidden from the whole tile.
     pub positions: BitGrid,
-    /// Numbers of casters.
     casters: Vec<u32>,
 }
 

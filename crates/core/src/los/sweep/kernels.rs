@@ -13,7 +13,7 @@ use fearless_simd::prelude::*;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::{Level, f32x8, f32x16, u32x8, u32x16};
 
-use super::{CELL, as_i64};
+use super::quadrants::{CELL, as_i64};
 use crate::quantity::VOID;
 
 /// A height that blocks nothing, and a slope below every slope: far below −2^27, and finite so that no product with it

@@ -9,7 +9,6 @@ use crate::quantity::STEPS_PER_UNIT;
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
-/// Lines of a tile.
 const LINES: i64 = 1 << TILE_BITS;
 
 /// How far links go across lines of cells: the same for all receivers of a line.
@@ -219,7 +218,6 @@ impl LinkOverLines {
 /// Where a ray enters a line of cells.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
-    /// The cell.
     cell: usize,
     /// How far it is past the cell's near border, in cells times the length of the link.
     rest: i64,

@@ -6,14 +6,14 @@ use std::sync::atomic::Ordering;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
+use super::columns_reader::{ColumnsReader, StreamedHeights, StreamedScene};
 use super::line_order::turn;
 use super::line_walk::{LineCells, LinkLength, LinkOverLines};
+use super::quadrants::{CELL, Quadrant, as_i64, parts};
 use super::receivers::{Decided, LineReceivers};
 use super::shared_bits::{SharedBits, transpose};
-use super::streamed::{ColumnsReader, StreamedHeights, StreamedScene};
 use super::suspects::Suspects;
 use super::wedge::{Ahead, Line, Verdicts, Wedge, WedgeFrame};
-use super::{CELL, Quadrant, as_i64, parts};
 use crate::error::Result;
 use crate::height_field::TILE;
 use crate::raster::{BitGrid, CellWindow, set_bits};

@@ -5,7 +5,7 @@
 use fearless_simd::prelude::*;
 
 use super::kernels::{CELL_BITS, PAD_I64, tables};
-use super::{CELL, as_i64};
+use super::quadrants::{CELL, as_i64};
 
 /// Bits of an azimuth in fixed point.
 pub(super) const AZIMUTH_BITS: u32 = 36;

@@ -20,7 +20,6 @@ impl SharedBits {
         SharedBits { words, per_line }
     }
 
-    /// The words of a line.
     pub(super) fn line(&self, line: usize) -> &[AtomicU64] {
         &self.words[line * self.per_line..(line + 1) * self.per_line]
     }

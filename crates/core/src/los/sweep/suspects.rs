@@ -2,8 +2,8 @@
 
 use super::bins::Bins;
 use super::kernels::PAD;
+use super::quadrants::{CELL, as_i64};
 use super::receivers::ReceiverMap;
-use super::{CELL, as_i64};
 use crate::height_field::TILE;
 
 /// What the bins of a wedge suspect of hiding the receivers of one line. Lines are counted back from that line.

@@ -1,13 +1,14 @@
 //! What becomes of the receivers of a line over columns in memory: bits, and walks for those that bounds leave undecided.
 
 use super::line_walk::{LineCells, LineTiles, LinkLength, LinkOverLines};
+use super::quadrants::{CELL, as_i64};
 use super::receivers::{AZIMUTH_BITS, Decided, LineReceivers};
 use super::shared_bits::{SharedBits, StripBits};
 use super::suspects::{Suspects, edges_of};
 use super::wedge::{Line, Verdicts};
-use super::{CELL, Sweep, as_i64};
 use crate::height_field::Columns;
-use crate::raster::set_bits;
+use crate::quantity::LatticePoint;
+use crate::raster::{BitGrid, set_bits};
 
 /// Where the bits of a line go.
 pub(super) enum LineBits<'a> {
@@ -26,9 +27,18 @@ enum Across {
     Column,
 }
 
+/// Which receivers of columns in memory a sweep is asked for.
+pub(super) struct Wanted<'a> {
+    pub(super) columns: &'a Columns,
+    pub(super) uav: LatticePoint,
+    pub(super) cells: &'a BitGrid,
+    /// Whether that is every cell.
+    pub(super) is_all: bool,
+}
+
 /// The receivers of one line.
 pub(super) struct LineVerdicts<'a> {
-    sweep: &'a Sweep<'a>,
+    wanted: &'a Wanted<'a>,
     bits: LineBits<'a>,
     across: Across,
     /// The row or column that the line is, and 1 if rows or columns have rising numbers on the way out, else −1.
@@ -44,7 +54,7 @@ pub(super) struct LineVerdicts<'a> {
 
 impl<'a> LineVerdicts<'a> {
     pub(super) fn new(
-        sweep: &'a Sweep<'a>,
+        wanted: &'a Wanted<'a>,
         bits: LineBits<'a>,
         (index, outward): (usize, i64),
         line: &'a Line<'a>,
@@ -55,7 +65,7 @@ impl<'a> LineVerdicts<'a> {
             LineBits::Row(_) => Across::Row,
             LineBits::Column(..) => Across::Column,
         };
-        LineVerdicts { sweep, bits, across, index, outward, line, receivers, asked, seen }
+        LineVerdicts { wanted, bits, across, index, outward, line, receivers, asked, seen }
     }
 
     /// Adds bits to a word of the line, which may hold some of another wedge if it is shared.
@@ -73,11 +83,11 @@ impl Verdicts for LineVerdicts<'_> {
     fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64 {
         self.add(word, decided.los, is_shared);
         match self.across {
-            _ if self.sweep.is_all_wanted => decided.undecided,
-            Across::Row => decided.undecided & self.sweep.wanted.row(self.index)[word],
+            _ if self.wanted.is_all => decided.undecided,
+            Across::Row => decided.undecided & self.wanted.cells.row(self.index)[word],
             // PERF: one after another along a column, each bit asked for is in a line of the cache of its own.
             Across::Column => set_bits(&[decided.undecided])
-                .filter(|bit| self.sweep.wanted.contains(64 * word + bit, self.index))
+                .filter(|bit| self.wanted.cells.contains(64 * word + bit, self.index))
                 .fold(0, |bits, bit| bits | 1 << bit),
         }
     }
@@ -140,7 +150,7 @@ struct Met {
 
 impl<'a> RasterLines<'a> {
     fn new(of: &LineVerdicts<'a>) -> Self {
-        let Sweep { columns, uav, .. } = *of.sweep;
+        let Wanted { columns, uav, .. } = *of.wanted;
         let LineVerdicts { outward, .. } = *of;
         let (n_rows, n_cols, index) = (as_i64(columns.n_rows()), as_i64(columns.n_cols()), as_i64(of.index));
         let per_row = as_i64(columns.tiles().per_row());

@@ -8,20 +8,10 @@ use super::kernels::{
     look_up_edges, raise_bounds,
 };
 use super::line_order::read_ahead;
+use super::quadrants::{CELL, FIRST_LEVEL, NEAR, as_i64};
 use super::receivers::{Bounds, Decided, LineReceivers, ReceiverLanes, ReceiverMap, decide_line};
 use super::suspects::Suspects;
-use super::{CELL, as_i64};
 use crate::height_field::TILE_BITS;
-
-/// There are `2^level` bins to each side of the axis; this many at least.
-const FIRST_LEVEL: u32 = 4;
-
-/// The most wedges that one side of a quadrant can be cut into.
-pub(super) const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
-
-/// Lines that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell. As many
-/// cells as a vector has lanes, so that those of a vector of receivers lie in two vectors.
-pub(super) const NEAR: i64 = 16 * CELL;
 
 /// One over no distance: so much that any height is too steep for all receivers, and any height's slope finite.
 const PER_NOTHING: f32 = 1e25;
@@ -35,7 +25,6 @@ const SHORTEST_SLEEP: usize = 96;
 /// One line of cells across the direction of the sweep, as it is passed over.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Tops of its cells.
     pub(super) tops: &'a [i32],
     /// Lateral index of the first of them.
     pub(super) first: i64,
@@ -190,7 +179,7 @@ pub(super) struct Wedge {
 }
 
 impl Wedge {
-    /// Part `part` of `parts` (a power of two, at most [`MAX_PARTS`]) to one side of the axis; negative to the other side.
+    /// Part `part` of `parts` (a power of two, at most [`super::quadrants::MAX_PARTS`]) to one side of the axis; negative to the other side.
     pub(super) fn new(part: i64, parts: i64) -> Self {
         let len = (1_i64 << FIRST_LEVEL) / parts;
         let bins = Bins::new(usize::try_from(len).unwrap_or(1));

@@ -74,7 +74,7 @@ impl Source {
                     .with_hint(translate_hint(vrt.path))
             })?,
         };
-        let rectangle = |name: &str| {
+        let rectangle = |name: &str| -> Result<Option<[f64; 4]>> {
             let Some(node) = child(node, name) else { return Ok(None) };
             let value = |name: &str| vrt.number(node, name, attribute(node, name).unwrap_or_default());
             Ok(Some([value("xOff")?, value("yOff")?, value("xSize")?, value("ySize")?]))

@@ -82,7 +82,6 @@ pub(super) fn diagonals(draw: &mut Draw) -> StressScene {
 /// Cells of a chain of towers that touch corner to corner, from the north-west down to the south-east, a UAV to the
 /// south-west of it, and what it sees through the chain.
 pub(super) struct SlitChain {
-    /// Cells of the towers.
     pub(super) towers: Vec<(i64, i64)>,
     /// Cell in whose middle the UAV is.
     pub(super) uav: (i64, i64),

@@ -29,12 +29,10 @@ pub enum AtRisk {
     ExactOnly,
 }
 
-/// A family of boards.
 const fn cells(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
     Family { name, breaks, at_risk: AtRisk::Approximate, make, is_mirrored: false }
 }
 
-/// A family of footprints.
 const fn prisms(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
     Family { name, breaks, at_risk: AtRisk::ExactOnly, make, is_mirrored: false }
 }

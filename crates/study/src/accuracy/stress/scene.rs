@@ -2,8 +2,8 @@
 
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 use crate::coverage::{MapOptions, Receivers, Uav};
-use crate::error::{Error, Result};
-use crate::height_field::{CellKind, HeightField, Station};
+use crate::error::{Result, StressError};
+use crate::height_field::{Built, CellKind, HeightField, Station};
 use crate::overlay::even_odd;
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
@@ -186,8 +186,7 @@ impl StressScene {
     /// # Errors
     /// E902 if it does not come out as it was built: a fault of its family.
     pub fn ready(&self) -> Result<Ready> {
-        let fault =
-            |what: &str| Error::internal(902, format!("the stress scene {} cannot be built: {what}", self.name));
+        let fault = |why: &str| StressError::Build { scene: self.name.clone(), why: why.to_string() };
         let rows = f64::from(u32::try_from(self.n_rows).unwrap_or(u32::MAX));
         let corner = (self.world.x_origin, self.world.y_origin + rows * self.cell.1);
         let grid = GeoRef::new(corner, self.cell, (self.n_rows, self.n_cols), None).ok_or_else(|| fault("no grid"))?;
@@ -206,17 +205,16 @@ impl StressScene {
                 data_area: DataArea::All,
             },
         };
-        let mut warnings = Vec::new();
-        let field = HeightField::build(&grid, solids, &mut warnings);
+        let Built { field, warnings } = HeightField::build(&grid, solids);
         if let Some(warning) = warnings.first() {
-            return Err(fault(warning.text()));
+            return Err(fault(&warning.text()).into());
         }
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);
         let height = Height::AboveDatum(meters(narrow(self.uav.z)));
         let uav = Uav::place(&Site { id: self.name.clone(), x, y, height }, &field, None)?;
         if self.on_lattice(&uav.station) != self.uav {
-            return Err(fault("the UAV is elsewhere on the lattice"));
+            return Err(fault("the UAV is elsewhere on the lattice").into());
         }
         let positions = field.positions();
         let receiver = |cell: usize| {

@@ -6,7 +6,7 @@ use super::families::Family;
 use super::scene::{Ready, StressScene};
 use super::truth;
 use crate::coverage::{MapOptions, Mapper};
-use crate::error::{Error, ErrorClass, Result};
+use crate::error::{Result, StressError};
 use crate::los::{Method, MethodChoice, StepLength};
 
 /// A method that is tried.
@@ -139,17 +139,16 @@ pub fn check_exact(methods: &[Contender], scores: &[FamilyScore]) -> Result<()> 
     for score in scores {
         for (method, outcome) in methods.iter().zip(&score.outcomes).filter(|(method, _)| method.is_exact()) {
             if let Outcome::Decided(Wrong { first: Some((scene, row, col)), false_los, false_nlos }) = outcome {
-                let text = format!(
-                    "`{}`, which is exact, decides {} of {} receivers of {} wrongly, first row {row}, column {col} of the \
-                     scene {scene}; wanted 0",
-                    method.name,
-                    false_los + false_nlos,
-                    score.receivers,
-                    score.family
-                );
-                return Err(
-                    Error::new(ErrorClass::Check, 602, text).with_hint("this is a fault of skyshed: please report it")
-                );
+                let error = StressError::ExactIsWrong {
+                    method: method.name.clone(),
+                    wrong: false_los + false_nlos,
+                    receivers: score.receivers,
+                    family: score.family,
+                    scene: scene.clone(),
+                    row: *row,
+                    col: *col,
+                };
+                return Err(error.into());
             }
         }
     }
@@ -191,7 +190,7 @@ fn outcome(scene: &StressScene, ready: &Ready, answers: &[bool], method: MethodC
     let seen = Mapper::new(&ready.field, &options)?.seen(&ready.uav);
     let n_cols = scene.n_cols;
     if seen.receivers.count() != ready.receivers.len() as u64 {
-        return Err(Error::internal(902, format!("the stress scene {} has other receivers as a map", scene.name)));
+        return Err(StressError::Receivers { scene: scene.name.clone() }.into());
     }
     let mut wrong = Wrong::default();
     for ((cell, _), is_los) in ready.receivers.iter().zip(answers) {

@@ -7,7 +7,7 @@
 use super::scene::{Ready, StressScene, StressSolid};
 use super::truth_columns::{self, columns_truth};
 use super::truth_prisms::{self, prisms_truth};
-use crate::error::{Error, ErrorClass, Result};
+use crate::error::{Result, StressError};
 use crate::quantity::LatticePoint;
 
 /// Whether each receiver of a scene is LoS, in the order of [`Ready::receivers`].
@@ -23,7 +23,7 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
         StressSolid::Prisms(_) => truth_prisms::MOST_STEPS,
     };
     if ready.receivers.iter().any(|(_, p)| far(p) > most) || scene.reach() > most {
-        return Err(Error::internal(902, format!("the stress scene {} is too large to be decided", scene.name)));
+        return Err(StressError::TooLarge { scene: scene.name.clone() }.into());
     }
     let answer = |receiver: &LatticePoint| match &scene.solid {
         StressSolid::Columns { board, .. } => columns_truth(board, scene.uav, *receiver),
@@ -34,11 +34,8 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
         let cell = known.row * scene.n_cols + known.col;
         let found = ready.receivers.iter().position(|(c, _)| *c == cell).map(|k| answers[k]);
         if found != Some(known.is_los) {
-            let text = format!(
-                "the answer at row {}, column {} of the stress scene {} is {found:?}, known by construction is {}",
-                known.row, known.col, scene.name, known.is_los
-            );
-            return Err(Error::new(ErrorClass::Check, 601, text));
+            let (scene, row, col) = (scene.name.clone(), known.row, known.col);
+            return Err(StressError::Truth { scene, row, col, found, known: known.is_los }.into());
         }
     }
     Ok(answers)

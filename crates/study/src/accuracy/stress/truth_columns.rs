@@ -66,32 +66,3 @@ fn lowest_around(board: &Board, position: [i128; 2], scale: i128, receiver: Latt
     }
     (lowest != VOID).then_some(lowest)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn point(x: i64, y: i64, z: i64) -> LatticePoint {
-        LatticePoint { x, y, z }
-    }
-
-    #[test]
-    fn the_answer_is_that_of_a_hand() {
-        // Three cells in a row, the middle one 10 steps high. From (0.5, 0.5) at 20 to (2.5, 0.5) at 0 the ray leaves it at
-        // t = 3/4, where it is 5 high; from 40 to 0 it is 10 there: a touch.
-        let row = Board::new(1, 3, vec![0, 10, 0]);
-        let to = point(2560, 512, 0);
-        assert!(!columns_truth(&row, point(512, 512, 20), to));
-        assert!(columns_truth(&row, point(512, 512, 40), to));
-        assert!(!columns_truth(&row, point(512, 512, 39), to));
-        // Towers that touch corner to corner let the diagonal through, and nothing beside it.
-        let slit = Board::new(2, 2, vec![99, 0, 0, 99]);
-        assert!(columns_truth(&slit, point(512, 512, 1), point(1536, 1536, 1)));
-        assert!(!columns_truth(&slit, point(512, 513, 1), point(1536, 1536, 1)));
-        // Along the border of two columns the lower one counts; along that of the raster nothing does.
-        let pair = Board::new(2, 3, vec![0, 9, 0, 0, 5, 0]);
-        assert!(columns_truth(&pair, point(0, 1024, 5), point(3072, 1024, 5)));
-        assert!(!columns_truth(&pair, point(0, 1024, 4), point(3072, 1024, 4)));
-        assert!(columns_truth(&pair, point(0, 0, 1), point(3072, 0, 1)));
-    }
-}

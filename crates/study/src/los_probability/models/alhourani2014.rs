@@ -17,7 +17,7 @@
 //! the curve falls with the elevation angle, so such cities are refused. The four cities of the fit have αβ from 75 to
 //! 150 and γ from 8 to 50. The sigmoid is not 0 at 0° and does not reach 1 at 90° (0.85 for high-rise).
 
-use super::{
+use super::card::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, alpha_beta, off_the_street, outside, theta_within,
 };
 use crate::city::BuiltUp;

@@ -8,7 +8,9 @@
 //! street level, for elevation angles from 1° to 89°. All four curves come to 0.9998 to 1.0000 at 90°, so 90° is allowed;
 //! below 1° is refused.
 
-use super::{Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, theta_within};
+use super::card::{
+    Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, theta_within,
+};
 
 pub(super) const CARD: Card = Card {
     id: "holis2008",

@@ -12,7 +12,7 @@
 //! 4/π times as many buildings, and a building is struck at its edge, not in the middle of a cell: the model gives too
 //! much line of sight at most elevation angles.
 
-use super::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta};
+use super::card::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta};
 use crate::city::BuiltUp;
 
 pub(super) const CARD: Card = Card {

@@ -13,7 +13,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta, height_above_receiver, off_the_street};
+use super::card::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta, height_above_receiver, off_the_street};
 
 pub(super) const CARD: Card = Card {
     id: "kang2019",

@@ -16,7 +16,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::{Card, ModelLink, ModelValue, OutsideDomain, height_above_receiver, off_the_street, outside};
+use super::card::{Card, ModelLink, ModelValue, OutsideDomain, height_above_receiver, off_the_street, outside};
 
 pub(super) const CARD: Card = Card {
     id: "saboor2024",

@@ -1,6 +1,7 @@
 //! What holds for all models, and the links that the tests of each share.
 
 use super::*;
+use crate::city::BuiltUp;
 
 /// The four named environments.
 pub(super) const NAMED: [&str; 4] = ["suburban", "urban", "dense", "high-rise"];

@@ -16,8 +16,8 @@
 //! Trap: the ground end is a base station on a mast or roof (RMa 35 m, UMa 25 m, UMi 10 m), the UAV is its user. For a
 //! receiver on the street the value is an analogy and says so. The built-up parameters have no part in it.
 
+use super::card::{Card, ModelLink, ModelValue, OutsideDomain, not_a_base_station, outside};
 use super::tr38901::{self, street};
-use super::{Card, ModelLink, ModelValue, OutsideDomain, not_a_base_station, outside};
 
 pub(super) const RMA_AV: Card = Card {
     id: "tr36777_rma_av",

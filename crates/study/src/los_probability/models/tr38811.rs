@@ -13,7 +13,7 @@
 //! not 1. There is no table for high-rise. It was made for platforms from 8 km up, so for a UAV it is an analogy. Oddity:
 //! at 10° the dense urban city has more line of sight than the urban one.
 
-use super::{
+use super::card::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, outside, theta_within,
 };
 

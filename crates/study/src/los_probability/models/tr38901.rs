@@ -14,7 +14,7 @@
 //! C′ is not defined above 23 m, so UMa is refused there. The other two name no height in Table 7.4.2-1; Table 7.4.1-1
 //! has them for users at 1 to 10 m (RMa) and 1.5 to 22.5 m (UMi), beyond which they carry a caution.
 
-use super::{Card, ModelLink, ModelValue, not_a_base_station, outside};
+use super::card::{Card, ModelLink, ModelValue, not_a_base_station, outside};
 
 pub(super) const RMA: Card = Card {
     id: "tr38901_rma",

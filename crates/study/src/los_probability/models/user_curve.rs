@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::{OutsideDomain, outside};
+use super::card::{OutsideDomain, outside};
 
 /// What the values of a [`UserCurve`] are given over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,93 @@
+//! How a map is made, and how it is watched and stopped.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::error::{Error, Result};
+use crate::los::MethodChoice;
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::BitGrid;
+
+/// Which cells hold receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Receivers {
+    /// All cells of open ground.
+    #[default]
+    Ground,
+    /// Building cells only, standing on the roof.
+    Roof,
+    /// Both.
+    All,
+}
+
+/// How a map is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapOptions {
+    /// Height of the receivers above what they stand on \[1/1024 m\].
+    pub rx_height: i32,
+    /// Which cells hold receivers.
+    pub receivers: Receivers,
+    /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
+    pub within: Option<BitGrid>,
+    /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
+    pub radius: Option<f64>,
+    /// Length of a CRS unit \[m\], for elevation angles.
+    pub meters_per_unit: f64,
+    /// Which layers of heights to make.
+    pub layers: HeightLayers,
+    /// Which engine decides; all are exact but those that say they are not.
+    pub method: MethodChoice,
+}
+
+impl Default for MapOptions {
+    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
+    fn default() -> Self {
+        MapOptions {
+            rx_height: 3 * STEPS_PER_UNIT / 2,
+            receivers: Receivers::Ground,
+            within: None,
+            radius: None,
+            meters_per_unit: 1.0,
+            layers: HeightLayers::default(),
+            method: MethodChoice::Auto,
+        }
+    }
+}
+
+/// The layers of one UAV beside its mask: of heights, and of how stable its answers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HeightLayers {
+    /// Receiver height less the least visible height.
+    pub margin: bool,
+    /// Least receiver height in line of sight.
+    pub least_receiver_height: bool,
+    /// Least UAV height, over its place, that sees the receiver.
+    pub least_height: bool,
+    /// How many of eight moves by one lattice step turn the answer, see [`super::Stability`].
+    pub stability: bool,
+}
+
+impl HeightLayers {
+    /// Whether a link must be walked for any of them.
+    pub(super) fn has_heights(self) -> bool {
+        self.margin || self.least_receiver_height || self.least_height
+    }
+}
+
+/// Progress out of, and the wish to stop into, a running map.
+#[derive(Debug, Default)]
+pub struct Control {
+    /// Cells decided so far.
+    pub done: AtomicU64,
+    /// Set it to stop at the next row.
+    pub stop: AtomicBool,
+}
+
+impl Control {
+    /// Whether the work may go on.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] when `stop` was set.
+    pub fn check(&self) -> Result<()> {
+        if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,36 @@
+//! The class of an error, which fixes the exit code of the command line.
+
+/// The cause of an [`super::Error`], one per exit code of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorClass {
+    /// A fault of the program: exit code 1.
+    Internal,
+    /// The request itself does not make sense: exit code 2.
+    Usage,
+    /// An input file is bad, or an output file cannot be written: exit code 3.
+    File,
+    /// A site, zone or position is bad: exit code 4.
+    Site,
+    /// The request is over a limit of memory, cells or time: exit code 5.
+    Limit,
+    /// A check failed: exit code 6.
+    Check,
+    /// The user interrupted the work: exit code 130.
+    Interrupted,
+}
+
+impl ErrorClass {
+    /// The process exit code for this class.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            ErrorClass::Internal => 1,
+            ErrorClass::Usage => 2,
+            ErrorClass::File => 3,
+            ErrorClass::Site => 4,
+            ErrorClass::Limit => 5,
+            ErrorClass::Check => 6,
+            ErrorClass::Interrupted => 130,
+        }
+    }
+}

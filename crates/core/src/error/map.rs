@@ -1,0 +1,37 @@
+//! Why no map can be made as it was asked for.
+
+use std::borrow::Cow;
+
+use super::class::ErrorClass;
+use crate::quantity::MAX_EXTENT_UNITS;
+
+/// Why no map can be made as it was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum MapError {
+    /// The method is one for other scenes: what this one lacks, and the name of the method for it.
+    #[error("the method that was asked for cannot decide this scene: {why}")]
+    Method { why: &'static str, instead: Cow<'static, str> },
+    /// Layers of heights, which are exact, beside an approximate method.
+    #[error("layers of heights with `{method}`, which is approximate: they are exact, and would not agree")]
+    ApproximateLayers { method: Cow<'static, str> },
+    /// The method needs the whole scene in memory.
+    #[error("the method that was asked for cannot decide this scene, which does not fit in memory")]
+    StreamedMethod,
+    /// Layers of heights and zones need the whole scene in memory.
+    #[error("layers of heights and zones need the whole scene in memory, in which it does not fit")]
+    StreamedLayers,
+    /// More cells a side than the lattice has.
+    #[error("cannot map {n_cols} × {n_rows} cells strip by strip: wanted at most {MAX_EXTENT_UNITS} a side")]
+    StreamedCells { n_cols: usize, n_rows: usize },
+}
+
+impl MapError {
+    pub(super) fn class_and_code(&self) -> (ErrorClass, u16) {
+        match self {
+            MapError::StreamedCells { .. } => (ErrorClass::Limit, 502),
+            _ => (ErrorClass::Usage, 118),
+        }
+    }
+}

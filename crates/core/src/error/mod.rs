@@ -1,0 +1,224 @@
+//! What can go wrong, said so that the reader can act.
+//!
+//! One [`Error`] for the whole crate, over one enum for each stage, with what was found as values. It has a class (which fixes
+//! the exit code of the command line), a stable code and one line of text: what was attempted, what was found, what was
+//! wanted. What is odd but not fatal is a [`Warning`]: it says what was done instead.
+//!
+//! Codes are grouped by class and never change their meaning: E1xx usage, E2xx site or zone, E3xx input file, E4xx
+//! output file, E5xx a limit, E6xx a failed check, E9xx a fault of the program; W-codes follow the same hundreds.
+//!
+//! | codes | about |
+//! |---|---|
+//! | E101–E109 | words of the command line, sites and receivers as typed, outputs that cannot be written as asked |
+//! | E110–E119 | generated cities, numbers out of range, flags without meaning for the scene |
+//! | E120–E124 | P_LoS: a parameter out of range, methods, models, curves, plots |
+//! | E201–E207 | inside a building, below the ground, outside the lattice, no ground or roof there, height out of range, position in another CRS, an id twice |
+//! | E208–E209 | an area outside the scene, no candidate left |
+//! | E301–E307 | rasters: cannot be opened, malformed, truncated, unsupported, all void, rotated, irregular |
+//! | E308–E312 | nothing in the file, heights missing, CRS, CRS of two files, no overlap |
+//! | E313 | a curve of P_LoS given as a table |
+//! | E365 | a property of heights that no feature has |
+//! | E401–E403 | an output cannot be written (a bad file), encoded, drawn (faults of the program) |
+//! | E501–E504 | memory, extent, threads, edges of a footprint that cross too often |
+//! | E601–E602 | a stress scene: its truth is not what is known of it, an exact method is wrong |
+//! | E603 | a chart: two exact engines differ |
+//! | W201–W204 | flat earth, no receiver, heights at which a UAV cannot be, UAVs outside the grid |
+//! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
+//! | W320–W334 | rasters, listed at the module of GeoTIFF |
+//! | W335, W339 | footprints and rasters brought into another CRS |
+//! | W336–W338 | mosaics: tiles that differ where they overlap, cells in no source, too many tiles to name |
+//! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
+//! | W350–W366 | footprints: what was mended or left out, heights, the ground below solids |
+//! | W367 | meshes: cells without a face |
+//! | W368 | holes that cover what is outside of their shell |
+//! | W370–W372 | vertical systems: one of two files names none, datums that differ, units that contradict each other |
+//! | W373 | results of this program given as a scene |
+//! | W378–W379 | the data area: not looked for where the extent was typed, or given up where it holds little open ground |
+//! | W380 | rows of a table that were left out |
+
+mod city;
+mod class;
+mod map;
+mod told;
+mod uav;
+mod warning;
+mod words;
+
+use std::fmt;
+
+pub use city::CityError;
+pub use class::ErrorClass;
+pub use map::MapError;
+pub use told::Told;
+pub use uav::{UavAttempt, UavError};
+pub use warning::Warning;
+pub use words::{MOST_FOUND, escaped, io_words, is_text, one_line, shortened};
+
+/// The error of every fallible function of this crate.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum Error {
+    /// No city can be generated.
+    City(CityError),
+    /// A UAV cannot be where it was asked to be.
+    Uav { attempt: UavAttempt, why: UavError },
+    /// No map can be made as it was asked for.
+    Map(MapError),
+    /// The work was told to stop.
+    Interrupted,
+    /// A fault of the program: what should have held.
+    Fault(Fault),
+    /// An error, and the larger thing that it happened in.
+    Within { error: Box<Error>, context: String },
+    /// An error that is text alone.
+    Told(Told),
+}
+
+/// What should have held whatever was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The parameters of a city were checked, and its grid was refused.
+    #[error("a checked city has a valid grid")]
+    CityGrid,
+    /// Solids that are read window by window are no raster.
+    #[error("windows of a raster were asked for")]
+    NoRaster,
+}
+
+/// The result of every fallible function of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An error that is text alone, with a stable code.
+    ///
+    /// Control characters in `text` (which may quote a file) are escaped, so that an error is always one line, and
+    /// passages in backticks are cut to 400 characters.
+    pub fn new(class: ErrorClass, code: u16, text: impl Into<String>) -> Self {
+        Error::Told(Told { class, code, text: one_line(&text.into()), hint: None })
+    }
+
+    /// A usage error (E1xx).
+    pub fn usage(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Usage, code, text)
+    }
+
+    /// A bad site, zone or position (E2xx).
+    pub fn site(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Site, code, text)
+    }
+
+    /// A bad input file (E3xx), or an output file that cannot be written (E401).
+    pub fn file(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::File, code, text)
+    }
+
+    /// A request over a limit (E5xx).
+    pub fn limit(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Limit, code, text)
+    }
+
+    /// A fault of the program (E402 and E403 for outputs, E9xx otherwise).
+    pub fn internal(code: u16, text: impl Into<String>) -> Self {
+        Error::new(ErrorClass::Internal, code, text)
+    }
+
+    /// The error as text, with a remedy.
+    #[must_use]
+    pub fn with_hint(self, hint: impl Into<String>) -> Self {
+        let (class, code) = self.class_and_code();
+        Error::Told(Told { class, code, text: self.to_string(), hint: Some(one_line(&hint.into())) })
+    }
+
+    /// The error in a larger thing, which its text names at the end, in parentheses.
+    #[must_use]
+    pub fn within(self, context: impl fmt::Display) -> Self {
+        Error::Within { error: Box::new(self), context: context.to_string() }
+    }
+
+    /// The cause without the larger things that it happened in.
+    pub fn innermost(&self) -> &Error {
+        match self {
+            Error::Within { error, .. } => error.innermost(),
+            _ => self,
+        }
+    }
+
+    fn class_and_code(&self) -> (ErrorClass, u16) {
+        match self.innermost() {
+            Error::City(error) => error.class_and_code(),
+            Error::Uav { why, .. } => (ErrorClass::Site, why.code()),
+            Error::Map(error) => error.class_and_code(),
+            Error::Interrupted | Error::Within { .. } => (ErrorClass::Interrupted, 130),
+            Error::Fault(Fault::CityGrid) => (ErrorClass::Internal, 901),
+            Error::Fault(Fault::NoRaster) => (ErrorClass::Internal, 902),
+            Error::Told(told) => (told.class, told.code),
+        }
+    }
+
+    /// The cause.
+    pub fn class(&self) -> ErrorClass {
+        self.class_and_code().0
+    }
+
+    /// The stable code, for example `E301`.
+    pub fn code(&self) -> String {
+        format!("E{:03}", self.number())
+    }
+
+    /// The number in the code, for example 301.
+    pub fn number(&self) -> u16 {
+        self.class_and_code().1
+    }
+
+    /// The remedy, where the error is text alone and has one.
+    pub fn hint(&self) -> Option<&str> {
+        match self.innermost() {
+            Error::Told(told) => told.hint.as_deref(),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self {
+            Error::City(error) => error.to_string(),
+            Error::Uav { attempt, why } => format!("cannot {attempt}: {why}"),
+            Error::Map(error) => error.to_string(),
+            Error::Interrupted => "interrupted; nothing was written".to_string(),
+            Error::Fault(fault) => fault.to_string(),
+            Error::Within { error, context } => format!("{error} ({context})"),
+            Error::Told(told) => return f.write_str(&told.text),
+        };
+        f.write_str(&one_line(&text))
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<CityError> for Error {
+    fn from(error: CityError) -> Self {
+        Error::City(error)
+    }
+}
+
+impl From<MapError> for Error {
+    fn from(error: MapError) -> Self {
+        Error::Map(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_in_a_larger_thing_keeps_its_class_and_its_code() {
+        let error = Error::file(301, "cannot read `a\nb`").with_hint("rename it").within("in t.vrt\n");
+        assert_eq!(error.to_string(), "cannot read `a\\nb` (in t.vrt\\n)");
+        assert_eq!((error.code().as_str(), error.class().exit_code()), ("E301", 3));
+        assert_eq!(error.hint(), Some("rename it"));
+    }
+}

@@ -1,0 +1,166 @@
+//! From a scene to its height field: footprints become prisms, and each cell of the receivers' grid ground, roof or nothing.
+
+use rayon::prelude::*;
+
+use super::known_ground::KnownGround;
+use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, cell_frame, convex_pieces};
+use crate::city::{DataArea, Footprint, Ground, Solids};
+use crate::error::Warning;
+use crate::overlay::Ring;
+use crate::quantity::BLOCKS_ALL;
+use crate::raster::{BitGrid, CellLattice, GeoRef};
+
+/// A height field, and what was odd about its scene.
+#[derive(Debug, Clone)]
+pub struct Built {
+    /// The obstacles and what receivers stand on.
+    pub field: HeightField,
+    /// What was odd.
+    pub warnings: Vec<Warning>,
+}
+
+impl HeightField {
+    /// Builds the obstacles of a scene: triangulates footprints, rounds nothing more.
+    ///
+    /// Cost: the triangulation, in parallel over footprints, and one test per cell near each piece.
+    pub fn build(grid: &GeoRef, solids: Solids) -> Built {
+        let mut warnings = Vec::new();
+        let nothing = BitGrid::new(0, 0);
+        let no_cells = CellSets { open: nothing.clone(), building: nothing };
+        let mut field = match solids {
+            Solids::Raster { surface, ground, building_threshold, voids } => {
+                let georef = surface.georef().clone();
+                let below = match ground {
+                    Ground::Surface => Below::Surface,
+                    Ground::Flat(z) => Below::Flat { z, building_threshold },
+                    Ground::Terrain(terrain) => Below::Terrain { tops: terrain.into_cells(), building_threshold },
+                };
+                let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
+                let solid = Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), below });
+                HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
+            }
+            Solids::Vector { footprints, frame, ground, data_area, .. } => {
+                let prisms = prisms_of(&footprints, &mut warnings);
+                let is_auto = matches!(data_area, DataArea::NearFootprints);
+                let known_ground = match data_area {
+                    DataArea::All => None,
+                    DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid),
+                    DataArea::Within(area) => Some(KnownGround::Area(area)),
+                };
+                let building_ids = footprints.into_iter().map(|f| f.id).collect();
+                let ground = match ground {
+                    Ground::Terrain(terrain) => {
+                        let georef = terrain.georef().clone();
+                        let lattice = CellLattice::under(&frame, &georef);
+                        let columns = Columns::new(georef.n_rows(), georef.n_cols(), terrain.into_cells());
+                        // PERF: the ground is asked for cell by cell.
+                        columns.tops();
+                        VectorGround::Terrain { columns: columns.with_cells_of(lattice.steps), frame: lattice.frame }
+                    }
+                    Ground::Flat(z) => VectorGround::Flat(z),
+                    Ground::Surface => VectorGround::Flat(0),
+                };
+                let solid = VectorSolid { prisms, frame, ground, roofs: Vec::new(), known_ground, building_ids };
+                let solid = Solid::Vector(solid);
+                let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };
+                field.find_roofs();
+                field.find_cells_without_data();
+                if is_auto && field.knows_all_as_little_is_open() {
+                    warnings.push(Warning::LittleOpenGround);
+                }
+                field
+            }
+        };
+        field.cells = CellSets::of(&field);
+        warnings.extend(field.unknown_ground());
+        Built { field, warnings }
+    }
+
+    /// Cells of a vector scene below which no terrain is known, if there are any.
+    fn unknown_ground(&self) -> Option<Warning> {
+        let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
+        let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
+        let cells = of_data - self.cells.open.count() - self.cells.building.count();
+        let block = self.max_top() == BLOCKS_ALL;
+        (is_on_terrain && cells > 0).then_some(Warning::UnknownGround { cells, block })
+    }
+}
+
+/// Convex pieces of all footprints, in the order of the footprints.
+fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
+    let cut: Vec<(Vec<Ring>, bool)> = footprints
+        .par_iter()
+        .map(|footprint| {
+            let mut pieces = Vec::new();
+            let mut fell_back = false;
+            for polygon in &footprint.polygons {
+                match convex_pieces(polygon) {
+                    ConvexPieces::Exact(rings) => pieces.extend(rings),
+                    ConvexPieces::Hull(ring) => {
+                        fell_back = true;
+                        pieces.extend((ring.len() >= 3).then_some(ring));
+                    }
+                }
+            }
+            (pieces, fell_back)
+        })
+        .collect();
+    for (footprint, _) in footprints.iter().zip(&cut).filter(|(_, (_, fell_back))| *fell_back) {
+        warnings.push(Warning::Hull { footprint: footprint.id.clone() });
+    }
+    let pieces = footprints.iter().zip(cut).enumerate().flat_map(|(building, (footprint, (rings, _)))| {
+        let building = u32::try_from(building).unwrap_or(u32::MAX);
+        rings.into_iter().map(move |ring| (ring, footprint.top, building))
+    });
+    Prisms::new(pieces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::CellKind;
+    use super::*;
+    use crate::city::FootprintFaults;
+    use crate::quantity::{Frame, VOID};
+
+    fn square_scene() -> HeightField {
+        // A 4 m square building whose edges pass through cell centers, 10 m high, on ground at 2 m.
+        let grid = GeoRef::new((0.0, 8.0), (1.0, 1.0), (8, 8), None).expect("a valid grid");
+        let (low, high) = (1536, 1536 + 4096);
+        let footprint = Footprint {
+            id: "a".into(),
+            polygons: vec![vec![vec![[low, low], [high, low], [high, high], [low, high]]]],
+            top: 12 * 1024,
+            base: Some(2 * 1024),
+        };
+        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
+        let solids = Solids::Vector {
+            footprints: vec![footprint],
+            frame,
+            ground: Ground::Flat(2 * 1024),
+            faults: FootprintFaults::default(),
+            data_area: DataArea::All,
+        };
+        HeightField::build(&grid, solids).field
+    }
+
+    #[test]
+    fn a_cell_whose_center_is_on_a_free_wall_is_open_ground() {
+        let field = square_scene();
+        let positions = field.positions();
+        let n_buildings = (0..64)
+            .filter(|i| matches!(field.cell_kind(*i, &positions.center(i / 8, i % 8)), CellKind::Building(_)))
+            .count();
+        // Centers at 1.5, 2.5 … 5.5 along each axis touch the square; three of the five are strictly inside.
+        assert_eq!(n_buildings, 9);
+    }
+
+    #[test]
+    fn the_roof_and_the_ground_are_told_at_any_point() {
+        let field = square_scene();
+        assert_eq!(field.roof_at(&field.place(3.0, 3.0)), Some(12 * 1024));
+        assert_eq!(field.roof_at(&field.place(0.5, 3.0)), None);
+        assert_eq!(field.ground_at(&field.place(100.0, -3.0)), 2048);
+        assert_eq!(field.inside_prisms_below(&field.place(1.5, 3.0)), VOID);
+    }
+}

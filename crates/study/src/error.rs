@@ -1,0 +1,160 @@
+//! What can go wrong: one [`Error`] for the whole crate, over one enum for each part of it, with what was found as values.
+//!
+//! Classes and codes are those of [`skyshed_core::error`].
+
+use std::borrow::Cow;
+use std::fmt;
+
+use skyshed_core::ErrorClass;
+use skyshed_core::error::one_line;
+
+/// The error of every fallible function of this crate.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// An engine or a scene failed.
+    Core(skyshed_core::Error),
+    /// P_LoS cannot be asked for, or not so.
+    LosProbability(LosProbabilityError),
+    /// Methods cannot be compared.
+    Chart(ChartError),
+    /// A stress scene is not what it should be.
+    Stress(StressError),
+}
+
+/// The result of every fallible function of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why P_LoS cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum LosProbabilityError {
+    /// A number is out of range.
+    #[error("cannot compute P_LoS: {what} is `{found}`, wanted {wanted}")]
+    OutOfRange { what: &'static str, found: f64, wanted: &'static str },
+    /// The UAV is not above the receivers \[m above the ground\].
+    #[error("cannot compute P_LoS: the UAV's height is `{uav_height_m}`, wanted above the receivers, {rx_height_m} m")]
+    BelowReceivers { uav_height_m: f64, rx_height_m: f64 },
+    /// Something puts users farther away \[m\] than half of the lattice.
+    #[error("cannot compute P_LoS: {cause} puts users {distance_m:.0} m away, wanted at most {most_m} m")]
+    TooFar { cause: String, distance_m: f64, most_m: f64 },
+    /// Whole cities around the longest links \[m\] have too many buildings.
+    #[error(
+        "cannot simulate whole cities: links of {farthest_m:.0} m need cities of {buildings:.0} buildings, wanted at most \
+         {most}"
+    )]
+    CityTooLarge { farthest_m: f64, buildings: f64, most: f64 },
+}
+
+/// Why methods cannot be compared on a scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum ChartError {
+    /// The method is one for other scenes: what this one lacks, and the name of a method for it.
+    #[error("the method that was asked for cannot decide this scene: {why}")]
+    Method { why: &'static str, instead: Cow<'static, str> },
+    /// Two exact engines differ: a fault of the program.
+    #[error("cannot chart: `{method}` and `ray` differ for UAV `{uav}`")]
+    EnginesDiffer { method: Cow<'static, str>, uav: String },
+}
+
+/// What is wrong with a stress scene, or with a method on it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum StressError {
+    /// The answer of a receiver is not the one that is known by construction.
+    #[error(
+        "the answer at row {row}, column {col} of the stress scene {scene} is {found:?}, known by construction is {known}"
+    )]
+    Truth { scene: String, row: usize, col: usize, found: Option<bool>, known: bool },
+    /// An exact method decides receivers wrongly.
+    #[error(
+        "`{method}`, which is exact, decides {wrong} of {receivers} receivers of {family} wrongly, first row {row}, column \
+         {col} of the scene {scene}; wanted 0"
+    )]
+    ExactIsWrong {
+        method: String,
+        wrong: u64,
+        receivers: u64,
+        family: &'static str,
+        scene: String,
+        row: usize,
+        col: usize,
+    },
+    /// The scene is too large for the integers of the truth.
+    #[error("the stress scene {scene} is too large to be decided")]
+    TooLarge { scene: String },
+    /// The scene does not come out as it was built.
+    #[error("the stress scene {scene} cannot be built: {why}")]
+    Build { scene: String, why: String },
+    /// A map of the scene has other receivers than the truth.
+    #[error("the stress scene {scene} has other receivers as a map")]
+    Receivers { scene: String },
+}
+
+impl Error {
+    fn class_and_code(&self) -> (ErrorClass, u16) {
+        use LosProbabilityError as P;
+        match self {
+            Error::Core(error) => (error.class(), error.number()),
+            Error::LosProbability(P::OutOfRange { .. } | P::BelowReceivers { .. }) => (ErrorClass::Usage, 120),
+            Error::LosProbability(P::TooFar { .. } | P::CityTooLarge { .. }) => (ErrorClass::Limit, 502),
+            Error::Chart(ChartError::Method { .. }) => (ErrorClass::Usage, 118),
+            Error::Chart(ChartError::EnginesDiffer { .. }) => (ErrorClass::Check, 603),
+            Error::Stress(StressError::Truth { .. }) => (ErrorClass::Check, 601),
+            Error::Stress(StressError::ExactIsWrong { .. }) => (ErrorClass::Check, 602),
+            Error::Stress(_) => (ErrorClass::Internal, 902),
+        }
+    }
+
+    /// The cause.
+    pub fn class(&self) -> ErrorClass {
+        self.class_and_code().0
+    }
+
+    /// The stable code, for example `E120`.
+    pub fn code(&self) -> String {
+        format!("E{:03}", self.class_and_code().1)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self {
+            Error::Core(error) => return error.fmt(f),
+            Error::LosProbability(error) => error.to_string(),
+            Error::Chart(error) => error.to_string(),
+            Error::Stress(error) => error.to_string(),
+        };
+        f.write_str(&one_line(&text))
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<skyshed_core::Error> for Error {
+    fn from(error: skyshed_core::Error) -> Self {
+        Error::Core(error)
+    }
+}
+
+impl From<LosProbabilityError> for Error {
+    fn from(error: LosProbabilityError) -> Self {
+        Error::LosProbability(error)
+    }
+}
+
+impl From<ChartError> for Error {
+    fn from(error: ChartError) -> Self {
+        Error::Chart(error)
+    }
+}
+
+impl From<StressError> for Error {
+    fn from(error: StressError) -> Self {
+        Error::Stress(error)
+    }
+}
