@@ -159,6 +159,10 @@ impl Limits {
 }
 
 impl Answer for Limits {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         let cell = |e: &CellEffect| CellDocument {
             #[expect(clippy::cast_precision_loss, reason = "a small factor")]

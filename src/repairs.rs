@@ -86,7 +86,10 @@ impl Answer for Repairs {
         let point = |repair: &Repair| {
             let mut properties = document_of(&self.row(repair));
             // The geometry tells the place.
-            properties.as_object_mut().into_iter().for_each(|row| row.retain(|name, _| !["x", "y"].contains(&name.as_str())));
+            properties
+                .as_object_mut()
+                .into_iter()
+                .for_each(|row| row.retain(|name, _| !["x", "y"].contains(&name.as_str())));
             feature(properties, repair.place.map(|place| ("Point", place.to_vec().into())))
         };
         let features = self.repairs.iter().map(point).collect();

@@ -306,6 +306,10 @@ impl TrackWalk {
 }
 
 impl Answer for TrackWalk {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         self.as_document(true)
     }

@@ -20,15 +20,8 @@ use crate::words::title_of;
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
 /// Formats of zones.
-pub(crate) const FORMATS: [Format; 7] = [
-    Format::Png,
-    Format::Svg,
-    Format::Pdf,
-    Format::GeoTiff,
-    Format::GeoJson,
-    Format::Json,
-    Format::Stdout,
-];
+pub(crate) const FORMATS: [Format; 7] =
+    [Format::Png, Format::Svg, Format::Pdf, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Stdout];
 
 /// The zones of a scene.
 #[derive(Debug)]
@@ -98,23 +91,23 @@ impl ZoneFiles {
     /// The parts of all zones as polygons along the cell edges, in the grid's CRS.
     fn features(&self) -> Value {
         let (zones, cell_m2) = (&self.zones, self.cell_m2());
-    let grid = zones.grid();
-    let parts = |zone: Zone| zones.parts(zone).into_iter().enumerate().map(move |(k, part)| (zone, k, part));
-    let features: Vec<Value> = Zone::ALL
-        .into_iter()
-        .flat_map(parts)
-        .map(|(zone, k, part)| {
-            #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
-            let area = part.n_cells as f64 * cell_m2;
-            let rings: Vec<Vec<[f64; 2]>> =
-                part.rings.iter().map(|ring| ring.iter().map(|c| grid.world_from_corner(*c)).collect()).collect();
-            let id = format!("{}-{}", zone.name(), k + 1);
-            let properties = json!({"zone": zone.name(), "id": id, "cells": part.n_cells, "area_m2": area});
-            feature(properties, Some(("Polygon", json!(closed_rings(&rings)))))
-        })
-        .collect();
-    feature_collection(grid, self.provenance(), features)
-}
+        let grid = zones.grid();
+        let parts = |zone: Zone| zones.parts(zone).into_iter().enumerate().map(move |(k, part)| (zone, k, part));
+        let features: Vec<Value> = Zone::ALL
+            .into_iter()
+            .flat_map(parts)
+            .map(|(zone, k, part)| {
+                #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
+                let area = part.n_cells as f64 * cell_m2;
+                let rings: Vec<Vec<[f64; 2]>> =
+                    part.rings.iter().map(|ring| ring.iter().map(|c| grid.world_from_corner(*c)).collect()).collect();
+                let id = format!("{}-{}", zone.name(), k + 1);
+                let properties = json!({"zone": zone.name(), "id": id, "cells": part.n_cells, "area_m2": area});
+                feature(properties, Some(("Polygon", json!(closed_rings(&rings)))))
+            })
+            .collect();
+        feature_collection(grid, self.provenance(), features)
+    }
 
     fn picture(&self, format: Format, look: &Look) -> Result<Vec<u8>> {
         let grid = &self.facts.grid;
@@ -181,6 +174,10 @@ impl ZoneFiles {
 }
 
 impl Answer for ZoneFiles {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         document_of(&ZonesDocument {
             head: self.facts.head("skyshed/zones/1"),

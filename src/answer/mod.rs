@@ -82,6 +82,11 @@ pub(crate) trait Answer {
         Vec::new()
     }
 
+    /// Whether [`Answer::text`] is a few words, which are said beside files, too.
+    fn is_in_words(&self) -> bool {
+        false
+    }
+
     /// What stands on standard output where no file was asked for.
     ///
     /// # Errors

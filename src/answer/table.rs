@@ -62,7 +62,10 @@ mod tests {
     fn columns_are_those_that_any_row_has() {
         let row = |only_sometimes| Row { name: "a", only_sometimes, length_m: Some(2.0) };
         assert_eq!(rows([row(None)]), [["name", "length_m"], ["a", "2"]]);
-        assert_eq!(rows([row(None), row(Some(3))]).concat(), ["name", "only_sometimes", "length_m", "a", "", "2", "a", "3", "2"]);
+        assert_eq!(
+            rows([row(None), row(Some(3))]).concat(),
+            ["name", "only_sometimes", "length_m", "a", "", "2", "a", "3", "2"]
+        );
         assert_eq!(rows::<Row>([])[0].len(), 3);
     }
 }

@@ -11,8 +11,8 @@ use crate::coverage::{Seen, Uav};
 use crate::error::io_words;
 use crate::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
-use crate::quantity::{BLOCKS_ALL, VOID, meters};
 use crate::progress::Progress;
+use crate::quantity::{BLOCKS_ALL, VOID, meters};
 use crate::raster::{BitGrid, GeoRef};
 
 /// Runs after the first one, of which the median is taken; a program above two seconds is run once.

@@ -61,9 +61,8 @@ impl PlosChartPlan {
             rows
         })?;
         let silent = rows.iter().filter_map(|row| Some((row.way, row.result.as_ref().err()?)));
-        let left_out = |(way, reason): (PlosWay, &String)| {
-            Warning::new(210, format!("`{}` is left out: {reason}", way.method()))
-        };
+        let left_out =
+            |(way, reason): (PlosWay, &String)| Warning::new(210, format!("`{}` is left out: {reason}", way.method()));
         let warnings = silent.map(left_out).collect();
         let report = PlosChartReport {
             command,

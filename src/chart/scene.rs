@@ -132,10 +132,11 @@ impl Arena<'_> {
 
     fn peer(&self) -> ChartRow {
         let rx_height_m = self.plan.sight.rx_height_m();
-        let (parameters, result) = match peers::gdal_viewshed(&self.scene.field, self.uavs, rx_height_m, self.truth, self.progress) {
-            Ok((version, answer, cost)) => (version, Ok((cost, self.truth.compare(&answer, 1)))),
-            Err(reason) => (String::new(), Err(reason)),
-        };
+        let (parameters, result) =
+            match peers::gdal_viewshed(&self.scene.field, self.uavs, rx_height_m, self.truth, self.progress) {
+                Ok((version, answer, cost)) => (version, Ok((cost, self.truth.compare(&answer, 1)))),
+                Err(reason) => (String::new(), Err(reason)),
+            };
         let name = "gdal_viewshed".to_string();
         ChartRow { method: name.clone(), parameters, label: name, family: Family::Peer, result }
     }

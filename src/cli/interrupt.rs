@@ -62,9 +62,7 @@ pub(super) fn listen() {
         let is_first = !STOP.swap(true, Ordering::AcqRel);
         match *phase {
             Phase::InPieces if is_first => {
-                say::note(
-                    "interrupted: what is done will be written if the piece at hand ends soon; again: nothing",
-                );
+                say::note("interrupted: what is done will be written if the piece at hand ends soon; again: nothing");
                 after_grace(|| {
                     let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
                     if *phase == Phase::InPieces {

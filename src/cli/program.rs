@@ -22,8 +22,8 @@ use crate::error::{Error, Result};
 #[command(after_help = "\
 SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .vrt, or a folder of
 tiles), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
-Heights are above ground unless written 150amsl or 30roof; all lengths are in meters, heights of UAVs
-and receivers also in feet: 400ft, 400ft amsl. Without `-o` the answer goes to standard output.
+Heights are above ground unless written 150amsl or 30roof; lengths are in meters, heights also in
+feet: 400ft, 400ft amsl. Without `-o` the answer goes to standard output.
 
 Examples:
   skyshed map itu:urban --uav 500,500,100 -o coverage.png
@@ -31,8 +31,8 @@ Examples:
   skyshed info buildings.geojson
   skyshed place itu:urban --height 60,100 --step 50 -o hover.png
 
-Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input or output file, 4 bad site or zone, 5 over
-a limit, 6 a check failed, 130 interrupted.")]
+Exit codes: 0 done, 1 internal fault, 2 usage, 3 bad input or output file, 4 bad site or zone,
+5 over a limit, 6 a check failed, 130 interrupted.")]
 pub(super) struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -48,23 +48,23 @@ enum Command {
     Track(Box<TrackArgs>),
     /// Make or convert a city, and draw it
     City(Box<CityArgs>),
-    /// What a file is: size, CRS, heights and faults of a scene; what UAVs, a track, or an output of this program hold
+    /// What a file is: size, CRS, heights and faults of a scene; what UAVs or an output hold
     Info(Box<InfoArgs>),
-    /// Streets, crossroads, courtyards and rooftops of a scene: counts, a map, a raster, polygons
+    /// Streets, crossroads, courtyards and rooftops: counts, a map, polygons
     Zones(Box<ZonesArgs>),
-    /// What limits the P_LoS of a map, and what it needs: cells, terrain, footprints, positions, heights
+    /// What limits the P_LoS of a map: cells, terrain, positions, heights
     Limits(Box<LimitsArgs>),
-    /// Probability of line of sight: curves by exact products, simulators, published models, and over real cities
+    /// Probability of line of sight: exact products, simulators, models, real cities
     Plos(Box<PlosArgs>),
-    /// Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed
+    /// Where to hover: candidates ranked, refined, or chosen together
     Place(Box<PlaceArgs>),
-    /// P_LoS from placements over each zone, averaged, with intervals, by zone of the receivers
+    /// P_LoS averaged over placements of each zone, with intervals
     Sample(Box<SampleArgs>),
-    /// Placements side by side: maps, differences and a table with intervals, as a picture or a page to swipe over
+    /// Placements side by side: maps, differences, a page to swipe over
     Compare(Box<CompareArgs>),
-    /// Speed against accuracy of every method on a scene, timed with one thread unless `-j` says otherwise
+    /// Speed against accuracy of every method on a scene
     Chart(Box<ChartArgs>),
-    /// Where methods fail: all of them on small scenes full of ties, or what in one scene hangs by a lattice step
+    /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
     Stress(Box<StressArgs>),
     /// Words for a shell that completes what is typed, or a man page
     Completions(CompletionsArgs),

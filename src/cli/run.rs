@@ -38,7 +38,12 @@ impl Run {
     ///
     /// # Errors
     /// If a file cannot be made or written, or the user interrupts.
-    pub(super) fn emit(&self, answer: &dyn Answer, outputs: &[Output], (out, look): (&OutputArgs, &Look)) -> Result<()> {
+    pub(super) fn emit(
+        &self,
+        answer: &dyn Answer,
+        outputs: &[Output],
+        (out, look): (&OutputArgs, &Look),
+    ) -> Result<()> {
         let batch = match answer.interrupted() {
             // What was done by then is written.
             Some(_) => Batch::new(out.overwrite),
@@ -49,7 +54,7 @@ impl Run {
         say::wrote(&written, self.is_quiet);
         if out.is_told() {
             say::answer(&pretty(&answer.document(Some(spent))))?;
-        } else if outputs.is_empty() {
+        } else if outputs.is_empty() || answer.is_in_words() {
             say::answer(&answer.text(look)?)?;
         }
         match answer.interrupted() {

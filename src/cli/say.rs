@@ -18,7 +18,10 @@ fn say(text: &str) {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 18] = [
+const FLAGS: [(&str, &str); 21] = [
+    ("area", "--area"),
+    ("weights", "--weights"),
+    ("count", "--count"),
     ("terrain", "--terrain"),
     ("ground_m", "--ground"),
     ("building_threshold_m", "--building-threshold"),

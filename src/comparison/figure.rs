@@ -126,7 +126,12 @@ impl<'a> Figure<'a> {
             .iter()
             .zip(self.labels.iter().zip(&self.heights))
             .zip(masks)
-            .map(|((p, (label, height)), mask)| PagePlacement { id: &p.id, label, mask: mask.as_slice(), mark: mark_of(p, height, grid) })
+            .map(|((p, (label, height)), mask)| PagePlacement {
+                id: &p.id,
+                label,
+                mask: mask.as_slice(),
+                mark: mark_of(p, height, grid),
+            })
             .collect();
         let sentences: Vec<String> = report.pairs.iter().map(|pair| report.sentence(pair)).collect();
         render::compare_page(&ComparePage {

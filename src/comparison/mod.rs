@@ -18,7 +18,7 @@ use report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts};
 use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
-use crate::coverage::{CellGroups, KeepMasks, MarginSample, Mapper, Overlay, SiteCoverage, Tally, class, count_sets};
+use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, class, count_sets};
 use crate::error::{Error, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;

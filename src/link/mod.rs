@@ -180,6 +180,10 @@ impl Link {
 }
 
 impl Answer for Link {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         let warnings = warnings_of(&self.facts.warnings);
         document_of(&LinkDocument { head: self.facts.head("skyshed/link/1"), found: &self.found, warnings })
@@ -194,8 +198,7 @@ impl Answer for Link {
         let place = |e: &EndFacts| format!("({}, {}), {} m", tidy(e.x), tidy(e.y), tidy(e.height_amsl_m));
         let verdict = if *los { "LoS" } else { "NLoS" };
         let margin = margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{m:.3} m"));
-        let mut text =
-            format!("{verdict}: UAV at {} to receiver at {} above the datum\n", place(uav), place(receiver));
+        let mut text = format!("{verdict}: UAV at {} to receiver at {} above the datum\n", place(uav), place(receiver));
         let (distance, angle) = (tidy(*distance_m), tidy(*elevation_deg));
         text += &format!("distance {distance} m, elevation angle {angle}°, margin {margin}\n");
         if let Some(o) = obstruction {

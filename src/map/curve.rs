@@ -191,7 +191,11 @@ impl Curves {
             })
             .collect();
         let title = look.title_or(|| {
-            unbreakable(&format!("P_LoS against the height of {} over {}", whom(self.report.sites.len()), self.scene.name))
+            unbreakable(&format!(
+                "P_LoS against the height of {} over {}",
+                whom(self.report.sites.len()),
+                self.scene.name
+            ))
         });
         let caption = self.caption(look);
         let plot = HeightCurvePlot {

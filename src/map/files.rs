@@ -12,8 +12,8 @@ use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_po
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name, encode_kmz,
-    with_suffix,
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
+    encode_kmz, with_suffix,
 };
 use crate::formats::{LonLatGrid, TiffLayout, world_file};
 use crate::picture::{Look, drawn, picture_provenance, program};
@@ -109,7 +109,9 @@ impl Writer<'_> {
             files.extend(beside(path, &all));
             for (site, facts) in self.of.sites.iter().zip(&self.of.report.sites) {
                 // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
-                let own = document(&self.of.report.of_site(facts, MaskDigest::of(grid, std::iter::once(site.mask.as_slice()))));
+                let own = document(
+                    &self.of.report.of_site(facts, MaskDigest::of(grid, std::iter::once(site.mask.as_slice()))),
+                );
                 let path = bare_name(path, &site.uav.id);
                 let provenance = [software(), ("skyshed".to_string(), own.clone())];
                 let png = render::draw_bare(grid.n_cols(), grid.n_rows(), &site.mask, &provenance);
@@ -176,11 +178,7 @@ impl Writer<'_> {
 }
 
 /// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
-pub(crate) fn written_at_once<'a>(
-    outputs: &'a [Output],
-    layers: &[Layer],
-    options: &SaveOptions,
-) -> Option<&'a Path> {
+pub(crate) fn written_at_once<'a>(outputs: &'a [Output], layers: &[Layer], options: &SaveOptions) -> Option<&'a Path> {
     match (outputs, layers, options.tif_layout) {
         ([(path, Format::GeoTiff)], [Layer::Los], Some(TiffLayout::Plain)) => Some(path),
         _ => None,

@@ -7,8 +7,8 @@ use serde_json::Value;
 use super::stability::{StabilityDocument, StabilityFacts};
 use super::tolerance::{ToleranceDocument, ToleranceFacts};
 use crate::answer::{
-    Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words, document_of,
-    feature, feature_collection, rows, warnings_of,
+    Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words,
+    document_of, feature, feature_collection, rows, warnings_of,
 };
 use crate::coverage::{CoveragePolygon, IdleFootprints, Placement, SiteCoverage, Tally};
 use crate::digest::Sha256;
@@ -183,10 +183,7 @@ impl MapReport {
             footprints: self.idle.as_ref().map(IdleDocument::of),
             sight: self.sight.facts(),
             sites: self.sites.iter().map(SiteFacts::document).collect(),
-            union: UnionDocument {
-                seen: (&self.union).into(),
-                zones: self.union_zones.as_ref().map(ZoneShares::of),
-            },
+            union: UnionDocument { seen: (&self.union).into(), zones: self.union_zones.as_ref().map(ZoneShares::of) },
             timing_s,
             warnings: warnings_of(&self.facts.warnings),
             digest: self.digest.clone(),
@@ -218,8 +215,8 @@ impl MapReport {
             std::iter::once(row(&site, "all", all)).chain(by_zone).collect::<Vec<_>>()
         };
         let sites = self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), &s.tally, s.zones.as_ref()));
-        let union = (self.sites.len() > 1)
-            .then(|| of(SiteDocumentHead::union(), &self.union, self.union_zones.as_ref()));
+        let union =
+            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), &self.union, self.union_zones.as_ref()));
         rows(sites.chain(union.into_iter().flatten()))
     }
 

@@ -16,8 +16,8 @@ use serde_json::Value;
 
 pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
-pub(crate) use report::{PlaceRow, SearchDocument};
 use report::{PlaceReport, place_digest};
+pub(crate) use report::{PlaceRow, SearchDocument};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
 
@@ -174,9 +174,9 @@ impl SearchPlan {
 
     /// The clearance on the lattice.
     fn clearance(&self) -> Result<i32> {
-        height_steps(self.clearance_m).filter(|c| *c >= 0).ok_or_else(|| {
-            Error::usage(113, format!("the clearance is `{}`, wanted 0 m to 32768 m", self.clearance_m))
-        })
+        height_steps(self.clearance_m)
+            .filter(|c| *c >= 0)
+            .ok_or_else(|| Error::usage(113, format!("the clearance is `{}`, wanted 0 m to 32768 m", self.clearance_m)))
     }
 
     /// Searches.
@@ -186,8 +186,7 @@ impl SearchPlan {
     pub(crate) fn search(&self, mut scene: Scene, command: Vec<String>, progress: &Progress) -> Result<Placements> {
         self.check()?;
         let asked = self.sight.receivers();
-        let needs_zones =
-            !self.over.is_empty() || matches!(self.goal.whom, Whom::Zone(_)) || asked.zone().is_some();
+        let needs_zones = !self.over.is_empty() || matches!(self.goal.whom, Whom::Zone(_)) || asked.zone().is_some();
         if scene.field.is_surface_only() && needs_zones {
             let text = "zones of a surface model alone: no building is known, so no zone is";
             return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));

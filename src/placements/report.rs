@@ -254,11 +254,8 @@ impl PlaceReport {
     }
 
     fn found(&self) -> FoundDocument {
-        let refined = |(place, tried): &(PlaceFacts, u64)| PlaceDocument {
-            rank: None,
-            tried: Some(*tried),
-            ..place.document()
-        };
+        let refined =
+            |(place, tried): &(PlaceFacts, u64)| PlaceDocument { rank: None, tried: Some(*tried), ..place.document() };
         FoundDocument {
             winner: self.winner.as_ref().ok().map(PlaceFacts::document),
             reason: self.winner.as_ref().err().cloned(),

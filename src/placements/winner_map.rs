@@ -74,7 +74,13 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         .iter()
         .take(MOST_LINES)
         .map(|site| {
-            format!("UAV {}: {} at {}, {}", site.id, site.height_words(), site.position().in_words(), share(&site.tally))
+            format!(
+                "UAV {}: {} at {}, {}",
+                site.id,
+                site.height_words(),
+                site.position().in_words(),
+                share(&site.tally)
+            )
         })
         .collect();
     if let Some(overlay) = &maps.overlay {

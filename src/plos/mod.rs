@@ -218,13 +218,10 @@ impl PlosPlan {
             }
             (_, _, None) => {
                 let text = format!("cannot use method `{}` over {word}: {UNKNOWN_CITY}", way.id());
-                Err(Error::usage(122, text).with_hint(
-                    "`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it",
-                ))
+                Err(Error::usage(122, text)
+                    .with_hint("`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it"))
             }
-            (_, _, Some(built_up)) => {
-                statistical_rows(self, &self.sweeps, (word, built_up), way, leave_out, cautions)
-            }
+            (_, _, Some(built_up)) => statistical_rows(self, &self.sweeps, (word, built_up), way, leave_out, cautions),
         }
     }
 

@@ -1,12 +1,12 @@
 //! Which plot a study calls for: curves, or heat maps.
 
 use super::heat::heat_maps;
-use super::{PlosStudy, PlotKind};
 use super::plot_words::{
     Intervals, axis_name, caption, city_name, groups, method_name, placement_words, title, value, words,
 };
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
+use super::{PlosStudy, PlotKind};
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::los_probability::fit::BuiltUpFit;
@@ -59,7 +59,7 @@ pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec
         (false, true) => Intervals::Bars,
         (false, false) => Intervals::BandsOfLines,
     };
-    let caption = caption(facts, report, intervals);
+    let caption = caption(facts, report, intervals, look);
     let provenance = picture_provenance(&report.provenance());
     drawn(if is_heat {
         heat_maps(report, &varying, &title, &caption, &provenance, form)?

@@ -5,7 +5,7 @@ use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use crate::city::BuiltUp;
 use crate::method_looks::look_of;
-use crate::picture::program;
+use crate::picture::{Look, program};
 use crate::quantity::tidy;
 use crate::render::LineLook;
 use crate::words::{capitalized, title_of, unbreakable};
@@ -145,7 +145,7 @@ impl Intervals {
 }
 
 /// What is the same for all rows, and where the numbers come from.
-pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals) -> Vec<String> {
+pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, look: &Look) -> Vec<String> {
     let mut said: Vec<String> = Vec::new();
     if let [height] = groups(report, &|r| r.height_m)[..] {
         said.push(format!("UAV {} m above ground", tidy(height)));
@@ -243,7 +243,10 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals) 
     let seed = has_estimates.then(|| format!("seed {}", report.seed));
     let parts: Vec<String> = drawn.into_iter().chain(seed).chain([program()]).collect();
     lines.push(title_of(&parts.join("; ")));
-    lines.extend(facts.attributions.iter().cloned());
+    match &look.attribution {
+        Some(attribution) => lines.push(attribution.clone()),
+        None => lines.extend(facts.attributions.iter().cloned()),
+    }
     lines.retain(|line| !line.is_empty());
     lines
 }

@@ -24,8 +24,8 @@ use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles
 use crate::progress::Progress;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
-use crate::scene::{Scene, SceneOptions};
 use crate::scene::limits::warn_of_drop_across;
+use crate::scene::{Scene, SceneOptions};
 use crate::sight::Sight;
 use crate::zones::Zone;
 

@@ -85,11 +85,7 @@ impl SampledReport {
             cities: self.n_cities,
             discs: self.sight.radius_m().map(|_| "whole: the disc of each placement lies in the data"),
             places: if self.is_centered { "centers" } else { "anywhere in the zone" },
-            interval: IntervalFacts {
-                confidence: self.confidence,
-                clusters: self.clusters(),
-                block_m: self.block_m,
-            },
+            interval: IntervalFacts { confidence: self.confidence, clusters: self.clusters(), block_m: self.block_m },
             rows: with_rows.then(|| self.rows.iter().map(|row| self.row(row)).collect()),
             warnings: warnings_of(&self.facts.warnings),
         })

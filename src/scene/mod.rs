@@ -13,12 +13,12 @@ use crate::city::{BuiltUp, City, HeightGap, Solids, Source};
 pub use options::SceneOptions;
 pub(crate) use options::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
+use crate::answer::{RunFacts, Timing};
 use crate::error::{Result, Warning};
 use crate::height_field::{Built, HeightField};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::raster::GeoRef;
-use crate::answer::{RunFacts, Timing};
 use crate::zones::ZoneMap;
 
 /// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.

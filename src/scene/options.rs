@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::Scene;
 use super::results::results_in;
+use crate::answer::RunFacts;
 use crate::city::{BuiltUp, BuiltUpCity, NodataAs};
 use crate::error::{Error, Result, Warning};
 use crate::formats::RasterFile;
@@ -17,7 +18,6 @@ use crate::read::{
     SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
     read_mesh, read_surface, vertical_of,
 };
-use crate::answer::RunFacts;
 
 /// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an error.
 #[derive(Debug, Clone, Default)]

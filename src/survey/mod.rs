@@ -172,6 +172,10 @@ impl Survey {
 }
 
 impl Answer for Survey {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         let (grid, unit, counts) = (self.scene.grid(), self.facts.unit_m(), &self.counts);
         let range = |range: Option<(i32, i32)>| range.map(|(low, high)| [meters(low), meters(high)]);

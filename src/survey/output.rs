@@ -134,6 +134,10 @@ impl Output {
 }
 
 impl Answer for Output {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         document_of(&OutputInfo {
             schema: INFO_SCHEMA,

@@ -180,6 +180,10 @@ struct HeightsInfo {
 }
 
 impl Answer for Places {
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
     fn document(&self, _: Option<Spent>) -> Value {
         let heights = self.heights().into_iter();
         let length = self.length();

@@ -113,14 +113,15 @@ fn captions_of_links_tracks_and_means_say_where_the_earth_is_no_longer_flat() {
     folder.write("walk.csv", "x,y\n2000,2000\n11000,11000\n");
     folder.write("stroll.csv", "x,y\n2000,2000\n4000,2000\n");
     let link = "link wide.asc --ground 0 --uav 1500,1500,100";
-    let place = "place wide.asc --ground 0 --height 60 --sample rooftop:9";
+    let track = "track wide.asc --ground 0 --uav 1500,1500,100";
+    let place = "sample wide.asc --ground 0 --height 60 --zones rooftop:9";
     let plos = "plos wide.asc --ground 0 --height 40 --positions 3 --method maps";
     // The earth drops by a meter in 3.57 km.
     for (line, limit) in [
         (format!("{link} --rx 5100,1500 -o"), Some(FLAT_EARTH)),
         (format!("{link} --rx 5000,1500 -o"), None),
-        (format!("{link} --track walk.csv -o"), Some(FLAT_EARTH)),
-        (format!("{link} --track stroll.csv -o"), None),
+        (format!("{track} --track walk.csv -o"), Some(FLAT_EARTH)),
+        (format!("{track} --track stroll.csv -o"), None),
         (format!("{place} -o"), Some(FLAT_EARTH)),
         (format!("{place} --radius 3500 -o"), None),
         (format!("{plos} --radius 3600:4000:400 -o"), Some(FLAT_EARTH)),
@@ -139,10 +140,10 @@ fn captions_without_a_uav_of_ones_own_say_where_data_are_missing() {
     folder.write("surface.asc", &surface(16, 5));
     let plos = "--method maps --theta 45 --height 40 --positions 5 -o";
     for (line, limit) in [
-        ("info town.geojson --zones -o".to_string(), Some(NO_DATA)),
-        ("info town.geojson --extent 0,0,100,100 --zones -o".to_string(), None),
-        ("place town.geojson --sample street:5 --height 60 -o".to_string(), Some(NO_DATA)),
-        ("place town.geojson --sample street:5 --height 60 --data-area all -o".to_string(), None),
+        ("zones town.geojson -o".to_string(), Some(NO_DATA)),
+        ("zones town.geojson --extent 0,0,100,100 -o".to_string(), None),
+        ("sample town.geojson --zones street:5 --height 60 -o".to_string(), Some(NO_DATA)),
+        ("sample town.geojson --zones street:5 --height 60 --data-area all -o".to_string(), None),
         (format!("plos town.geojson {plos}"), Some(NO_DATA)),
         (format!("plos surface.asc {plos}"), Some(SURFACE_ALONE)),
         (format!("plos surface.asc --ground 0 {plos}"), None),

@@ -99,7 +99,7 @@ fn the_examples_of_the_help_text_run() {
             n_run += 1;
         }
     }
-    assert_eq!(n_run, 8, "{help}");
+    assert_eq!(n_run, 3, "{help}");
 }
 
 #[test]
@@ -110,16 +110,16 @@ fn help_names_defaults_with_their_units() {
         ("--rx-height <M>", "[m]", "1.5"),
         ("--building-threshold <M>", "[m]", "0.25"),
         ("--size <M>", "[m]", "1000"),
-        ("--base <BASE>", "terrain", "lowest"),
-        ("--receivers <RECEIVERS>", "receivers", "ground"),
-        ("--nodata-as <NODATA_AS>", "nodata", "clear"),
+        ("--base <RULE>", "terrain", "lowest"),
+        ("--receivers <WHERE>", "receivers", "ground"),
+        ("--nodata-as <WHAT>", "nodata", "clear"),
         ("--method <METHOD>", "", "auto"),
-        ("--layers <LAYERS>", "", "los"),
-        ("--tif-layout <TIF_LAYOUT>", ".tif", "cog"),
+        ("--layers <LAYER,…>", "", "los"),
+        ("--tif-layout <HOW>", ".tif", "cog"),
     ] {
         let text = &help[help.find(flag).unwrap_or_else(|| panic!("{flag}: {help}"))..];
         let text = &text[..text[2..].find("\n      --").map_or(text.len(), |end| end + 2)];
-        assert!(text.contains(unit) && text.contains(&format!("[default: {default}]")), "{flag}: {text}");
+        assert!(text.contains(unit) && text.replace(':', "").contains(&format!("default {default}")), "{flag}: {text}");
     }
 }
 
@@ -132,11 +132,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
     let before = folder.files();
     let small = "map itu:urban --size 200 -o out.png";
     let refusals: Vec<Refusal> = vec![
-        (
-            "",
-            2,
-            "error[E101]: no command, wanted one of `map`, `link`, `city`, `info`, `plos`, `compare`, `place`, `chart` and `stress`",
-        ),
+        ("", 2, "error[E101]: no command, wanted one such as `map`, `link`, `info`, `plos` or `place`"),
         ("mapp", 2, "error[E101]: unrecognized subcommand 'mapp'"),
         ("map", 2, "error[E101]: the following required arguments were not provided: <SCENE>"),
         ("map itu:urban --no-such-flag", 2, "error[E101]: unexpected argument '--no-such-flag' found"),
@@ -149,10 +145,10 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav 10,-inf,50", 2, "error[E102]: cannot read `--uav 10,-inf,50`: y: found `-inf`, which is not"),
         ("SMALL --uav 10,10,1e400", 2, "error[E102]: cannot read `--uav 10,10,1e400`: height `1e400`: found `inf`"),
         ("SMALL --uav 10,10,50yd", 2, "error[E102]: cannot read `--uav 10,10,50yd`: height `50yd`: found `50yd`"),
-        ("SMALL --uav 10,10,50 --rx-height -1", 2, "error[E113]: `--rx-height` is `-1`, wanted 0 m to 32768 m"),
+        ("SMALL --uav 10,10,50 --rx-height -1", 2, "error[E113]: the receivers' height is `-1`, wanted 0 m to 32768 m"),
         ("SMALL --uav 10,10,50 --rx-height nan", 2, "error[E101]: invalid value 'nan' for '--rx-height <M>'"),
-        ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: `--radius` is `0`, wanted above 0 m"),
-        ("SMALL --uav 10,10,50 --radius -1", 2, "error[E113]: `--radius` is `-1`, wanted above 0 m"),
+        ("SMALL --uav 10,10,50 --radius 0", 2, "error[E113]: the radius is `0`, wanted above 0 m"),
+        ("SMALL --uav 10,10,50 --radius -1", 2, "error[E113]: the radius is `-1`, wanted above 0 m"),
         ("SMALL --uav 10,10,50 --radius NaN", 2, "error[E101]: invalid value 'NaN' for '--radius <M>'"),
         (
             "SMALL --uav 10,10,50 --cell 0",

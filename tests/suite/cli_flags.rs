@@ -1,4 +1,4 @@
-//! Every flag of `map`, `link`, `city` and `info` changes something, and each is tested somewhere.
+//! Every flag of `map`, `link`, `track`, `city`, `info`, `zones` and `limits` changes something, and each is tested somewhere.
 
 use crate::cli::{plan, scenes};
 
@@ -29,7 +29,7 @@ const PLAN_FLAGS: [(&str, &str, &str); 22] = [
 ];
 
 /// Flags that change what is written or said; the tests named here show how.
-const OTHER_FLAGS: [(&str, &str); 36] = [
+const OTHER_FLAGS: [(&str, &str); 35] = [
     ("--csv-text", "names_that_mean_something_to_a_program_reach_none"),
     ("--width", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
     ("--dpi", "every_picture_has_the_width_and_resolution_that_were_asked_for"),
@@ -42,7 +42,6 @@ const OTHER_FLAGS: [(&str, &str); 36] = [
     ("--height-error", "higher_roofs_are_those_of_a_file_with_higher_buildings"),
     ("--cities", "what_limits_a_map_is_what_maps_of_the_changed_scene_say"),
     ("--tolerance", "the_program_says_what_was_taken_and_writes_coarser_cells"),
-    ("--zones", "info_counts_draws_and_outlines_zones"),
     ("--max-memory", "a_run_that_needs_more_memory_than_allowed_is_refused_before_it_starts"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--layers", "layers_become_bands_named_after_their_site"),
@@ -76,7 +75,7 @@ fn every_flag_changes_the_plan() {
         let with = plan(&folder, &format!("{base} {flag}"));
         assert_ne!(without.pointer(pointer), with.pointer(pointer), "{flag}: {with}");
     }
-    for command in ["map", "link", "city", "info"] {
+    for command in ["map", "link", "track", "city", "info", "zones", "limits"] {
         for flag in folder.flags(command) {
             let flag = flag.as_str();
             let is_known = ["--help", "--version", "--uav"].contains(&flag)

@@ -298,7 +298,8 @@ fn p_los_within_a_radius_does_not_depend_on_the_other_radii() {
 }
 
 /// Flags that change what is written or said, not the values.
-const OTHER: [&str; 23] = [
+const OTHER: [&str; 24] = [
+    "--attribution",
     "--base",
     "--width",
     "--dpi",

@@ -1,4 +1,4 @@
-//! Zones from outside: `skyshed info --zones`, P_LoS by zone of a map, receivers of one zone.
+//! Zones from outside: `skyshed zones`, P_LoS by zone of a map, receivers of one zone.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
@@ -101,18 +101,16 @@ fn doubled_area(ring: &Value) -> f64 {
 #[test]
 fn info_counts_draws_and_outlines_zones() {
     let folder = Folder::new();
-    let found = folder
-        .type_in(&format!("info {CITY} --zones -o z.tif -o z.geojson -o z.png -o z.svg -o z.json --json"))
-        .done()
-        .json();
+    let found =
+        folder.type_in(&format!("zones {CITY} -o z.tif -o z.geojson -o z.png -o z.svg -o z.json --json")).done().json();
     let codes = bytes_of(&folder, "z.tif");
     let named = ["", "street", "crossroad", "courtyard", "rooftop"];
     assert!((0..SIZE * SIZE).all(|cell| named[usize::from(codes[cell])] == zone_of(cell / SIZE, cell % SIZE)));
-    assert_eq!(found["zones"]["basis"], "street grid");
+    assert_eq!(found["basis"], "street grid");
     let polygons: Value = serde_json::from_slice(&folder.read("z.geojson")).unwrap();
     for zone in ["street", "crossroad", "courtyard", "rooftop"] {
         let cells = count(zone, |_| true);
-        assert_eq!(found["zones"][zone]["cells"], cells, "{zone}");
+        assert_eq!(found[zone]["cells"], cells, "{zone}");
         let features = polygons["features"].as_array().unwrap().iter().filter(|f| f["properties"]["zone"] == zone);
         let (mut n, mut area) = (0, 0.0);
         for feature in features {
@@ -122,11 +120,11 @@ fn info_counts_draws_and_outlines_zones() {
             assert_eq!(feature["properties"]["cells"].as_f64(), Some(of_feature));
             (n, area) = (n + 1, area + of_feature);
         }
-        assert_eq!((found["zones"][zone]["parts"].as_u64(), area), (Some(n), cells as f64), "{zone}");
+        assert_eq!((found[zone]["parts"].as_u64(), area), (Some(n), cells as f64), "{zone}");
     }
     // 300 m are 6.7 periods of 44.7 m: seven streets and seven rows of buildings each way, the last of them cut.
-    assert_eq!((&found["zones"]["crossroad"]["parts"], &found["zones"]["rooftop"]["parts"]), (&json!(49), &json!(49)));
-    let words = folder.type_in(&format!("info {CITY} --zones")).done().out;
+    assert_eq!((&found["crossroad"]["parts"], &found["rooftop"]["parts"]), (&json!(49), &json!(49)));
+    let words = folder.type_in(&format!("zones {CITY}")).done().out;
     assert!(words.contains("crossroad  ") && words.contains(" in 49 parts"), "{words}");
     assert!(folder.read("z.tif.aux.xml").windows(9).any(|w| w == b"crossroad"));
     let svg = String::from_utf8(folder.read("z.svg")).unwrap();
@@ -142,10 +140,10 @@ fn a_surface_model_alone_has_no_zones() {
     let document = folder.type_in("map dsm.asc --uav 5,5,50 --json").done().json();
     assert_eq!((&document["sites"][0]["zones"], &document["sites"][0]["placement"]), (&Value::Null, &json!("ground")));
     for (line, wanted) in [
-        ("map dsm.asc --uav 5,5,50 --receivers street --json", "error[E117]: `--receivers street` with a surface"),
-        ("info dsm.asc --zones", "error[E117]: `--zones` with a surface model alone: no building is known"),
-        ("info dsm.asc --ground 0 -o zones.png", "error[E116]: cannot write zones.png: it holds zones"),
-        ("info dsm.asc --ground 0 --zones -o zones.exr", "error[E105]: cannot write zones.exr"),
+        ("map dsm.asc --uav 5,5,50 --receivers street --json", "error[E117]: receivers `street` with a surface"),
+        ("zones dsm.asc", "error[E117]: zones of a surface model alone: no building is known"),
+        ("info dsm.asc --ground 0 -o zones.png", "error[E105]: cannot write zones.png"),
+        ("zones dsm.asc --ground 0 -o zones.exr", "error[E105]: cannot write zones.exr"),
     ] {
         let run = folder.type_in(line);
         assert_eq!(run.status.code(), Some(2), "{line}");

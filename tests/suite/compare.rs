@@ -384,11 +384,15 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
         ("compare city.geojson --uav 1,1,50", 2, "error[E108]: cannot compare: found 1 placements"),
         ("compare flat.asc --ground 0 --mask first.asc", 2, "error[E108]: cannot compare: found 1 placements"),
         ("compare city.geojson --uav 1,1,50 --uav 2,2 -o c.png", 2, "error[E102]: cannot read `--uav 2,2`"),
-        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --block 0", 2, "error[E113]: `--block` is `0`, wanted above"),
+        (
+            "compare city.geojson --uav 1,1,50 --uav 2,2,9 --block 0",
+            2,
+            "error[E113]: the edge of blocks is `0`, wanted above",
+        ),
         ("compare city.geojson --uav 1,1,50 --uav 2,2,9 -o c.exr", 2, "error[E105]: cannot write c.exr"),
         ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --csv c.txt", 2, "error[E105]: cannot write c.txt"),
         ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --title T", 2, "error[E116]: `--title` has no meaning"),
-        ("compare flat.asc --uav 1,1,50 --uav 2,2,9 --receivers street", 2, "error[E117]: `--receivers street`"),
+        ("compare flat.asc --uav 1,1,50 --uav 2,2,9 --receivers street", 2, "error[E117]: receivers `street`"),
         ("compare flat.asc --ground 0 --uav 1,1,50 --mask wide.asc", 3, "error[E312]: cannot compare wide.asc (5×4"),
         (
             "compare flat.asc --ground 0 --uav 1,1,50 --mask odd.asc",

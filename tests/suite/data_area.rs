@@ -44,7 +44,8 @@ fn ground_beyond_the_last_house_holds_no_data() {
     let folder = Folder::new();
     town(&folder);
     let info = |rest: &str| {
-        let document = folder.type_in(&format!("info town.geojson {rest} --zones --json")).done().json();
+        let mut document = folder.type_in(&format!("info town.geojson {rest} --json")).done().json();
+        document["zones"] = folder.type_in(&format!("zones town.geojson {rest} --json")).done().json();
         let cells = document["cells"].clone();
         (u64_of(&cells["open"]), u64_of(&cells["building"]), u64_of(&cells["nodata"]), document)
     };
@@ -116,7 +117,8 @@ fn every_file_of_a_map_knows_where_the_data_end() {
     // From the west end of a street: receivers in the streets across are hidden. Cells of 4 m².
     let map = "map town.geojson --cell 2 --uav 10,50,20";
     folder.type_in(&format!("{map} --polygons all -o m.tif -o m.json -o m.geojson -q")).done();
-    let info = folder.type_in("info town.geojson --cell 2 --zones -o z.tif --json -q").done().json();
+    folder.type_in("zones town.geojson --cell 2 -o z.tif -q").done();
+    let info = folder.type_in("info town.geojson --cell 2 --json -q").done().json();
     let cells = &info["cells"];
     let mask = mask_of(&folder, "m.tif");
     let n_of = |class: u8| mask.iter().filter(|cell| **cell == class).count() as u64;
@@ -366,13 +368,13 @@ fn a_sample_within_a_radius_is_over_whole_discs() {
     for (name, radius_m) in cases {
         // Streets of Ghent are a few cells wide: cells of 1 m would be off by as much as a hundred cities.
         let ground = match (slow(), name) {
-            (true, "ghent") if radius_m < 200.0 => "--size 200 --cell 0.25 --sample crossroad:60,street:60,rooftop:60",
-            (true, _) if radius_m < 200.0 => "--size 1000 --sample crossroad:100,street:100,rooftop:100",
-            (true, _) => "--size 600 --sample crossroad:100,street:100,rooftop:100",
-            (false, _) => "--size 150 --sample crossroad:6,street:6,rooftop:6",
+            (true, "ghent") if radius_m < 200.0 => "--size 200 --cell 0.25 --zones crossroad:60,street:60,rooftop:60",
+            (true, _) if radius_m < 200.0 => "--size 1000 --zones crossroad:100,street:100,rooftop:100",
+            (true, _) => "--size 600 --zones crossroad:100,street:100,rooftop:100",
+            (false, _) => "--size 150 --zones crossroad:6,street:6,rooftop:6",
         };
         let line = format!(
-            "place itu:{name} {ground} --centers --height 100 --radius {radius_m} --cities {n_cities} --seed 1001 --json -q"
+            "sample itu:{name} {ground} --centers --height 100 --radius {radius_m} --cities {n_cities} --seed 1001 --json -q"
         );
         let document = folder.type_in(&line).done().json();
         for (zone, placement) in placements {
@@ -416,12 +418,12 @@ fn a_sample_within_a_radius_is_over_whole_discs() {
 fn a_sample_in_a_file_leaves_out_discs_that_are_cut() {
     let folder = Folder::new();
     folder.type_in("city itu:urban --size 400 --seed 3 -o c.geojson -q").done();
-    let line = "place c.geojson --sample street:30 --height 80 --radius 60";
+    let line = "sample c.geojson --zones street:30 --height 80 --radius 60";
     let document = folder.type_in(&format!("{line} --json")).done().json();
     let row = &document["rows"][0];
     assert_eq!((&row["placements"], row["disc_cut"].as_u64().unwrap() > 0), (&json!(30), true), "{row}");
     assert!(document["discs"].as_str().unwrap().starts_with("whole"), "{document}");
-    let lines = folder.type_in("place c.geojson --sample street:5 --height 80 --radius 500").refused(4).join("\n");
+    let lines = folder.type_in("sample c.geojson --zones street:5 --height 80 --radius 500").refused(4).join("\n");
     assert!(lines.contains("error[E216]") && lines.contains("smaller `--radius`"), "{lines}");
     // `plos` over discs takes whole ones too.
     town(&folder);

@@ -116,7 +116,7 @@ fn targets() -> Vec<Target> {
         Target {
             name: "walk.csv",
             good: text("x,y\n1,1\n20,5\n45.5,30\n"),
-            line: "link city.geojson --uav 5,5,60 --track {} -o out.json",
+            line: "track city.geojson --uav 5,5,60 --track {} -o out.json",
         },
         Target {
             name: "area.geojson",

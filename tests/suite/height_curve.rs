@@ -315,13 +315,33 @@ fn what_makes_no_sense_of_a_curve_is_refused() {
             2,
             "error[E116]: `--title` has no meaning without a .png, .svg or .pdf output",
         ),
-        ("--json --curve-heights 0:10:1", 2, "error[E116]: `--curve-heights` has no meaning without `--height-curve`"),
+        (
+            "--json --curve-heights 0:10:1",
+            2,
+            "error[E101]: the following required arguments were not provided: --height-curve",
+        ),
         ("--height-curve a.csv --curve-heights 0:10", 2, "error[E101]: invalid value '0:10' for '--curve-heights"),
         ("--height-curve a.csv --curve-heights 0:nan:1", 2, "error[E101]: invalid value '0:nan:1' for '--curve-hei"),
-        ("--height-curve a.csv --curve-heights 9:1:1", 2, "error[E113]: `--curve-heights` is `9:1:1`, wanted A:B:S"),
-        ("--height-curve a.csv --curve-heights 0:9:0", 2, "error[E113]: `--curve-heights` is `0:9:0`, wanted a step"),
-        ("--height-curve a.csv --curve-heights 0:9e9:1", 2, "error[E113]: `--curve-heights` is `0:9000000000:1`, wan"),
-        ("--height-curve a.csv --curve-heights 0:9:1e-9", 2, "error[E113]: `--curve-heights` is `0:9:0.000000001`, w"),
+        (
+            "--height-curve a.csv --curve-heights 9:1:1",
+            2,
+            "error[E113]: the heights of the curve are `9:1:1`, wanted A:B:S",
+        ),
+        (
+            "--height-curve a.csv --curve-heights 0:9:0",
+            2,
+            "error[E113]: the heights of the curve are `0:9:0`, wanted a step",
+        ),
+        (
+            "--height-curve a.csv --curve-heights 0:9e9:1",
+            2,
+            "error[E113]: the heights of the curve are `0:9000000000:1`, wan",
+        ),
+        (
+            "--height-curve a.csv --curve-heights 0:9:1e-9",
+            2,
+            "error[E113]: the heights of the curve are `0:9:0.000000001`, w",
+        ),
     ] {
         let answer = folder.type_in(&format!("{MAP} {line}"));
         let lines = answer.refused(code);

@@ -32,7 +32,7 @@ fn tables_of_uavs_are_told_with_their_heights_and_what_is_twice() {
     folder.write("names.csv", "what,ever\n1,2\n");
     assert!(folder.type_in("info names.csv").refused(3)[0].contains("wanted a position"));
     // A flag of scenes would be ignored.
-    assert!(folder.type_in("info sites.csv --zones").refused(2)[0].starts_with("error[E116]"));
+    assert!(folder.type_in("info sites.csv --tile 5").refused(2)[0].starts_with("error[E116]"));
 }
 
 #[test]

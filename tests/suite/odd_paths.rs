@@ -47,7 +47,7 @@ fn inputs_may_have_names_that_are_no_unicode() {
         "map ?dsm.tif --ground 0 --uav 2,2,50",
         "map ?city.geojson --uavs ?sites.csv --terrain ?slope.asc",
         "map ?city.geojson --uavs ?sites.csv -o ?{site}.json",
-        "link ?city.geojson --uav 2,2,50 --track ?walk.csv",
+        "track ?city.geojson --uav 2,2,50 --track ?walk.csv",
         "place ?city.geojson --data-area all --candidates ?sites.csv",
         "plos itu:urban ?city.geojson --theta 45 --height 50 --positions 2 --method maps",
         "plos itu:urban --theta 45 --curve own=?curve.csv",

@@ -128,9 +128,9 @@ fn a_position_that_is_swapped_or_in_degrees_is_recognized() {
 #[test]
 fn every_command_takes_the_common_flags() {
     let folder = Folder::new();
-    folder.type_in("link itu:urban --uav 10,10,50 --rx 10,60 --method ray --radius 100 -j 2 -q").done();
-    folder.type_in("city itu:urban --size 100 --method ray --radius 50 -j 2 -q -o c.json").done();
-    folder.type_in("info itu:urban --size 100 --method ray --radius 50 -j 2 --overwrite").done();
+    folder.type_in("link itu:urban --uav 10,10,50 --rx 10,60 --radius 100 -j 2 -q").done();
+    folder.type_in("city itu:urban --size 100 -j 2 -q -o c.json").done();
+    folder.type_in("info itu:urban --size 100 -j 2 --overwrite").done();
     let far = folder.type_in("link itu:urban --uav 10,10,50 --rx 10,60 --radius 20");
     assert!(far.refused(4)[0].starts_with("error[E208]"));
 }

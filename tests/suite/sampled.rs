@@ -1,5 +1,5 @@
 //! P_LoS by zone of the placement: from maps of generated cities against the product over the same disc, and
-//! `skyshed place --sample` from outside.
+//! `skyshed sample --zones` from outside.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
@@ -107,9 +107,9 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     let middle = 0.5 * (1000.0 / 500.0_f64.sqrt() - 1000.0 * (0.3_f64 / 500.0).sqrt());
     let scene = "itu:urban --size 250";
     let map = folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --json")).done().json();
-    let line = format!("place {scene} --sample crossroad:1 --centers --height 60 --receivers all");
+    let line = format!("sample {scene} --zones crossroad:1 --centers --height 60 --receivers all");
     let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg -o s.pdf")).done().json();
-    assert_eq!(sample["schema"], "skyshed/place-sample/1");
+    assert_eq!(sample["schema"], "skyshed/sample/1");
     let site = &map["sites"][0];
     let rows = sample["rows"].as_array().unwrap();
     let zones: Vec<&str> = rows.iter().map(|row| row["receivers_zone"].as_str().unwrap()).collect();
@@ -129,7 +129,7 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
 #[test]
 fn samples_have_intervals_and_do_not_depend_on_threads() {
     let folder = Folder::new();
-    let line = "place itu:dense-urban --size 300 --cell 2 --sample street:12,rooftop:12,courtyard:3 --height 30,80 --cities 12";
+    let line = "sample itu:dense-urban --size 300 --cell 2 --zones street:12,rooftop:12,courtyard:3 --height 30,80 --cities 12";
     let one = folder.type_in(&format!("{line} --csv one.csv -j 1")).done();
     assert!(one.warnings().contains(&"W202"), "a generated city has no courtyard: {one:?}");
     folder.type_in(&format!("{line} --csv three.csv -j 3")).done();
@@ -163,23 +163,24 @@ fn samples_that_make_no_sense_are_refused() {
     folder.type_in("city itu:urban --size 100 -o city.geojson").done();
     folder.type_in("city itu:urban --size 100 -o dsm.asc").done();
     for (line, wanted) in [
-        ("itu:urban --sample street --height 50", "wanted ZONE:N"),
-        ("itu:urban --sample park:5 --height 50", "wanted street, crossroad, courtyard or rooftop"),
-        ("itu:urban --sample street:0 --height 50", "wanted 1 to 100000"),
-        ("itu:urban --sample street:5,street:6 --height 50", "names street twice"),
-        ("itu:urban --sample street:5 --height 30roof", "wanted heights above ground"),
-        ("itu:urban --sample street:5 --height 50 --ci 1", "wanted above 0 and below 1"),
-        ("itu:urban --sample street:5 --height 50 --block 0", "wanted above 0 m"),
-        ("itu:urban --sample street:5 --height 50 --goal p_los", "`--goal` has no meaning with `--sample`"),
-        ("itu:urban --sample street:5 --height 50 --step 5", "`--step` has no meaning with `--sample`"),
-        ("itu:urban --sample street:5 --height 50 -o a.tif", "hint: wanted .png .svg .pdf .csv .json, and `-`"),
-        ("itu:urban --height 50 --cities 5", "--sample"),
-        ("itu:urban --height 50 --centers", "--sample"),
-        ("city.geojson --sample street:5 --height 50 --cities 5", "`--cities` has no meaning for a city in a file"),
-        ("city.geojson --sample street:5 --height 50 --centers", "`--centers` has no meaning for a city in a file"),
-        ("dsm.asc --sample street:5 --height 50", "no zone is known"),
+        ("itu:urban --zones street --height 50", "wanted ZONE:N"),
+        ("itu:urban --zones park:5 --height 50", "wanted street, crossroad, courtyard or rooftop"),
+        ("itu:urban --zones street:0 --height 50", "wanted 1 to 100000"),
+        ("itu:urban --zones street:5,street:6 --height 50", "street is named twice"),
+        ("itu:urban --zones street:5 --height 30roof", "wanted heights above ground"),
+        ("itu:urban --zones street:5 --height 50 --ci 1", "wanted above 0 and below 1"),
+        ("itu:urban --zones street:5 --height 50 --block 0", "wanted above 0 m"),
+        ("itu:urban --zones street:5 --height 50 --goal p_los", "unexpected argument '--goal'"),
+        ("itu:urban --zones street:5 --height 50 -o a.tif", "hint: wanted .png .svg .pdf .csv .json, and `-`"),
+        ("itu:urban --height 50 --cities 5", "--zones"),
+        ("city.geojson --zones street:5 --height 50 --cities 5", "several cities have no meaning for a city in a file"),
+        (
+            "city.geojson --zones street:5 --height 50 --centers",
+            "centers of zones have no meaning for a city in a file",
+        ),
+        ("dsm.asc --zones street:5 --height 50", "no zone is known"),
     ] {
-        let answer = folder.type_in(&format!("place {line}"));
+        let answer = folder.type_in(&format!("sample {line}"));
         let said = answer.refused(2).join(" ");
         assert!(said.contains(wanted), "{line}: {said}");
     }

@@ -148,7 +148,7 @@ fn what_needs_all_cells_at_once_is_refused_with_a_way_out() {
         assert!(small == code || line.contains("ray"), "{line}");
     }
     let answer = folder.type_in(&format!("map dsm.tif --strips {over} -o b.tif --scratch nowhere"));
-    assert!(answer.refused(2)[0].contains("`--scratch nowhere`"), "{answer:?}");
+    assert!(answer.refused(2)[0].contains("cannot use nowhere for a copy"), "{answer:?}");
 }
 
 /// A surface model written by the example `large_dsm`, which is built with the tests.

@@ -79,7 +79,7 @@ fn bad_rows_of_other_tables_are_told_alike() {
         ("chart city.geojson --time 0 --uavs s.geojson", "feature 1: ", "feature 3: "),
         ("place city.geojson --candidates s.geojson", "feature 1: ", "feature 3: "),
         (
-            "link city.geojson --uav 2,2,50 --track t.csv",
+            "track city.geojson --uav 2,2,50 --track t.csv",
             "2 of 4 rows are bad: line 3: `y`: ",
             "line 5: `x`: found `4 8`",
         ),
@@ -150,7 +150,7 @@ fn tables_may_have_semicolons_or_tabs_and_decimal_commas() {
     }
     // A track would take its decimals for the next column.
     folder.write("t.csv", "x,y\n1,5,2,5\n3,5,4,5\n");
-    let answer = folder.type_in("link city.geojson --uav 2,2,50 --track t.csv");
+    let answer = folder.type_in("track city.geojson --uav 2,2,50 --track t.csv");
     assert!(answer.refused(3)[0].contains("found 4 fields, wanted 2"), "{answer:?}");
 }
 
@@ -163,9 +163,9 @@ fn tables_may_come_from_standard_input() {
         ("compare city.geojson --uav 2,2,50 --uavs -", &sites),
         ("chart city.geojson --time 0 --uavs -", &sites),
         ("place city.geojson --data-area all --candidates -", &sites),
-        ("link city.geojson --uav 2,2,50 --track -", "x;y\n2,5;2\n2;48\n"),
+        ("track city.geojson --uav 2,2,50 --track -", "x;y\n2,5;2\n2;48\n"),
         (
-            "link city.geojson --uav 2,2,50 --track -",
+            "track city.geojson --uav 2,2,50 --track -",
             "\n {\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[1000,1],[1000,9]]}}",
         ),
         ("plos itu:urban --theta 45 --curve own=-", "theta_deg,p_los\n0,0\n90,1\n"),

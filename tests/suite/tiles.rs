@@ -279,7 +279,7 @@ fn tiles_that_make_no_sense_are_refused() {
         ("city.geojson --tile 0.5", 2, "E113"),
         ("city.geojson --tile nan", 2, "E101"),
         ("city.geojson --tile 1 --extent 0,0,30000,30000 --cell 1", 5, "E502"),
-        ("city.geojson --tile 5 -o tiles.geojson", 2, "E116"),
+        ("city.geojson --tile 5 -o tiles.geojson", 2, "E105"),
         ("city.geojson --tile 5 --zones", 2, "E101"),
         ("dsm.asc --tile 2", 2, "E117"),
     ] {

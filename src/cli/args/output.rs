@@ -80,7 +80,7 @@ impl OutputArgs {
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureArgs {
     /// Title of the picture, or of the page
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", hide_short_help = true)]
     title: Option<String>,
     /// Attribution line in the caption; default: the `attribution` member of the GeoJSON file
     #[arg(long, value_name = "TEXT", hide_short_help = true)]

@@ -29,16 +29,16 @@ const BASE: Words<BaseRule> = &[
 const HEIGHT_UNITS: Words<HeightUnit> =
     &[("m", "Meters", HeightUnit::Meters), ("ft", "International feet", HeightUnit::Feet)];
 
-const NODATA: Words<NodataAs> = &[
-    ("block", "They block everything", NodataAs::Block),
-    ("clear", "They block nothing", NodataAs::Clear),
-];
+const NODATA: Words<NodataAs> =
+    &[("block", "They block everything", NodataAs::Block), ("clear", "They block nothing", NodataAs::Clear)];
 
 /// The scene and how it is read.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SceneArgs {
+    /// Generated city (itu:urban), raster, footprints or mesh; `skyshed -h` has all kinds
+    ///
     /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
-    /// .city.json) or mesh (.obj, .ply)
+    /// .city.json) or mesh (.obj, .ply).
     #[arg(value_name = "SCENE")]
     pub(crate) scene: OsString,
     #[command(flatten)]
@@ -61,18 +61,20 @@ impl SceneArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Scene")]
 pub(crate) struct ReadingArgs {
-    /// Terrain model below the surface model or the footprints [raster file, or folder of tiles]
+    /// Terrain model below the surface model or the footprints
     ///
-    /// With `--project` it may be in any reference system.
+    /// A raster file, or a folder of tiles; with `--project` in any reference system.
     #[arg(long, value_name = "FILE")]
     terrain: Option<PathBuf>,
-    /// Flat ground at this height above the datum [m]; footprints and generated cities: 0
+    /// Flat ground at this height above the datum [m]
+    ///
+    /// Footprints and generated cities have it at 0 where nothing else is said.
     #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, conflicts_with = "terrain")]
     ground: Option<f64>,
     /// A cell whose surface is more than this above the ground is a building [m]; default 0.25
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, hide_short_help = true)]
     building_threshold: Option<f64>,
-    /// Property that holds a footprint's height above ground; default `height`
+    /// Property of a footprint's height above ground; default `height`
     ///
     /// Of CityJSON the default is the highest point. Text may name its unit: 12.5 m, 40 ft, 39'4".
     #[arg(long, value_name = "NAME")]
@@ -103,13 +105,14 @@ pub(crate) struct ReadingArgs {
     /// Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     #[arg(long, value_name = "W,S,E,N", value_parser = extent, allow_hyphen_values = true, hide_short_help = true)]
     extent: Option<[f64; 4]>,
-    /// Cell size of the grid over footprints, a mesh or a generated city [m]; default 1, or the terrain's own
+    /// Cell size, of a raster its own [m]; default 1
     ///
-    /// With `--project` that of a raster too; default as many cells diagonally as the file has.
+    /// That of the grid over footprints, a mesh or a generated city; default 1, or the terrain's own. With
+    /// `--project` that of a raster too; default as many cells diagonally as the file has.
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     cell: Option<f64>,
     /// Coordinate reference system of the scene, where its files name none or a wrong one
-    #[arg(long, value_name = "EPSG:N")]
+    #[arg(long, value_name = "EPSG:N", hide_short_help = true)]
     crs: Option<String>,
     /// Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees; EPSG:n, or as
     /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center

@@ -15,10 +15,14 @@ use crate::uav::UavsAsked;
 /// Some UAVs.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct UavsArgs {
-    /// A UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl, 400ft); repeat for more
+    /// A UAV: x, y and height, as 120, 150amsl or 30roof; repeat for more
+    ///
+    /// x and y are in the scene's CRS; heights are 120, 120agl, 30roof, 150amsl, 400ft.
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
     pub(crate) uav: Vec<String>,
-    /// UAVs from a table (.csv with x,y,h or lon,lat,h) or points (.geojson); `-` is standard input
+    /// UAVs from a table (.csv) or points (.geojson)
+    ///
+    /// Columns are x,y,h or lon,lat,h; `-` is standard input.
     #[arg(long, value_name = "FILE")]
     pub(crate) uavs: Option<PathBuf>,
     /// Leave out rows of the table that cannot be read, with a warning that names them
@@ -94,13 +98,16 @@ impl RxHeightArgs {
 pub(crate) struct SightArgs {
     #[command(flatten)]
     rx: RxHeightArgs,
-    /// Which cells hold receivers
-    #[arg(long, value_name = "WHERE", value_parser = one_of(RECEIVERS), default_value = "ground")]
+    /// Which cells hold receivers: ground, street, roof, all …
+    ///
+    /// ground (all open), street, crossroad, courtyard, roof, all.
+    #[arg(long, value_name = "WHERE", value_parser = one_of(RECEIVERS), default_value = "ground",
+          hide_possible_values = true)]
     receivers: Receivers,
     /// Largest horizontal distance from the UAV to a receiver [m]
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     radius: Option<f64>,
-    /// Engine: auto takes the fastest exact one for the scene and says so
+    /// Engine; auto is the fastest exact one
     ///
     /// ray (one ray per receiver), sweep (rasters) and shadow (footprints, rasters of flat blocks) are exact; step:K (a
     /// sample every K cells), xdraw and r2 (rasters) are approximate.
@@ -112,8 +119,7 @@ impl SightArgs {
     /// The same with numbers in range.
     pub(crate) fn checked(&self) -> Result<Sight> {
         let SightArgs { rx, receivers, radius, method } = self;
-        let asked =
-            AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
+        let asked = AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
         asked.checked()
     }
 

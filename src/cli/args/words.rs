@@ -10,12 +10,15 @@ use crate::read::Projection;
 use crate::sight::Receivers;
 use crate::zones::Zone;
 
-/// Words that may be typed, what each means, and its value.
+/// Words that may be typed, what each means, and its value. Help does not name those without a meaning, which are old.
 pub(crate) type Words<T> = &'static [(&'static str, &'static str, T)];
 
 /// Takes one of some words.
 pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(words: Words<T>) -> impl TypedValueParser<Value = T> {
-    let possible = words.iter().map(|(word, help, _)| PossibleValue::new(*word).help(*help));
+    let possible = words.iter().map(|(word, help, _)| match help.is_empty() {
+        true => PossibleValue::new(*word).hide(true),
+        false => PossibleValue::new(*word).help(*help),
+    });
     PossibleValuesParser::new(possible).map(move |typed| {
         // Any other word was refused.
         words.iter().find(|(word, ..)| *word == typed).map_or(words[0].2, |(.., value)| *value)

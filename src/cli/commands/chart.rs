@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::scene::built_up;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (picture), .csv, .json, `-` for JSON on \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (picture), .csv, .json, `-` for JSON on \
 standard output; repeat for more. Without any the table goes to standard output")))]
 #[command(after_help = "Example: skyshed chart itu:urban --size 300 --uav 150,150,100 --time 0.05 -o chart.png")]
 pub(in crate::cli) struct ChartArgs {
@@ -53,8 +53,24 @@ pub(in crate::cli) struct ChartArgs {
 
 /// What the P_LoS methods of a generated city can use.
 const OF_P_LOS: [&str; 18] = [
-    "scene", "plos", "theta", "height", "rx_height", "time", "seed", "csv", "title", "width", "dpi", "output", "json",
-    "overwrite", "csv_text", "threads", "max_memory", "quiet",
+    "scene",
+    "plos",
+    "theta",
+    "height",
+    "rx_height",
+    "time",
+    "seed",
+    "csv",
+    "title",
+    "width",
+    "dpi",
+    "output",
+    "json",
+    "overwrite",
+    "csv_text",
+    "threads",
+    "max_memory",
+    "quiet",
 ];
 
 impl ChartArgs {

@@ -9,7 +9,7 @@ use crate::conversion::{Conversion, FORMATS};
 use crate::error::Result;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .asc .geojson .xml .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface \
 heights), .geojson (footprints), .xml (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json \
 (parameters); repeat for more. Without any what the city is goes to standard output")))]
 #[command(after_help = "Example: skyshed city itu:urban --size 400 -o city.png -o city.geojson")]

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::export::Format;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .html (a page to swipe over, in one file), .png .svg .pdf \
+#[command(mut_arg("output", |a| a.help("File to write: .html .png .svg .pdf .tif .csv .json; repeat for more").long_help("File to write, by extension: .html (a page to swipe over, in one file), .png .svg .pdf \
 (all maps on one sheet), .tif (masks, differences, count), .csv, .json, `-` for JSON on standard output; repeat for more. \
 Without any the table goes to standard output")))]
 #[command(after_help = "Example: skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html")]

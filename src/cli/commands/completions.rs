@@ -36,8 +36,9 @@ impl CompletionsArgs {
         let mut text = Vec::new();
         match self.kind {
             Kind::For(shell) => clap_complete::generate(shell, &mut program, "skyshed", &mut text),
-            Kind::Man => manual(program, &mut text)
-                .map_err(|e| Error::internal(402, format!("cannot write the manual: {e}")))?,
+            Kind::Man => {
+                manual(program, &mut text).map_err(|e| Error::internal(402, format!("cannot write the manual: {e}")))?
+            }
         }
         say::plain_answer(&text)
     }

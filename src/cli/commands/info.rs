@@ -18,7 +18,7 @@ use crate::survey::{FORMATS, Output, Places, Survey, TILE_FORMATS};
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |a| a.help("A scene, as of any command; a file of UAVs or of a track (.csv, .geojson); or a file \
 that this program wrote")))]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .json; with `--tile` also a raster of α, β, γ (.tif) or \
+#[command(mut_arg("output", |a| a.help("File to write: .json, with `--tile` also .tif .csv; repeat for more").long_help("File to write, by extension: .json; with `--tile` also a raster of α, β, γ (.tif) or \
 their table (.csv); `-` for JSON on standard output; repeat for more")))]
 #[command(after_help = "Example: skyshed info maps/munich.geojson")]
 pub(in crate::cli) struct InfoArgs {

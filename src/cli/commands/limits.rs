@@ -12,7 +12,7 @@ use crate::limits::{FORMATS, LimitsPlan};
 use crate::scene::SceneOptions;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .csv (what limits P_LoS), .json, `-` for JSON on standard \
+#[command(mut_arg("output", |a| a.help("File to write: .csv .json; repeat for more").long_help("File to write, by extension: .csv (what limits P_LoS), .json, `-` for JSON on standard \
 output; repeat for more. Without any the answer goes to standard output")))]
 #[command(after_help = "Example: skyshed limits itu:urban --uav 500,500,100 --radius 300")]
 pub(in crate::cli) struct LimitsArgs {

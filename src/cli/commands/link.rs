@@ -15,7 +15,7 @@ use crate::sight::AskedSight;
 use crate::uav::Uav;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("Side view of the link (.png, .svg, .pdf) or its document (.json), `-` for JSON on \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .json").long_help("Side view of the link (.png, .svg, .pdf) or its document (.json), `-` for JSON on \
 standard output; repeat for more. Without any the answer goes to standard output")))]
 #[command(after_help = "Example: skyshed link itu:urban --uav 500,500,100 --rx 630,480")]
 pub(in crate::cli) struct LinkArgs {

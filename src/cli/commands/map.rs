@@ -2,9 +2,9 @@
 
 use super::map_args::MapArgs;
 use crate::answer::{Answer, Spent};
+use crate::cli::interrupt;
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
-use crate::cli::interrupt;
 use crate::error::{Error, ErrorClass, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
@@ -64,10 +64,10 @@ impl MapArgs {
         })
     }
 
-
     /// How files look; those of the curve are pictures, too. Names that are no files are refused later.
     fn look(&self) -> Result<Look> {
-        let files = self.out.output.iter().chain(&self.height_curve);
+        let is_bare = |path: &&std::path::PathBuf| self.bare && Format::of(path).is_ok_and(|f| f == Format::Png);
+        let files = self.out.output.iter().filter(|path| !is_bare(path)).chain(&self.height_curve);
         let outputs: Vec<_> = files.filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect();
         self.picture.look(&self.out, &outputs)
     }
@@ -87,10 +87,17 @@ impl MapArgs {
 
     /// A run for each UAV; what several have in common is told once, at the end.
     fn run_sites(&self, run: &Run, runs: &SiteRuns<'_>) -> Result<()> {
-        let mut sites = Sites { args: self, run, warnings: Vec::new(), said: WarningsOfRuns::default(), n: [0; 3], is_by_site: true };
+        let mut sites = Sites {
+            args: self,
+            run,
+            warnings: Vec::new(),
+            said: WarningsOfRuns::default(),
+            n: [0; 3],
+            is_by_site: true,
+        };
         let outcome = runs.run(&mut |outcome| sites.add(outcome));
         let is_interrupted = outcome.as_ref().is_err_and(|e| e.class() == ErrorClass::Interrupted);
-        sites.tell(is_interrupted);
+        sites.tell(outcome.is_err(), is_interrupted);
         outcome
     }
 }
@@ -141,8 +148,9 @@ impl Sites<'_> {
         Ok(())
     }
 
-    fn tell(&self, is_interrupted: bool) {
-        if self.run.is_quiet || !self.is_by_site {
+    fn tell(&self, is_failed: bool, is_interrupted: bool) {
+        let nothing_began = self.n == [0; 3];
+        if self.run.is_quiet || !self.is_by_site || (is_failed && nothing_began) {
             return;
         }
         if !is_interrupted {

@@ -16,11 +16,8 @@ use crate::map::PolygonClasses;
 const LAYERS: Words<Layer> = &[
     ("los", "Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata", Layer::Los),
     ("margin", "Receiver height less the least visible height [m]", Layer::Margin),
-    (
-        "least-receiver-height",
-        "Least receiver height in line of sight [m above the datum]",
-        Layer::LeastReceiverHeight,
-    ),
+    ("least-receiver-height", "Least receiver height in line of sight [m above the datum]", Layer::LeastReceiverHeight),
+    ("ceiling", "", Layer::LeastReceiverHeight),
     (
         "least-height",
         "Least UAV height over its place that sees the receiver, never below the surface under the UAV [m above the datum]; \
@@ -45,11 +42,7 @@ const LAYERS: Words<Layer> = &[
 /// The arrangements of the cells of a GeoTIFF.
 const TIFF_LAYOUTS: Words<TiffLayout> = &[
     ("cog", "Tiles, deflated, with overviews", TiffLayout::Cog),
-    (
-        "plain",
-        "Strips of rows, uncompressed, without overviews: for simple readers, and for timing",
-        TiffLayout::Plain,
-    ),
+    ("plain", "Strips of rows, uncompressed, without overviews: for simple readers, and for timing", TiffLayout::Plain),
 ];
 
 const POLYGONS: Words<PolygonClasses> = &[
@@ -59,12 +52,13 @@ const POLYGONS: Words<PolygonClasses> = &[
 ];
 
 #[derive(Debug, Clone, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json \
-.geojson .fgb, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output").long_help(
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb").long_help(
 "File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on standard \
 output; repeat for more. Without any the table goes to standard output. With `{site}` in every name each UAV gets files of its \
 own, which appear as soon as they are complete; with `--radius`, only the part of a raster that is in range is read")))]
-#[command(after_help = "Example: skyshed map maps/munich.geojson --uav 691549.7,5334762.2,120 --radius 300 -o munich.png")]
+#[command(
+    after_help = "Example: skyshed map maps/munich.geojson --uav 691549.7,5334762.2,120 --radius 300 -o munich.png"
+)]
 pub(in crate::cli) struct MapArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,

@@ -18,16 +18,23 @@ use crate::zones::Zone;
 const MINIMIZE: Words<()> = &[("height", "The UAV's height", ())];
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .csv (those chosen, then all candidates, ranked), .json, \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .csv .json .geojson; repeat for more").long_help("File to write, by extension: .csv (those chosen, then all candidates, ranked), .json, \
 .geojson (the best ones), .png .svg .pdf (where to hover), .tif (the same as numbers), `-` for JSON on standard output; repeat \
 for more. Without any the best ranks of the table go to standard output")))]
 #[command(after_help = "Example: skyshed place itu:urban --height 60,100 --step 50 -o hover.png")]
 pub(in crate::cli) struct PlaceArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
-    /// Heights to try (120, 120agl, 30roof, 150amsl, 400ft), separated by commas, or A:B:S with both ends included [m]
-    #[arg(long, value_name = "H,…", allow_hyphen_values = true, required_unless_present = "candidates",
-          help_heading = "Candidates")]
+    /// Heights to try, such as 60,100 or 60:120:20 [m]
+    ///
+    /// Each as 120, 120agl, 30roof, 150amsl or 400ft, separated by commas, or A:B:S with both ends included.
+    #[arg(
+        long,
+        value_name = "H,…",
+        allow_hyphen_values = true,
+        required_unless_present = "candidates",
+        help_heading = "Candidates"
+    )]
     height: Option<String>,
     /// Distance between candidate places: the centers of square cells over the scene [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "20", allow_hyphen_values = true,
@@ -43,9 +50,9 @@ pub(in crate::cli) struct PlaceArgs {
     /// No candidates inside of these polygons (.geojson)
     #[arg(long, value_name = "FILE", help_heading = "Candidates", hide_short_help = true)]
     keep_out: Option<PathBuf>,
-    /// Candidates from a table (.csv with x,y,h or lon,lat,h) or points (.geojson) instead of a grid; `-` is standard input
+    /// Candidates from a table (.csv) or points (.geojson) instead of a grid
     ///
-    /// They are told by their names (a column id); their own heights count if `--height` is not given.
+    /// Columns are x,y,h or lon,lat,h; `-` is standard input. They are told by their names (a column id); their own heights count if `--height` is not given.
     #[arg(long, value_name = "FILE", conflicts_with = "step", help_heading = "Candidates")]
     candidates: Option<PathBuf>,
     /// Leave out rows of the candidates that cannot be read, with a warning that names them
@@ -154,8 +161,7 @@ impl PlaceArgs {
         let outputs = self.out.checked_with(self.csv.as_ref(), &FORMATS, inputs)?;
         let is_spatial = |format: &Format| format.is_picture() || *format == Format::GeoTiff;
         if let Some((path, _)) = outputs.iter().find(|(_, f)| self.candidates.is_some() && is_spatial(f)) {
-            let text =
-                format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
+            let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
             return Err(Error::usage(109, text).with_hint("-o places.geojson"));
         }
         let Some(path) = &self.map else { return Ok((outputs, None)) };

@@ -11,16 +11,35 @@ use crate::scene::built_up;
 
 /// What only cities in files can use.
 const OF_FILES: [&str; 21] = [
-    "terrain", "extent", "cell", "crs", "project", "building_threshold", "height_field", "top_field", "missing",
-    "nodata_as", "ground", "hash", "positions", "block", "base", "data_area", "height_unit", "levels_field", "layer",
-    "theta_band", "attribution",
+    "terrain",
+    "extent",
+    "cell",
+    "crs",
+    "project",
+    "building_threshold",
+    "height_field",
+    "top_field",
+    "missing",
+    "nodata_as",
+    "ground",
+    "hash",
+    "positions",
+    "block",
+    "base",
+    "data_area",
+    "height_unit",
+    "levels_field",
+    "layer",
+    "theta_band",
+    "attribution",
 ];
 
 impl PlosArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
         let mut warnings = Vec::new();
         let curves = read_curves(&self.curve, self.skip_bad, &mut warnings)?;
-        let files = self.scenes.iter().filter(|word| built_up(word).is_none()).flat_map(|word| self.reading.files(word));
+        let files =
+            self.scenes.iter().filter(|word| built_up(word).is_none()).flat_map(|word| self.reading.files(word));
         let inputs: Vec<PathBuf> = files.chain(curves.iter().map(|(_, path)| path.clone())).collect();
         let outputs = self.out.checked_with(self.csv.as_ref(), &FORMATS, &inputs)?;
         let look = self.picture.look(&self.out, &outputs)?;

@@ -34,7 +34,7 @@ const PLOTS: Words<PlotKind> = &[
 ];
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (plot), .csv, .json, .npz, `-` for JSON on \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json .npz; repeat for more").long_help("File to write, by extension: .png .svg .pdf (plot), .csv, .json, .npz, `-` for JSON on \
 standard output; repeat for more. Without any the table goes to standard output")))]
 #[command(after_help = "Example: skyshed plos itu:urban --theta 5:90:5 --method product,itu,alhourani2014 -o plos.png")]
 pub(in crate::cli) struct PlosArgs {
@@ -66,7 +66,8 @@ pub(in crate::cli) struct PlosArgs {
           conflicts_with_all = ["theta", "distance", "phi"])]
     pub(super) radius: Option<Numbers>,
     /// Azimuths [deg]: 0 across the user's street, 90 along it; default: the mean over all
-    #[arg(long, value_name = "LIST", value_parser = numbers, allow_hyphen_values = true, help_heading = "Sweep")]
+    #[arg(long, value_name = "LIST", value_parser = numbers, allow_hyphen_values = true, help_heading = "Sweep",
+          hide_short_help = true)]
     pub(super) phi: Option<Numbers>,
     /// Heights of the UAV above ground [m]; feet as 400ft
     #[arg(long, value_name = "LIST", value_parser = lengths, allow_hyphen_values = true, help_heading = "Sweep",
@@ -84,9 +85,11 @@ pub(in crate::cli) struct PlosArgs {
     #[arg(long, value_name = "LIST", value_parser = numbers, allow_hyphen_values = true, help_heading = "Sweep",
           hide_short_help = true)]
     pub(super) gamma: Option<Numbers>,
-    /// Which users are counted; several separated by commas
+    /// Which users are counted: outdoor, street, crossroad
+    ///
+    /// Several are separated by commas.
     #[arg(long, value_name = "WHO,…", value_parser = one_of(USERS), value_delimiter = ',', default_value = "outdoor",
-          help_heading = "Sweep")]
+          help_heading = "Sweep", hide_possible_values = true)]
     pub(super) users: Vec<Users>,
     /// Where the UAV hovers; several separated by commas
     #[arg(long, value_name = "WHERE,…", value_parser = one_of(PLACEMENTS), value_delimiter = ',',

@@ -1,5 +1,7 @@
 //! `skyshed sample`: what UAVs over each zone see on average.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use crate::cli::args::output::{OutputArgs, PictureArgs};
@@ -16,9 +18,11 @@ use crate::zones::Zone;
 #[derive(Debug, Args)]
 #[command(mut_arg("size", |a| a.help("Edge length of a generated city [m], default 1000; with a radius that of the ground that \
 placements are over, and the city goes on around it")))]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (bars with intervals), .csv, .json, `-` \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (bars with intervals), .csv, .json, `-` \
 for JSON on standard output; repeat for more. Without any the table goes to standard output")))]
-#[command(after_help = "Example: skyshed sample itu:urban --zones street:50,crossroad:50,rooftop:50 --height 60,100 --radius 300")]
+#[command(
+    after_help = "Example: skyshed sample itu:urban --zones street:50,crossroad:50,rooftop:50 --height 60,100 --radius 300"
+)]
 pub(in crate::cli) struct SampleArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
@@ -37,16 +41,21 @@ pub(in crate::cli) struct SampleArgs {
           help_heading = "Sample")]
     cities: u64,
     /// Confidence of the intervals
-    #[arg(long, value_name = "C", value_parser = number, default_value = "0.95", help_heading = "Sample")]
+    #[arg(long, value_name = "C", value_parser = number, default_value = "0.95", help_heading = "Sample",
+          hide_short_help = true)]
     ci: f64,
     /// Edge of the blocks of ground that are resampled for the intervals over one city [m]; default: an eighth of the
     /// city, at least 100 m
-    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, help_heading = "Sample")]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, help_heading = "Sample",
+          hide_short_help = true)]
     block: Option<f64>,
     #[command(flatten, next_help_heading = "Sample")]
     sight: SightArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
+    /// Write the table to this file
+    #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
+    csv: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
 }
@@ -75,7 +84,7 @@ impl SampleArgs {
             block_m: self.block,
         };
         plan.check()?;
-        let outputs = self.out.checked(&FORMATS, &self.scene.files())?;
+        let outputs = self.out.checked_with(self.csv.as_ref(), &FORMATS, &self.scene.files())?;
         let look = self.picture.look(&self.out, &outputs)?;
         let sample = plan.take(run.words(), &run.progress)?;
         run.emit(&sample, &outputs, (&self.out, &look))

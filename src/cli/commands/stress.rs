@@ -14,7 +14,7 @@ use crate::stress::{FORMATS, Stress, StressScene};
 use crate::uav::UavsFound;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: .png .svg .pdf (failure rates by family and method; of \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (failure rates by family and method; of \
 SCENE a map of what turns), .csv, .json, `-` for JSON on standard output; repeat for more. Without any the table goes to \
 standard output")))]
 #[command(after_help = "Example: skyshed stress --scenes 4 -o failures.png")]
@@ -46,8 +46,21 @@ pub(in crate::cli) struct StressArgs {
 
 /// What families of scenes can use.
 const OF_FAMILIES: [&str; 15] = [
-    "families", "scenes", "seed", "method", "title", "width", "dpi", "output", "json", "overwrite", "csv_text", "threads",
-    "max_memory", "quiet", "repairs",
+    "families",
+    "scenes",
+    "seed",
+    "method",
+    "title",
+    "width",
+    "dpi",
+    "output",
+    "json",
+    "overwrite",
+    "csv_text",
+    "threads",
+    "max_memory",
+    "quiet",
+    "repairs",
 ];
 
 impl StressArgs {

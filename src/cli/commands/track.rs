@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::track::{FORMATS, TrackPlan};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("A strip of line of sight below the height that would be enough (.png, .svg, .pdf), \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("A strip of line of sight below the height that would be enough (.png, .svg, .pdf), \
 the document (.json), a table (.csv), `-` for JSON on standard output; repeat for more")))]
 #[command(after_help = "Example: skyshed track itu:urban --uav 500,500,100 --track walk.csv -o walk.png")]
 pub(in crate::cli) struct TrackArgs {

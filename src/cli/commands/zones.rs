@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::zone_files::{FORMATS, ZoneFiles};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write, by extension: a map of the zones (.png .svg .pdf), a raster (.tif), \
+#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .geojson .json; repeat for more").long_help("File to write, by extension: a map of the zones (.png .svg .pdf), a raster (.tif), \
 polygons (.geojson), their counts (.json), `-` for JSON on standard output; repeat for more")))]
 #[command(after_help = "Example: skyshed zones maps/munich.geojson -o zones.png")]
 pub(in crate::cli) struct ZonesArgs {
