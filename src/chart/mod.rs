@@ -15,9 +15,7 @@ use serde_json::Value;
 
 pub(crate) use plos::PlosChartPlan;
 use plos_report::PlosChartReport;
-pub(crate) use plos_report::{PlosChartDocument, PlosChartTableRow};
 use report::ChartReport;
-pub(crate) use report::{ChartDocument, ChartTableRow};
 
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Error, Result, Warning};

@@ -11,7 +11,6 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-pub(crate) use document::{CompareDocument, CompareRow};
 use figure::Figure;
 use masks::{Setting, read_masks};
 use report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts};

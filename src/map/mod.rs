@@ -19,7 +19,6 @@ mod tolerance;
 
 pub use coverages::{Coverage, Coverages};
 pub(crate) use curve::CurvePlan;
-pub(crate) use curve_report::HeightCurveDocument;
 pub(crate) use drawing::MapDrawing;
 pub(crate) use job::{Done, Given, MapJob};
 pub(crate) use plan::{Held, MapPlan};

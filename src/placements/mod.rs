@@ -17,7 +17,6 @@ use serde_json::Value;
 pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
 use report::{PlaceReport, place_digest};
-pub(crate) use report::{PlaceRow, SearchDocument};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
 
@@ -165,7 +164,8 @@ impl SearchPlan {
         {
             return Err(Error::usage(113, format!("the step between places is `{step_m}`, wanted above 0 m")));
         }
-        if self.goal.at_least.is_some() && !(have_one_reference(&self.heights) && !self.heights.is_empty()) {
+        let compares = !self.heights.is_empty() && have_one_reference(&self.heights);
+        if self.goal.at_least.is_some() && !compares {
             let text = "the least height is one of several that are tried: wanted all above the same";
             return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
         }

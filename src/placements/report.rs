@@ -64,14 +64,6 @@ impl PlaceFacts {
         }
     }
 
-    /// P_LoS, if that is what the place is worth.
-    pub(crate) fn p_los(&self) -> Option<f64> {
-        match self.value {
-            PlaceValue::Counts(score) | PlaceValue::Weighted(score) => score.share(),
-            PlaceValue::Margin(_) => None,
-        }
-    }
-
     /// Where it is.
     pub(crate) fn position(&self) -> Position {
         Position { x: self.x, y: self.y, lonlat: self.lonlat }

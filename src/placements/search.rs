@@ -154,7 +154,7 @@ impl Search<'_> {
 
     /// Those of the candidates that together see most.
     fn several(&self, sets: &SeenSets, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
-        let count = usize::from(self.plan.count);
+        let count = self.plan.count;
         let cover = cover(sets, count, control)?;
         let place = |(k, chosen): (usize, &crate::placement::Chosen)| {
             self.fact(k + 1, chosen.set, self.value(scores[chosen.set]))
@@ -198,7 +198,7 @@ impl Search<'_> {
     }
 
     fn by_margin(&self, control: &Control) -> Result<Found> {
-        let margins = worst_margins(self.mapper, self.kept(), usize::from(self.plan.top), control)?;
+        let margins = worst_margins(self.mapper, self.kept(), self.plan.top, control)?;
         let order = ranked_margins(&margins);
         let fact = |(rank, k): (usize, &usize)| self.fact(rank + 1, *k, PlaceValue::Margin(margins[*k]));
         let facts: Vec<PlaceFacts> = order.iter().enumerate().map(fact).collect();

@@ -19,7 +19,6 @@ use serde_json::Value;
 pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
 use real::Real;
-pub(crate) use report::{PlosDocument, PlosTableRow};
 use report::{PlosReport, PlosRow, PlosValue};
 pub use request::{PLos, PLosRequest, PLosValue};
 pub(crate) use sweep::{Far, Sweeps};

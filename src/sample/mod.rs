@@ -8,7 +8,6 @@ use std::path::Path;
 
 use serde_json::Value;
 
-pub(crate) use report::{SampleDocument, SampleRow};
 use report::{SampledReport, SampledRow};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};

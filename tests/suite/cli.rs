@@ -180,7 +180,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ("SMALL --uav 10,10,50 --seed -1", 2, "error[E101]: "),
         ("SMALL --uav 10,10,50 --method guess", 2, "error[E101]: invalid value 'guess' for '--method <METHOD>'"),
         ("SMALL --uav 10,10,50 --layers los,shade", 2, "error[E101]: invalid value 'shade' for '--layers <LAYER,…>'"),
-        ("SMALL --uav 10,10,50 --receivers sky", 2, "error[E101]: invalid value 'sky' for '--receivers <RECEIVERS>'"),
+        ("SMALL --uav 10,10,50 --receivers sky", 2, "error[E101]: invalid value 'sky' for '--receivers <WHERE>'"),
         // Flags that the scene or the outputs cannot use.
         ("SMALL --uav 10,10,50 --terrain slope.asc", 2, "error[E116]: `--terrain` has no meaning for a generated city"),
         ("SMALL --uav 10,10,50 --missing fail", 2, "error[E116]: `--missing` has no meaning for a generated city"),
