@@ -199,7 +199,7 @@ fn what_makes_no_sense_is_refused_with_its_own_exit_code_and_leaves_nothing() {
         ),
         ("map city.geojson --uav 1,1,50 -o out.png --top-field z --height-field h", 2, "error[E101]: the argument"),
         ("map dsm.asc --uav 1,1,50 -o out.png --ground 0 --terrain slope.asc", 2, "error[E101]: the argument"),
-        ("map dsm.asc --uav 1,1,50 -o out.png --receivers roof", 2, "error[E117]: `--receivers roof` with a surface"),
+        ("map dsm.asc --uav 1,1,50 -o out.png --receivers roof", 2, "error[E117]: receivers `roof` with a surface"),
         ("map dsm.asc --uav 1,1,50 -o out.tif --bare", 2, "error[E116]: `--bare` has no meaning without a .png output"),
         ("SMALL --uav 10,10,50 --tif-layout plain", 2, "error[E116]: `--tif-layout` has no meaning without a .tif out"),
         ("SMALL --uav 10,10,50 --tif-layout strips", 2, "error[E101]: invalid value 'strips' for '--tif-layout"),
