@@ -103,7 +103,7 @@ pub(in crate::cli) struct PlosArgs {
     #[arg(long, help_heading = "Sweep", hide_short_help = true)]
     pub(super) uav_clear_of_roof: bool,
     /// Stop when all intervals are ±P or narrower
-    #[arg(long, value_name = "±P", value_parser = plus_minus, help_heading = "Effort")]
+    #[arg(long, value_name = "±P", value_parser = plus_minus, help_heading = "Effort", hide_short_help = true)]
     pub(super) until: Option<f64>,
     /// How far any P_LoS may be off, such as 0.005, at the least effort: over a generated city the product with the fewest
     /// points, over a real one maps of the coarsest cells, for which that is so with 99 % confidence, as measured; says what
