@@ -296,7 +296,7 @@ struct CellDocument {
     pooling: Option<&'static str>,
     /// P_LoS on them.
     p_los: Option<f64>,
-    /// The same less P_LoS of the scene itself.
+    /// Its P_LoS less that of the scene itself.
     change: Option<f64>,
     /// Why there is none.
     reason: Option<String>,

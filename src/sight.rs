@@ -112,7 +112,7 @@ impl Default for AskedSight {
 }
 
 impl AskedSight {
-    /// The same with numbers in range.
+    /// Refuses numbers out of range.
     ///
     /// # Errors
     /// E113.
@@ -168,7 +168,7 @@ impl Sight {
         self.rx_height_m
     }
 
-    /// The same height on the lattice \[1/1024 m\].
+    /// Height of the receivers on the lattice \[1/1024 m\].
     pub(crate) fn rx_height(&self) -> i32 {
         self.rx_height
     }

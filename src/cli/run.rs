@@ -15,7 +15,7 @@ use crate::picture::Look;
 use crate::progress::Progress;
 use crate::read::VectorFormat;
 use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
-use crate::scene::{FoundRepairs, built_up};
+use crate::scene::built_up;
 use crate::words::pretty;
 
 /// A run.
@@ -150,7 +150,7 @@ impl<'a> RepairsFile<'a> {
     /// # Errors
     /// E116 if no footprints were read; E106, E401 if the file cannot be written.
     pub(super) fn write(&self, run: &Run) -> Result<()> {
-        let Some(found @ FoundRepairs { .. }) = self.reading.found_repairs.get() else {
+        let Some(found) = self.reading.found_repairs.get() else {
             return Err(Error::usage(116, "`--repairs` has no meaning here: no footprints were read"));
         };
         let repairs = Repairs::of(found, self.reading.layer_of(self.scene), run.words());

@@ -49,6 +49,7 @@ mod vectors; // one city in every vector format is one scene; policies of height
 mod repairs; // what was mended or left out, thing by thing
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
+mod cli_help; // what help says: its length, its examples, its defaults
 mod answers; // what every command says: its answer, its files, errors in one form
 mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input, names that mean something
 #[cfg(unix)]

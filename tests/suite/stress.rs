@@ -360,8 +360,16 @@ fn what_makes_no_sense_is_refused() {
         ("stress --radius 5", 2, "error[E116]: `--radius` has no meaning without a scene"),
         ("stress --attribution me -o a.png", 2, "error[E116]: `--attribution` has no meaning without a scene"),
         ("stress --title Failures -o a.csv", 2, "error[E116]: `--title` has no meaning without a .png, .svg or .pdf"),
-        ("stress dsm.asc --uav 1,1,9 --scenes 3", 2, "error[E101]: the argument"),
-        ("stress dsm.asc --uav 1,1,9 --families cell-slits", 2, "error[E101]: the argument"),
+        (
+            "stress dsm.asc --uav 1,1,9 --scenes 3",
+            2,
+            "error[E101]: the argument '[SCENE]' cannot be used with '--scenes",
+        ),
+        (
+            "stress dsm.asc --uav 1,1,9 --families cell-slits",
+            2,
+            "error[E101]: the argument '[SCENE]' cannot be used with '--f",
+        ),
         ("stress dsm.asc", 2, "error[E101]: the following required arguments were not provided: --uav"),
         ("stress --families cell-slit", 2, "error[E101]: invalid value 'cell-slit' for '--families <NAME,…>': wanted"),
         ("stress --scenes 0", 2, "error[E101]: invalid value '0' for '--scenes <N>'"),

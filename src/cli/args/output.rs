@@ -49,7 +49,7 @@ impl OutputArgs {
         self.checked_with(None, allowed, inputs)
     }
 
-    /// The same, and after them the table of `--csv FILE`.
+    /// The files of `-o`, and after them the table of `--csv FILE`, all checked together.
     pub(crate) fn checked_with(
         &self,
         csv: Option<&PathBuf>,

@@ -140,7 +140,7 @@ pub(crate) struct ReadingArgs {
 }
 
 impl ReadingArgs {
-    /// The same for the library.
+    /// What was typed, as options of the library.
     pub(crate) fn options(&self) -> Result<SceneOptions> {
         let data_area = self.data_area.as_ref().map(|word| match word.to_str() {
             Some("auto") => DataAreaChoice::Auto,

@@ -38,7 +38,7 @@ impl UavsArgs {
         Ok(UavsAsked { typed, table: self.uavs.clone(), skips_bad: self.skip_bad, hash })
     }
 
-    /// The same of at least one.
+    /// Where they are told, of which there must be some.
     pub(crate) fn some(&self, hash: bool) -> Result<UavsAsked> {
         if self.uav.is_empty() && self.uavs.is_none() {
             return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
@@ -116,7 +116,7 @@ pub(crate) struct SightArgs {
 }
 
 impl SightArgs {
-    /// The same with numbers in range.
+    /// As the library takes it; numbers out of range are refused.
     pub(crate) fn checked(&self) -> Result<Sight> {
         let SightArgs { rx, receivers, radius, method } = self;
         let asked = AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
