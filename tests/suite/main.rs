@@ -48,6 +48,7 @@ mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
 mod repairs; // what was mended or left out, thing by thing
 mod hostile_vectors; // damaged vector files are scenes or errors
+mod front_door; // the library answers what the program does
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_help; // what help says: its length, its examples, its defaults
 mod answers; // what every command says: its answer, its files, errors in one form
