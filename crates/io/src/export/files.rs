@@ -211,7 +211,7 @@ pub fn check_folder(path: &Path) -> Result<()> {
 
 /// The files that may be written beside an output.
 pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
-    let beside = |suffix: &str| super::with_suffix(path, suffix);
+    let beside = |suffix: &str| with_suffix(path, suffix);
     match format {
         Format::GeoTiff => vec![beside(".aux.xml")],
         Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
@@ -221,6 +221,13 @@ pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
         Format::Png if bare => vec![path.with_extension("pgw"), path.with_extension("prj"), beside(".json")],
         _ => Vec::new(),
     }
+}
+
+/// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
+pub fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(suffix);
+    PathBuf::from(name)
 }
 
 /// The meshes of a Mitsuba scene.

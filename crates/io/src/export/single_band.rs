@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::map::{Band, MapResult, NO_COUNT, NODATA, finite, with_suffix};
+use super::files::with_suffix;
+use super::map_result::{Band, MapResult, NO_COUNT, NODATA, finite};
 use crate::coverage::class;
 use crate::crs::wkt_of;
 use crate::error::{Error, Result};

@@ -13,7 +13,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::file::{cannot_read, open_file, reserve_cells};
+use super::input::{cannot_read, open_file};
+use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
 use crate::error::{Error, Result, Warning};

@@ -8,11 +8,13 @@ mod cell_sources;
 mod exr_file;
 mod file;
 mod geotiff;
+mod input;
 mod lattice_rows;
 mod lonlat;
 mod mosaic;
 mod npz;
 mod origin;
+mod reserve;
 mod sample;
 mod tile_store;
 mod voids;
@@ -23,16 +25,17 @@ pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
-pub use file::cannot_read;
-pub(crate) use file::{open_file, reserve_cells};
 pub use geotiff::xml_text;
 pub use geotiff::{
     Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
     pam_sidecar, write_geotiff,
 };
+pub use input::cannot_read;
+pub(crate) use input::open_file;
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
 pub use origin::origin_of;
+pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;

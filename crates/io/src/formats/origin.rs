@@ -8,7 +8,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
 use super::RasterFile;
-use super::file::open_file;
+use super::input::open_file;
 
 /// Longest text that is looked at \[bytes\].
 const MOST_BYTES: u64 = 64 << 20;

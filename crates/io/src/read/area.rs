@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::building::{bounds, opened};
 use super::sites::{check_placeable, in_scene, misplaced};
 use super::source::input_name;
-use super::vector::{Selection, read_features};
+use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
 use crate::crs;
 use crate::error::{Error, Result};

@@ -8,39 +8,14 @@
 
 use std::path::Path;
 
-use super::footprints::{FootprintOptions, MissingHeight};
+use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
-use super::vector::{Feature, FeatureSet, Polygon, Property};
+use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
 use crate::city::Fault;
 use crate::error::{Error, Result};
 
-/// The unit of heights that name none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum HeightUnit {
-    /// Meters.
-    #[default]
-    Meters,
-    /// International feet, 0.3048 m.
-    Feet,
-}
-
-impl HeightUnit {
-    /// Length of the unit \[m\].
-    pub fn meters(self) -> f64 {
-        match self {
-            HeightUnit::Meters => 1.0,
-            HeightUnit::Feet => METERS_PER_FOOT,
-        }
-    }
-}
-
-const METERS_PER_FOOT: f64 = 0.3048;
-
 /// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
 pub(super) const METERS_PER_LEVEL: f64 = 3.0;
-
-/// The property of a height where none is named.
-const HEIGHT: &str = "height";
 
 /// The areas of a file with what is known of their heights.
 #[derive(Debug, Default)]
@@ -66,6 +41,19 @@ pub(super) struct RawFootprint {
     pub(super) floats: bool,
     /// Lowest point of a solid \[m above the datum\].
     pub(super) lowest: Option<f64>,
+}
+
+impl RawFootprint {
+    /// What a fault of it is of.
+    pub(super) fn culprit(&self) -> Culprit<'_> {
+        self.culprit_at(0)
+    }
+
+    /// What a fault of one of its polygons is of, with the first point of that.
+    pub(super) fn culprit_at(&self, k: usize) -> Culprit<'_> {
+        let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
+        Culprit { feature: self.number, id: &self.id, place: first.copied() }
+    }
 }
 
 /// What a height property held.
@@ -104,14 +92,14 @@ impl Buildings {
             }
             let footprint = says.footprint(number);
             if feature.has_other_parts {
-                log.note(Fault::NotAnArea, Culprit::of(&footprint));
+                log.note(Fault::NotAnArea, footprint.culprit());
             }
             if says.is_no_building() {
-                log.note(Fault::NotABuilding, Culprit::of(&footprint));
+                log.note(Fault::NotABuilding, footprint.culprit());
                 continue;
             }
             if says.is_part() {
-                log.note(Fault::Part, Culprit::of(&footprint));
+                log.note(Fault::Part, footprint.culprit());
             }
             buildings.footprints.push(footprint);
         }
@@ -124,36 +112,10 @@ impl Buildings {
     }
 }
 
-/// West, south, east, north of polygons; `None` if they have no position.
-pub(super) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
-    polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
-        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-    })
-}
-
-/// Rings without the last point where it repeats the first, and how many do not end where they begin.
-pub(super) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
-    let mut unclosed = 0;
-    for ring in polygons.iter_mut().flatten() {
-        if ring.len() > 1 && ring.first() == ring.last() {
-            ring.pop();
-        } else {
-            unclosed += usize::from(!ring.is_empty());
-        }
-    }
-    (polygons, unclosed)
-}
-
-/// The property that heights are read from.
-pub(super) fn height_property(options: &FootprintOptions) -> &str {
-    options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT)
-}
-
 /// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
 /// property that nobody named.
 fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
-    let name = height_property(options);
+    let name = options.height_property();
     let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
     let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
     let is_named = options.top_field.is_some() || options.height_field.is_some();

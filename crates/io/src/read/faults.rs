@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::building::height_property;
-use super::footprints::{FootprintOptions, MissingHeight};
+use super::footprint_options::{FootprintOptions, MissingHeight};
 use crate::city::{Fault, FootprintFaults};
 use crate::error::Warning;
 use crate::quantity::counted;
@@ -28,7 +27,7 @@ impl HeightWords {
             MissingHeight::Median => "given the median height".to_string(),
         };
         let drops = matches!(options.missing, MissingHeight::Few | MissingHeight::Drop);
-        HeightWords { property: height_property(options).to_string(), treated, drops }
+        HeightWords { property: options.height_property().to_string(), treated, drops }
     }
 }
 

@@ -5,22 +5,24 @@
 //! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
+use super::area::read_area;
+use super::building::{Buildings, FoundHeight, METERS_PER_LEVEL};
 use super::faults::{HeightWords, warn_of_faults};
+use super::footprint_options::{DataAreaChoice, FootprintOptions, MissingHeight};
 use super::heights::{HeightFile, Heights, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
-use super::projection::{Projection, project};
+use super::projection::{Projection, no_crs};
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::repairs::{Culprit, FaultLog, Listing, Repair};
+use super::repairs::{FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
-use super::source::source_of;
+use super::source::{name_of, source_of};
 use super::surface::ground_steps;
-use super::vector::{Selection, read_features};
-use super::{name_of, read_area, refuse_degrees, refuse_two_crs};
+use super::systems::{refuse_degrees, refuse_two_crs};
+use super::vector::{Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
 use crate::city::{Fault, HeightGap, LEFT_OUT};
 use crate::crs;
@@ -30,110 +32,8 @@ use crate::formats::reserve_cells;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::raster::{Crs, GeoRef, Raster};
 
-/// What to do with footprints whose height is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MissingHeight {
-    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
-    #[default]
-    Few,
-    /// Refuse the file.
-    Fail,
-    /// Leave the footprint out, and say so.
-    Drop,
-    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
-    /// is missing too.
-    Levels,
-    /// The median of the known heights.
-    Median,
-}
-
-/// Which of the terrain columns that a footprint's area overlaps it stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BaseRule {
-    /// The lowest, as OpenStreetMap defines `height`.
-    #[default]
-    Lowest,
-    /// Their mean, each weighted by the area that is overlapped.
-    Mean,
-    /// The highest.
-    Highest,
-}
-
-/// Where the ground of a footprint scene is known, as it was asked for.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum DataAreaChoice {
-    /// Near the footprints; everywhere if the extent was typed.
-    #[default]
-    Auto,
-    /// Everywhere.
-    All,
-    /// Within the polygons of a file.
-    Within(PathBuf),
-}
-
 /// The largest share of the footprint area that may go without heights unless a policy was chosen.
 const FEW: f64 = 0.02;
-
-/// How footprints are read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FootprintOptions {
-    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
-    pub height_field: Option<String>,
-    /// Property that holds the absolute height of the top above the datum, instead.
-    pub top_field: Option<String>,
-    /// Unit of heights that name none.
-    pub height_unit: HeightUnit,
-    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
-    pub levels_field: String,
-    /// Policy for missing heights.
-    pub missing: MissingHeight,
-    /// Table of a GeoPackage; needed where it has several.
-    pub layer: Option<String>,
-    /// Terrain model, in the same CRS unless `project` is given.
-    pub terrain: Option<PathBuf>,
-    /// Height of flat ground \[m above the datum\], 0 by default.
-    pub ground_m: Option<f64>,
-    /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
-    pub extent: Option<[f64; 4]>,
-    /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
-    pub cell_m: Option<f64>,
-    /// The CRS to assume.
-    pub crs: Option<Crs>,
-    /// Another CRS for the scene than that of the file.
-    pub project: Option<Projection>,
-    /// What nodata cells of the terrain, and ground beyond it, do.
-    pub nodata_as: NodataAs,
-    /// Which ground a footprint stands on.
-    pub base: BaseRule,
-    /// Where the ground is known.
-    pub data_area: DataAreaChoice,
-    /// Whether to hash inputs of any size.
-    pub always_hash: bool,
-}
-
-impl Default for FootprintOptions {
-    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
-    fn default() -> Self {
-        FootprintOptions {
-            height_field: None,
-            top_field: None,
-            height_unit: HeightUnit::default(),
-            levels_field: "building:levels".into(),
-            missing: MissingHeight::default(),
-            layer: None,
-            terrain: None,
-            ground_m: None,
-            extent: None,
-            cell_m: None,
-            crs: None,
-            project: None,
-            nodata_as: NodataAs::default(),
-            base: BaseRule::default(),
-            data_area: DataAreaChoice::default(),
-            always_hash: false,
-        }
-    }
-}
 
 /// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, told apart by their extension.
 ///
@@ -298,6 +198,43 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
     Ok(())
 }
 
+/// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
+///
+/// Without a system of their own, positions that can be degrees are taken for longitude and latitude.
+///
+/// # Errors
+/// E310 if there is no way from the one system to the other, or it is not known what the positions are in.
+fn project(
+    path: &Path,
+    raw: &mut Buildings,
+    from: Option<Crs>,
+    projection: &Projection,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Crs>> {
+    let Some([west, south, east, north]) = raw.bounds() else { return Ok(from) };
+    let may_be_degrees = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
+    let from = match from {
+        Some(from) => from,
+        None if may_be_degrees => crs::from_epsg(4326)?,
+        None => return Err(no_crs(path)),
+    };
+    let middle = ((west + east) / 2.0, (south + north) / 2.0);
+    let to = projection.target(&from, middle)?;
+    if from == to {
+        return Ok(Some(to));
+    }
+    let way = Transformation::new(&from, &to, middle)?;
+    for position in raw.footprints.iter_mut().flat_map(|f| &mut f.polygons).flatten().flatten() {
+        let (x, y) = way.apply((position[0], position[1]))?;
+        *position = [x, y];
+    }
+    if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
+        let text = format!("{}: brought from {} to {} ({})", path.display(), from.label(), to.label(), to.name());
+        warnings.push(Warning::new(335, text));
+    }
+    Ok(Some(to))
+}
+
 /// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
 fn terrain_heights(
     path: &Path,
@@ -392,11 +329,11 @@ impl Making<'_> {
             }
             let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
             if !above_datum && height < 0.0 {
-                log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
+                log.note(Fault::NegativeHeight, shaped.raw.culprit());
                 continue;
             }
             if shaped.base.is_none() && !above_datum {
-                log.note(Fault::NoGround, Culprit::of(&shaped.raw));
+                log.note(Fault::NoGround, shaped.raw.culprit());
                 continue;
             }
             let top = self.top(&shaped, (height, above_datum))?;
@@ -442,7 +379,7 @@ impl Making<'_> {
         words: &HeightWords,
         log: &mut FaultLog,
     ) -> Result<Option<(f64, bool)>> {
-        let culprit = Culprit::of(&shaped.raw);
+        let culprit = shaped.raw.culprit();
         match shaped.raw.height {
             FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
             FoundHeight::DecimalComma(m) => {
@@ -505,14 +442,14 @@ fn is_usable(shaped: &Shaped) -> bool {
 /// Notes what is odd about a building whatever its height is.
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
-    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
-    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, Culprit::polygon(raw, *k)));
-    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
-    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
+    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, raw.culprit_at(*k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, raw.culprit_at(*k)));
+    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, raw.culprit()));
+    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, raw.culprit_at(*k)));
     if shaped.too_far {
-        log.note(Fault::TooFar, Culprit::of(raw));
+        log.note(Fault::TooFar, raw.culprit());
     } else if is_usable(shaped) && raw.floats {
-        log.note(Fault::Floating, Culprit::of(raw));
+        log.note(Fault::Floating, raw.culprit());
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::refuse_degrees;
 use super::source::sources_of_raster;
+use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
 use crate::crs::InputKind;

@@ -1,7 +1,7 @@
 //! The outline of a building: onto the lattice, repaired, and the ground under it.
 
 use super::building::RawFootprint;
-use super::footprints::BaseRule;
+use super::footprint_options::BaseRule;
 use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::geojson_file::{features, named_crs, read_document};
 use super::source::{input_name, is_geojson, read_text};
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
+use super::vector::geojson::{features, named_crs, read_document};
 use crate::city::{GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;

@@ -25,6 +25,13 @@ pub(crate) fn input_name(path: &Path) -> String {
     if is_standard_input(path) { "standard input".into() } else { path.display().to_string() }
 }
 
+/// What a file is called in captions: its stem, spelled as words.
+pub(crate) fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy().replace('_', " "));
+    let mut letters = stem.chars();
+    letters.next().map_or(stem.clone(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// The bytes of a file, or of standard input, which are kept: they can be read once.
 pub(crate) fn read_input(path: &Path) -> Result<Cow<'static, [u8]>> {
     static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use super::heights::{HeightFile, StoredHeights};
+use super::source::name_of;
 use super::surface::{
-    Empty, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
+    Empty, SurfaceOptions, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
     warning_of_surface_alone, warning_of_voids,
 };
+use super::systems::refuse_two_crs;
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
-use super::{SurfaceOptions, name_of, refuse_two_crs};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::city::{WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Result, Warning};

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::heights::{HeightFile, Heights};
-use super::name_of;
 use super::projection::Projection;
 use super::reprojected::Reprojection;
+use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::error::{Error, Result, Warning};

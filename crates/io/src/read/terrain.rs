@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::refuse_two_crs;
+use super::systems::refuse_two_crs;
 use crate::crs::Transformation;
 use crate::error::{Error, Result, Warning};
 use crate::formats::CellSources;

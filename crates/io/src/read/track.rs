@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::geojson_file::{features, named_crs, read_document};
 use super::sites::{check_placeable, degrees_or_named, in_scene, misplaced};
 use super::source::{input_name, is_geojson, read_text};
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
+use super::vector::geojson::{features, named_crs, read_document};
 use crate::crs;
 use crate::error::{Error, Result};
 use crate::raster::Crs;

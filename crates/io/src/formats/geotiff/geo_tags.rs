@@ -6,7 +6,7 @@
 use geotiff_core::geokeys::{self, GeoKeyDirectory, GeoKeyValue};
 use tiff_core::{Tag, TagValue};
 
-use super::{ClassColor, GeoTiffImage};
+use super::image::{ClassColor, GeoTiffImage};
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, is_text};
 use crate::raster::{Crs, CrsKind};

@@ -8,12 +8,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::prelude::*;
 use tiff_reader::ByteOrder;
 
+use super::geo_tiff::GeoTiff;
 use super::header::Codec;
+use super::stored::turn_over;
 use super::tags::TiffSource;
-use super::{GeoTiff, turn_over};
 use crate::error::{Result, Warning};
-use crate::formats::file::{cannot_read, reserve_cells};
+use crate::formats::input::cannot_read;
 use crate::formats::lattice_rows::put_on_lattice;
+use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::Voids;
 use crate::quantity::VOID;

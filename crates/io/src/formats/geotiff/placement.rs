@@ -136,7 +136,7 @@ fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<War
 /// The world file beside a raster that has no place of its own: six numbers, the last two the center of the first cell.
 fn world_file(path: &Path) -> Option<Affine> {
     ["tfw", "TFW", "tifw", "wld"].iter().find_map(|extension| {
-        let (file, _) = super::super::file::open_file(&path.with_extension(extension)).ok()?;
+        let (file, _) = crate::formats::input::open_file(&path.with_extension(extension)).ok()?;
         let mut text = String::new();
         file.take(4096).read_to_string(&mut text).ok()?;
         let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>().ok()?;

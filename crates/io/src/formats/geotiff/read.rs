@@ -54,10 +54,10 @@ pub(super) struct Samples<'a> {
 
 /// A decoded block, or the part of it that was asked for.
 #[derive(Debug, Default)]
-pub(super) struct Block {
-    pub(super) bytes: Vec<u8>,
+struct Block {
+    bytes: Vec<u8>,
     /// One byte per cell, 0 where the cell is void; only LERC has it.
-    pub(super) valid: Option<Vec<u8>>,
+    valid: Option<Vec<u8>>,
 }
 
 /// Rows of one row of blocks.
@@ -235,7 +235,8 @@ fn decode(image: &Image, byte_order: ByteOrder, job: Job) -> std::result::Result
                 LercInner::Zstd => unpack(50000)?,
                 LercInner::None => stored,
             };
-            return decode_lerc(image, &payload, n_rows);
+            let (bytes, valid) = decode_lerc(image, &payload, n_rows)?;
+            return Ok(Block { bytes, valid });
         }
     };
     if bytes.len() < needed {

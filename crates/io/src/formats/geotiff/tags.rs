@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use tiff_reader::ByteOrder;
 
-use super::super::file::open_file;
 use crate::error::{Error, Result, io_words};
+use crate::formats::input::open_file;
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
 pub(super) mod tag {

@@ -1,6 +1,11 @@
 //! Headers made by hand, good and bad.
 
-use super::*;
+use super::GeoTiff;
+use super::geo_tiff::nodata_in;
+use super::metadata::Metadata;
+use super::stored::turn_over;
+use crate::error::{Result, Warning};
+use crate::formats::sample::Sample;
 
 /// A tag: code, field type, values as 32-bit numbers.
 type Tag = (u16, u16, &'static [u32]);

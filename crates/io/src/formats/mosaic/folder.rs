@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
-use super::covered::n_covered_cells;
+use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
-use super::placed::covered_area;
-use super::tile::{Header, read_headers, told_once};
-use super::{Kind, MAX_SIDE, Mosaic, Nesting, Piece};
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
 use crate::error::{Error, Result, Warning};
 use crate::formats::cannot_read;
 use crate::raster::{Crs, GeoRef};
@@ -21,10 +19,16 @@ impl Mosaic {
     /// # Errors
     /// If the folder cannot be read or holds no raster, a tile cannot be opened, or two of them differ in cell size, grid,
     /// reference system or unit of height: the error names them.
-    pub fn open_folder(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mosaic> {
+    ///
+    /// `open` reads the header of a tile of any format.
+    pub(in crate::formats) fn open_folder(
+        path: &Path,
+        open: fn(&Path, Nesting<'_>) -> Result<Header>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Mosaic> {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
-        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened })?;
+        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened, open })?;
         warnings.extend(told_once(headers.iter_mut(), &[]));
         warn_of_bands(path, &headers, warnings);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
@@ -43,7 +47,12 @@ impl Mosaic {
             let (col, row) = cells_from(&headers[0].georef, &header.georef);
             #[expect(clippy::cast_possible_truncation, reason = "within the checked size of the mosaic")]
             let (row, col) = ((row - first_row).round() as i64, (col - first_col).round() as i64);
-            let area = covered_area((georef.n_rows(), georef.n_cols()), &header.tile, (row, col), None)?;
+            let area = covered_area(
+                (georef.n_rows(), georef.n_cols()),
+                (header.tile.n_rows, header.tile.n_cols),
+                (row, col),
+                None,
+            )?;
             Some(Piece { tile: k, band: 0, row, col, area, rule: Rule::Heights })
         };
         let pieces: Vec<Piece> = headers.iter().enumerate().filter_map(place).collect();
@@ -183,8 +192,8 @@ fn warn_of_bands(folder: &Path, headers: &[Header], warnings: &mut Vec<Warning>)
         );
         warnings.push(Warning::new(323, text));
     }
-    if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.scaling != (1.0, 0.0)) {
-        let (scale, offset) = tile.scaling;
+    if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
+        let (scale, offset) = tile.numbers.scaling;
         let text = format!(
             "tiles of `{}` store their heights scaled (`{}`: multiplied by {scale}, then {offset} added)",
             folder.display(),

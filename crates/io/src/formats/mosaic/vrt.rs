@@ -5,27 +5,25 @@
 //! pansharpened rasters, look-up tables, averages, kernels and sources of another cell size.
 
 use std::collections::HashMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::covered::n_covered_cells;
-use super::tile::{Header, read_headers, told_once};
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
 use super::vrt_source::Source;
-use super::{Kind, MAX_DEPTH, MAX_SIDE, Mosaic, Nesting, Piece};
+use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of, translate_hint};
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
 use crate::error::{Error, Result, Warning};
 use crate::formats::cannot_read;
-use crate::formats::file::open_file;
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::sample::Sample;
 use crate::raster::GeoRef;
 
-/// Longest XML \[bytes\]: that of some hundred thousand sources.
-const MAX_XML_BYTES: u64 = 256 << 20;
+/// Most virtual rasters inside of each other.
+const MAX_DEPTH: usize = 4;
 /// Most sources of virtual rasters that are in others.
 const MOST_NESTED_FILES: usize = 10_000;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
@@ -58,7 +56,7 @@ impl Mosaic {
         warnings: &mut Vec<Warning>,
     ) -> Result<Mosaic> {
         let this = std::fs::canonicalize(path).map_err(|e| cannot_read(path, &e))?;
-        let Nesting { ancestors, n_opened } = nesting;
+        let Nesting { ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
             let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());
             return Err(Error::file(302, text));
@@ -81,7 +79,7 @@ impl Mosaic {
             );
             return Err(Error::limit(502, text).with_hint(translate_hint(path)));
         }
-        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, n_opened })
+        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
         warnings.extend(told_once(headers.iter_mut(), &["W325", "W326", "W327", "W331", "W332"]));
@@ -127,11 +125,6 @@ impl Mosaic {
     }
 }
 
-/// The way out where GDAL can do what is not done here.
-pub(super) fn translate_hint(path: &Path) -> String {
-    format!("let GDAL make one raster of it: `gdal_translate {} OUT.tif`", path.display())
-}
-
 /// The paths of the sources, each once, and the index of that of each source.
 fn distinct(sources: &[Source]) -> (Vec<PathBuf>, Vec<usize>) {
     let mut paths: Vec<PathBuf> = Vec::new();
@@ -159,109 +152,6 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
         found.label()
     );
     Err(Error::file(311, text).with_hint(format!("gdalwarp -t_srs {} {tile} tile_reprojected.tif", wanted.label())))
-}
-
-fn read_xml(path: &Path) -> Result<String> {
-    let (file, len) = open_file(path)?;
-    if len > MAX_XML_BYTES {
-        let text =
-            format!("cannot read `{}`: {len} bytes of XML, wanted at most {} MiB", path.display(), MAX_XML_BYTES >> 20);
-        return Err(Error::limit(501, text));
-    }
-    let mut bytes = Vec::new();
-    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| Error::file(302, format!("cannot read `{}`: {e}, wanted XML in UTF-8", path.display())))?;
-    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
-}
-
-/// An XML being read, for what is said of it.
-#[derive(Clone, Copy)]
-pub(super) struct Vrt<'a> {
-    pub(super) path: &'a Path,
-    document: &'a Document<'a>,
-}
-
-impl Vrt<'_> {
-    /// An error at the line of an element.
-    pub(super) fn error(&self, code: u16, at: Node<'_, '_>, text: impl AsRef<str>) -> Error {
-        let line = self.document.text_pos_at(at.range().start).row;
-        Error::file(code, format!("cannot read `{}`: line {line}: {}", self.path.display(), text.as_ref()))
-    }
-
-    /// An error about what GDAL does and this program does not.
-    pub(super) fn unsupported(&self, at: Node<'_, '_>, found: impl AsRef<str>) -> Error {
-        let text = format!("{}, wanted sources that are copied cell by cell", found.as_ref());
-        self.error(304, at, text).with_hint(translate_hint(self.path))
-    }
-
-    /// The number that an element or attribute holds.
-    pub(super) fn number(&self, at: Node<'_, '_>, name: &str, text: &str) -> Result<f64> {
-        let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| self.error(302, at, format!("`{name}` is `{text}`, wanted a finite number")))
-    }
-
-    /// The number of a child element, if there is such an element.
-    pub(super) fn child_number(&self, parent: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
-        child(parent, name).map(|node| self.number(node, name, text_of(node))).transpose()
-    }
-}
-
-/// The first child element of a name; like GDAL in any case of letters.
-pub(super) fn child<'a, 'b>(parent: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
-    parent.children().find(|node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
-}
-
-/// An attribute in any case of letters.
-pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name)).map(|attribute| attribute.value())
-}
-
-/// The text in an element, without blanks around it.
-pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
-    node.text().unwrap_or_default().trim()
-}
-
-/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
-const MOST_ATTRIBUTES: usize = 500;
-
-/// Refuses elements with more attributes than any virtual raster has, and more namespaces.
-fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
-    let mut rest = xml;
-    let mut n_namespaces = 0;
-    while let Some(start) = rest.find('<') {
-        rest = &rest[start..];
-        let outside = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((begin, end)) = outside.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
-            rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
-            continue;
-        }
-        // Each value in quotes is that of an attribute.
-        let (mut n_attributes, mut quote) = (0, None);
-        let end = rest.find(|c| match (quote, c) {
-            (Some(open), c) if c == open => {
-                quote = None;
-                false
-            }
-            (None, '"' | '\'') => {
-                n_attributes += 1;
-                quote = Some(c);
-                false
-            }
-            (quote, c) => quote.is_none() && c == '>',
-        });
-        let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
-        n_namespaces += tag.matches("xmlns").count();
-        if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
-            let text = format!(
-                "cannot read `{}`: more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster",
-                path.display()
-            );
-            return Err(Error::limit(502, text));
-        }
-        rest = after;
-    }
-    Ok(())
 }
 
 fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Described> {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
+use super::covered::covered_area;
 use super::numbers::Rule;
-use super::placed::covered_area;
-use super::tile::{Header, Tile};
-use super::vrt::{Vrt, attribute, child, text_of, translate_hint};
+use super::tiles::{Header, Tile};
+use super::vrt_xml::{Vrt, attribute, child, text_of, translate_hint};
 use crate::error::{Error, Result};
 use crate::formats::sample::Sample;
 use crate::raster::CellWindow;
@@ -143,7 +143,7 @@ impl Source {
         let [from, to] = [from, to].map(|rectangle| rectangle.map(|number| number.round() as i64));
         let origin = (to[1] - from[1], to[0] - from[0]);
         let bounds = [to[1], to[1] + to[3], to[0], to[0] + to[2]];
-        let area = covered_area((n_rows, n_cols), tile, origin, Some(bounds));
+        let area = covered_area((n_rows, n_cols), (tile.n_rows, tile.n_cols), origin, Some(bounds));
         Ok(area.map(|area| Place { origin, area }))
     }
 }

@@ -5,6 +5,7 @@
 //! the surface is the ground if that is known, else nodata. Meshes name no CRS: their coordinates are local meters with z
 //! up unless another CRS is given.
 
+mod faces;
 mod obj;
 mod ply;
 mod top_surface;
@@ -13,9 +14,9 @@ use std::path::Path;
 
 use super::heights::warn_of_units;
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::refuse_degrees;
 use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
+use super::systems::refuse_degrees;
 use crate::city::City;
 use crate::crs::InputKind;
 use crate::error::{Error, Result, Warning};
@@ -30,44 +31,6 @@ pub struct MeshOptions {
     pub extent: Option<[f64; 4]>,
     /// Cell size \[m\], 1 by default.
     pub cell_m: Option<f64>,
-}
-
-/// Vertices and the faces over them.
-#[derive(Debug, Default)]
-struct Mesh {
-    /// x, y \[CRS units\], z \[m above the datum\].
-    vertices: Vec<[f64; 3]>,
-    /// Numbers of vertices, face after face.
-    corners: Vec<u32>,
-    /// Where each face ends in `corners`.
-    ends: Vec<usize>,
-}
-
-impl Mesh {
-    /// Adds a face; the error says which vertex is not there.
-    fn add_face(&mut self, corners: &[u32]) -> std::result::Result<(), String> {
-        if let Some(k) = corners.iter().find(|k| **k as usize >= self.vertices.len()) {
-            return Err(format!("a face names vertex number {k}, of {} counted from 0", self.vertices.len()));
-        }
-        self.corners.extend(corners);
-        self.ends.push(self.corners.len());
-        Ok(())
-    }
-
-    /// The corners of each face.
-    fn faces(&self) -> impl Iterator<Item = impl Iterator<Item = [f64; 3]> + '_> + '_ {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        let ranges = starts.zip(&self.ends).map(|(from, to)| from..*to);
-        ranges.map(|range| self.corners[range].iter().map(|k| self.vertices[*k as usize]))
-    }
-
-    /// West, south, east, north of all faces; `None` without one.
-    fn bounds(&self) -> Option<[f64; 4]> {
-        self.faces().flatten().fold(None, |bounds, [x, y, _]| {
-            let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-            Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-        })
-    }
 }
 
 /// Reads a mesh from Wavefront OBJ or PLY, told apart by the extension.

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::Mesh;
+use super::faces::Mesh;
 use crate::error::{Error, Result};
 use crate::formats::cannot_read;
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
-use super::Mesh;
+use super::faces::Mesh;
 use crate::error::{Error, Result};
 use crate::formats::cannot_read;
 

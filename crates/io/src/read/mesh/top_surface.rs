@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use super::Mesh;
+use super::faces::Mesh;
 use crate::error::{Error, Result};
 use crate::formats::reserve_cells;
 use crate::quantity::{Frame, STEPS_PER_UNIT, VOID, height_steps};

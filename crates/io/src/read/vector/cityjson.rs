@@ -12,8 +12,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
+use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use super::rings::doubled_area;
-use super::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use crate::error::{Error, Result};
 
 /// A surface of which less than this share faces up or down is a wall; roofs are far flatter.

@@ -18,7 +18,7 @@ use flatgeobuf::{
     size_prefixed_root_as_header,
 };
 
-use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use super::feature::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
 use crate::error::{Error, Result};
 use crate::formats::{cannot_read, open_file};
 use crate::raster::Crs;

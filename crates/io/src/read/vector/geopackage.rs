@@ -14,8 +14,8 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
+use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use super::wkb::polygons_of;
-use super::{Feature, FeatureSet, Property, crs_of, malformed};
 use crate::error::{Error, Result};
 use crate::formats::{cannot_read, open_file};
 use crate::raster::Crs;

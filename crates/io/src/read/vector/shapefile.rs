@@ -12,8 +12,8 @@ use shapefile::record::polygon::GenericPolygon;
 use shapefile::record::traits::HasXY;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
+use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed, read_bytes};
 use super::rings::assembled;
-use super::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed, read_bytes};
 use crate::error::{Error, Result};
 
 /// Most characters of a column's name in a `.dbf`.

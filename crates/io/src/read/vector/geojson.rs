@@ -8,17 +8,17 @@ use std::path::Path;
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
-use super::source::{input_name, read_input};
-use super::vector::{self, FeatureSet, Polygon, Property};
+use super::feature::{self, FeatureSet, Polygon, Property};
 use crate::crs;
 use crate::error::{Error, MOST_FOUND, Result, shortened};
 use crate::raster::Crs;
+use crate::read::source::{input_name, read_input};
 
 /// Parses a GeoJSON document.
 ///
 /// # Errors
 /// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
-pub(super) fn read_document(path: &Path) -> Result<Value> {
+pub(in crate::read) fn read_document(path: &Path) -> Result<Value> {
     let (bytes, name) = (read_input(path)?, input_name(path));
     let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
         let place = e.utf8_error().valid_up_to();
@@ -48,7 +48,7 @@ fn is_one_feature_a_line(text: &str) -> bool {
 ///
 /// # Errors
 /// If the document is none of these.
-pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
+pub(in crate::read) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
     let wrong = |found: String| {
         let name = input_name(path);
         Error::file(302, format!("cannot read {name}: found {found}, wanted a GeoJSON FeatureCollection"))
@@ -80,7 +80,7 @@ pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
 ///
 /// # Errors
 /// If it names one that is not known.
-pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
+pub(in crate::read) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
         let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
@@ -94,7 +94,7 @@ pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
 }
 
 /// The features of a GeoJSON document.
-pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
+pub(in crate::read) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
     let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
     let crs = named_crs(path, &document);
     let mut found = Vec::new();
@@ -112,7 +112,7 @@ pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
 }
 
 /// A feature with its areas; the error says what is wrong with its positions.
-fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> {
+fn feature_of(feature: Feature) -> std::result::Result<feature::Feature, String> {
     let (mut polygons, mut has_other_parts) = (Vec::new(), false);
     if let Some(geometry) = &feature.geometry {
         collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
@@ -123,7 +123,7 @@ fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> 
     });
     let properties = feature.properties.into_iter().flatten();
     let properties = properties.map(|(name, value)| (name.into(), Property::of_json(&value))).collect();
-    Ok(vector::Feature { id, properties, polygons, has_other_parts, heights: None })
+    Ok(feature::Feature { id, properties, polygons, has_other_parts, heights: None })
 }
 
 fn collect_polygons(
@@ -156,7 +156,7 @@ fn collect_polygons(
 
 impl Property {
     /// A JSON value as a property; lists and objects are none.
-    pub(super) fn of_json(value: &Value) -> Property {
+    pub(in crate::read) fn of_json(value: &Value) -> Property {
         match value {
             Value::Number(n) => n.as_f64().map_or(Property::Null, Property::Number),
             Value::String(text) => Property::Text(text.clone()),

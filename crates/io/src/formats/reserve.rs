@@ -1,0 +1,56 @@
+//! Room in memory for the cells of a grid, refused beyond a limit.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::raster::GeoRef;
+
+/// Most memory that the cells of one read may take \[bytes\].
+const MAX_READ_BYTES: u64 = 16 << 30;
+
+/// An empty vector with room for all cells of `georef`.
+///
+/// # Errors
+/// If these are more than may be held in memory.
+pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
+    check_cells::<T>(path, georef)?;
+    let mut cells = Vec::new();
+    let reserved = cells.try_reserve_exact(georef.n_cells());
+    reserved.map_err(|_| too_many_cells::<T>(path, georef, "more than there is"))?;
+    Ok(cells)
+}
+
+/// Refuses more cells than may be held in memory.
+///
+/// # Errors
+/// E501.
+pub(super) fn check_cells<T>(path: &Path, georef: &GeoRef) -> Result<()> {
+    if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
+        return Err(too_many_cells::<T>(path, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
+    }
+    Ok(())
+}
+
+fn too_many_cells<T>(path: &Path, georef: &GeoRef, why: &str) -> Error {
+    let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
+    let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
+    let path = path.display();
+    let text = format!("cannot read `{path}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
+    Error::limit(501, text).with_hint(
+        "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
+         LRX LRY IN OUT`",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_checked_before_it_is_taken() {
+        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
+        let error = reserve_cells::<f32>(Path::new("x.tif"), &georef).expect_err("too large");
+        assert_eq!(error.code(), "E501");
+        assert!(error.to_string().contains("149.0 GiB"), "{error}");
+    }
+}
