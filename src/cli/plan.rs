@@ -35,7 +35,7 @@ pub(super) fn scene_options(args: &SceneArgs) -> Result<SceneOptions> {
     let data_area = args.data_area.as_ref().map(|word| match word.to_str() {
         Some("auto") => DataAreaChoice::Auto,
         Some("all") => DataAreaChoice::All,
-        _ => DataAreaChoice::Within(word.clone()),
+        _ => DataAreaChoice::Within(word.into()),
     });
     Ok(SceneOptions {
         terrain: args.terrain.clone(),

@@ -17,7 +17,7 @@ use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorClass, Result, Warning};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
-use crate::formats::{RasterFile, cannot_read, origin_of};
+use crate::formats::{RasterFile, origin_of};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::os_words::split;
 use crate::progress::Progress;
@@ -303,7 +303,7 @@ impl<'a> SiteRuns<'a> {
         };
         files.extend(table);
         for file in files.iter().filter(|file| file.exists()).flat_map(|file| parts_of(file)) {
-            let metadata = std::fs::metadata(&file).map_err(|e| cannot_read(&file, &e))?;
+            let metadata = std::fs::metadata(&file).map_err(|e| skyshed_io::cannot_read(&file.as_path().into(), &e))?;
             text += &format!("{} {} {:?};", file.display(), metadata.len(), metadata.modified().ok());
         }
         Ok(text)

@@ -263,7 +263,7 @@ impl SceneOptions {
         let Some(terrain) = &self.terrain else { return Ok(()) };
         let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
         let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
-        compare_vertical((path, of_scene.as_ref()), (terrain, of_terrain.as_ref()), said, warnings)
+        compare_vertical((path.display(), of_scene.as_ref()), (terrain.display(), of_terrain.as_ref()), said, warnings)
     }
 
     /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is
@@ -309,7 +309,7 @@ impl SceneOptions {
             self.refuse("a surface without `terrain` or `ground_m`", &threshold)?;
         }
         Ok(SurfaceOptions {
-            terrain: self.terrain.clone(),
+            terrain: self.terrain.clone().map(Into::into),
             ground_m: self.ground_m,
             building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
             nodata_as: self.nodata_as.unwrap_or_default(),
@@ -339,7 +339,7 @@ impl SceneOptions {
             levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
             missing: self.missing.unwrap_or_default(),
             layer: self.layer.clone(),
-            terrain: self.terrain.clone(),
+            terrain: self.terrain.clone().map(Into::into),
             ground_m: self.ground_m,
             extent: self.extent,
             cell_m: self.cell_m,

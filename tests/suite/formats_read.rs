@@ -136,7 +136,7 @@ fn a_window_of_a_raster_is_the_same_as_the_part_of_the_whole() {
     let Some(folder) = truth().map(|folder| folder.join("bad/raster")) else { return };
     for name in ["enc_lzw_pred2_int16.tif", "cog_overviews.tif", "internal_mask.tif", "enc_bigtiff.tif"] {
         let mut warnings = Vec::new();
-        let file = GeoTiff::open(&folder.join(name), &mut warnings).expect(name);
+        let file = GeoTiff::open(folder.join(name), &mut warnings).expect(name);
         let whole = file.read(file.georef().window(), &mut warnings, |h| h).expect(name);
         for window in [
             CellWindow { row: 0, col: 0, n_rows: 1, n_cols: 1 },

@@ -47,6 +47,7 @@ mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
 mod repairs; // what was mended or left out, thing by thing
+mod held_bytes; // readers given bytes with their sidecars: the city of the file
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod cli; // the program from outside: words, exit codes, flags
 mod answers; // what every command says: its answer, its files, errors in one form

@@ -107,7 +107,7 @@ fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
         assert_eq!(codes(&warnings), wanted, "{to}");
     }
     // A tile that changed its size meanwhile.
-    let file = RasterFile::open(&folder.join("good.vrt"), &mut Vec::new()).unwrap();
+    let file = RasterFile::open(folder.join("good.vrt"), &mut Vec::new()).unwrap();
     (other.n_cols, other.values) = (4, vec![1.0; 16]);
     std::fs::write(folder.join("nine/t0.tif"), other.bytes()).unwrap();
     let error = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap_err();

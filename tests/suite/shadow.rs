@@ -378,11 +378,11 @@ fn munich(terrain: bool) -> HeightField {
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
-        terrain: terrain.then(|| maps.join("munich_terrain.tif")),
+        terrain: terrain.then(|| maps.join("munich_terrain.tif").into()),
         ground_m: (!terrain).then_some(0.0),
         ..FootprintOptions::default()
     };
-    let scene = read_footprints(&maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
+    let scene = read_footprints(maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
     HeightField::build(&scene.grid, scene.solids, &mut Vec::new())
 }
 

@@ -238,7 +238,7 @@ fn a_mesh_is_a_surface_as_high_as_its_highest_face() {
     for name in ["a.obj", "b.ply", "c.ply", "d.ply"] {
         let mut options = MeshOptions::default();
         options.surface.ground_m = Some(2.0);
-        let scene = read_mesh(&folder.join(name), &options, &mut Vec::new()).unwrap();
+        let scene = read_mesh(folder.join(name), &options, &mut Vec::new()).unwrap();
         assert_eq!((scene.grid.n_cols(), scene.grid.n_rows(), scene.grid.crs()), (20, 10, None));
         let Solids::Raster { surface, .. } = &scene.solids else { panic!("{name} is no surface") };
         for (k, z) in surface.cells().iter().enumerate() {

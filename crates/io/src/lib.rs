@@ -4,6 +4,9 @@ pub mod crs;
 pub mod digest;
 pub mod export;
 pub mod formats;
+mod input;
 pub mod read;
+
+pub use input::{Input, cannot_read};
 
 use skyshed_core::{city, coverage, error, height_field, outlines, overlay, quantity, raster, zones};

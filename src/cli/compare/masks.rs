@@ -47,7 +47,7 @@ pub(super) struct Setting<'a> {
 pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
     let Setting { scene, grid, .. } = *setting;
     let file = RasterFile::open(path, warnings)?;
-    refuse_two_crs((scene, grid.crs()), (path, file.georef().crs()), |wanted, _| {
+    refuse_two_crs((scene.display(), grid.crs()), (path.display(), file.georef().crs()), |wanted, _| {
         format!("make the map again from a scene in {}", wanted.label())
     })?;
     if !file.georef().same_grid(grid) {

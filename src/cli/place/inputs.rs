@@ -126,8 +126,7 @@ fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -
     let remedy = |from: &crate::raster::Crs, to: &crate::raster::Crs| {
         format!("gdalwarp -s_srs {} -t_srs {} {} weights.tif", from.label(), to.label(), path.display())
     };
-    let scene = std::path::Path::new("the scene");
-    refuse_two_crs((path, file.georef().crs()), (scene, grid.crs()), remedy)?;
+    refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), remedy)?;
     let raster = file.read(file.georef().window(), warnings, |v| v)?;
     if let Some(at) = raster.cells().iter().position(|w| *w < 0.0) {
         let (n_cols, value) = (raster.georef().n_cols(), raster.cells()[at]);

@@ -9,15 +9,13 @@
 //! Codes of errors and warnings are those of the GeoTIFF reader.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
 
-use super::input::{cannot_read, open_file};
 use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
 use crate::error::{Error, Result, Warning};
+use crate::input::{Input, Reader, cannot_read};
 use crate::raster::{CellWindow, Crs, GeoRef, Raster};
 
 const KEYS: [&str; 11] = [
@@ -41,7 +39,7 @@ const MAX_WORD_BYTES: usize = 512;
 /// An Esri ASCII grid, its header read and checked.
 #[derive(Debug, Clone)]
 pub struct AsciiGrid {
-    path: PathBuf,
+    input: Input,
     georef: GeoRef,
     nodata: f64,
     /// Byte and line at which the heights begin.
@@ -55,31 +53,31 @@ impl AsciiGrid {
     /// # Errors
     /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises more cells than the
     /// file can hold.
-    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
-        let (file, len) = open_file(path)?;
-        let mut words = Words::new(path, file, 0, 1);
+    pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
+        let input = &input.into();
+        let (file, len) = input.open()?;
+        let mut words = Words::new(input, file, 0, 1);
         let header = Header::read(&mut words)?;
         let (cells_at, cells_line) = (words.word_at, words.word_line);
-        let shown = path.display();
-        let georef = header.georef(path)?;
+        let georef = header.georef(input)?;
         // Each height takes a digit and, but for the last, a separator.
         let (n_cells, left) = (georef.n_cells() as u64, len.saturating_sub(cells_at));
         if n_cells.saturating_mul(2) - 1 > left {
             let (cols, rows) = (georef.n_cols(), georef.n_rows());
             let text = format!(
-                "cannot read `{shown}`: {left} bytes follow its header, too few for {cols} columns x {rows} rows"
+                "cannot read `{input}`: {left} bytes follow its header, too few for {cols} columns x {rows} rows"
             );
             return Err(Error::file(303, text).with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
         }
-        let crs = sidecar_crs(path, warnings);
+        let crs = sidecar_crs(input, warnings);
         if crs.is_none() {
             let text = format!(
-                "`{shown}` has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed"
+                "`{input}` has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed"
             );
             warnings.push(Warning::new(325, text));
         }
         let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
-        Ok(AsciiGrid { path: path.to_owned(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
+        Ok(AsciiGrid { input: input.clone(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
     }
 
     /// Where the cells lie.
@@ -110,10 +108,10 @@ impl AsciiGrid {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let part = self.georef.part(window);
-        let mut cells = reserve_cells(&self.path, &part)?;
+        let mut cells = reserve_cells(&self.input, &part)?;
         let mut voids = Voids::new(Some(self.nodata));
         self.for_each_stored(window, |row, col, stored| cells.push(convert(voids.height(row, col, stored))))?;
-        voids.report(&self.path, warnings)?;
+        voids.report(&self.input, warnings)?;
         Ok(Raster::new(part, cells))
     }
 
@@ -127,9 +125,9 @@ impl AsciiGrid {
     /// # Errors
     /// If a value is no number, or there are too few or too many values.
     pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
-        let (mut file, _) = open_file(&self.path)?;
-        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.path, &e))?;
-        let mut words = Words::new(&self.path, file, self.cells_at, self.cells_line);
+        let (mut file, _) = self.input.open()?;
+        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.input, &e))?;
+        let mut words = Words::new(&self.input, file, self.cells_at, self.cells_line);
         for row in 0..window.row + window.n_rows {
             for col in 0..self.georef.n_cols() {
                 if !words.next()? {
@@ -247,7 +245,7 @@ impl Header {
         self.entries.iter().find(|(k, ..)| *k == key).and_then(|(_, value, _)| value.parse().ok()).unwrap_or(0)
     }
 
-    fn georef(&self, path: &Path) -> Result<GeoRef> {
+    fn georef(&self, input: &Input) -> Result<GeoRef> {
         let (n_rows, n_cols) = (self.count("nrows"), self.count("ncols"));
         let square = self.number("cellsize").unwrap_or(f64::NAN);
         let (width, height) = (self.number("dx").unwrap_or(square), self.number("dy").unwrap_or(square));
@@ -257,7 +255,7 @@ impl Header {
         let x_min = corner("xllcorner", "xllcenter", width);
         let y_max = corner("yllcorner", "yllcenter", height) + height * n_rows as f64;
         GeoRef::new((x_min, y_max), (width, height), (n_rows, n_cols), None).ok_or_else(|| {
-            let text = format!("cannot read `{}`: {n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid", path.display());
+            let text = format!("cannot read `{}`: {n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid", input);
             Error::file(307, text)
         })
     }
@@ -265,8 +263,8 @@ impl Header {
 
 /// The words of a file, one after the other.
 struct Words<'a> {
-    path: &'a Path,
-    reader: BufReader<File>,
+    input: &'a Input,
+    reader: BufReader<Reader>,
     /// Byte and line of the reader.
     at: u64,
     line: u64,
@@ -277,21 +275,21 @@ struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    fn new(path: &'a Path, file: File, at: u64, line: u64) -> Self {
+    fn new(input: &'a Input, file: Reader, at: u64, line: u64) -> Self {
         let reader = BufReader::with_capacity(1 << 18, file);
-        Words { path, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
+        Words { input, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
     }
 
     /// An error on the line of the current word.
     fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: line {}: {}", self.path.display(), self.word_line, text.as_ref()))
+        Error::file(code, format!("cannot read `{}`: line {}: {}", self.input, self.word_line, text.as_ref()))
     }
 
     /// Moves to the next word; false at the end of the file.
     fn next(&mut self) -> Result<bool> {
         self.word.clear();
         loop {
-            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.path, &e))?;
+            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.input, &e))?;
             if buffer.is_empty() {
                 return Ok(!self.word.is_empty());
             }
@@ -344,12 +342,9 @@ impl<'a> Words<'a> {
 }
 
 /// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.
-fn sidecar_crs(path: &Path, warnings: &mut Vec<Warning>) -> Option<Crs> {
-    let (sidecar, file) = ["prj", "PRJ"].iter().find_map(|extension| {
-        let sidecar = path.with_extension(extension);
-        let (file, _) = open_file(&sidecar).ok()?;
-        Some((sidecar, file))
-    })?;
+fn sidecar_crs(input: &Input, warnings: &mut Vec<Warning>) -> Option<Crs> {
+    let sidecar = input.beside("prj")?;
+    let (file, _) = sidecar.open().ok()?;
     let mut text = String::new();
     let parsed = match file.take(1 << 20).read_to_string(&mut text) {
         Ok(_) => crs::parse(&text).map_err(|e| e.to_string()),
@@ -358,10 +353,8 @@ fn sidecar_crs(path: &Path, warnings: &mut Vec<Warning>) -> Option<Crs> {
     match parsed {
         Ok(crs) => Some(crs),
         Err(error) => {
-            let text = format!(
-                "`{}` holds no coordinate reference system that is understood ({error}): ignored",
-                sidecar.display()
-            );
+            let text =
+                format!("`{sidecar}` holds no coordinate reference system that is understood ({error}): ignored");
             warnings.push(Warning::new(326, text));
             None
         }

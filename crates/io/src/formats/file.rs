@@ -4,11 +4,11 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use super::input::{cannot_read, open_file};
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Result, Warning};
+use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
 
 /// A raster file, or a folder of them, whose headers have been read.
@@ -28,30 +28,34 @@ impl RasterFile {
     ///
     /// # Errors
     /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
-    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        if path.is_dir() {
-            return Mosaic::open_folder(path, read_header, warnings).map(RasterFile::Mosaic);
+    pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        let input = &input.into();
+        if input.is_folder() {
+            return Mosaic::open_folder(input.as_path(), read_header, warnings).map(RasterFile::Mosaic);
         }
         RasterFile::open_within(
-            path,
+            input,
             Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0), open: read_header },
             warnings,
         )
     }
 
     /// Opens a raster file that is part of virtual rasters.
-    fn open_within(path: &Path, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        let (mut file, len) = open_file(path)?;
+    fn open_within(input: &Input, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        let (mut file, len) = input.open()?;
         let mut head = Vec::new();
-        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(path, &e))?;
+        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
         match kind_of(&head) {
-            Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
-            Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
-            Kind::VirtualRaster => Mosaic::open_vrt(path, nesting, warnings).map(RasterFile::Mosaic),
+            Kind::Tiff => GeoTiff::open(input, warnings).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => AsciiGrid::open(input, warnings).map(RasterFile::AsciiGrid),
+            Kind::VirtualRaster if input.is_held() => {
+                let text = format!("cannot read `{input}`: a virtual raster names other files, wanted its path");
+                Err(Error::file(304, text))
+            }
+            Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, warnings).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
-                let shown = path.display();
                 let text = format!(
-                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
+                    "cannot read `{input}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
                 );
                 Err(Error::file(302, text)
                     .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
@@ -245,7 +249,7 @@ fn leading_text(head: &[u8]) -> Option<&str> {
 /// Reads the header of a tile.
 fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
     let mut warnings = Vec::new();
-    let file = RasterFile::open_within(path, nesting, &mut warnings)?;
+    let file = RasterFile::open_within(&Input::path(path), nesting, &mut warnings)?;
     let georef = file.georef().clone();
     let meters_per_height_unit = file.meters_per_height_unit();
     let vertical = file.vertical().cloned();

@@ -8,7 +8,6 @@ mod cell_sources;
 mod exr_file;
 mod file;
 mod geotiff;
-mod input;
 mod lattice_rows;
 mod lonlat;
 mod mosaic;
@@ -30,8 +29,6 @@ pub use geotiff::{
     Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
     pam_sidecar, write_geotiff,
 };
-pub use input::cannot_read;
-pub(crate) use input::open_file;
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};

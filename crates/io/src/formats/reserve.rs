@@ -1,6 +1,6 @@
 //! Room in memory for the cells of a grid, refused beyond a limit.
 
-use std::path::Path;
+use std::fmt::Display;
 
 use crate::error::{Error, Result};
 use crate::raster::GeoRef;
@@ -12,11 +12,11 @@ const MAX_READ_BYTES: u64 = 16 << 30;
 ///
 /// # Errors
 /// If these are more than may be held in memory.
-pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
-    check_cells::<T>(path, georef)?;
+pub(crate) fn reserve_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<Vec<T>> {
+    check_cells::<T>(name, georef)?;
     let mut cells = Vec::new();
     let reserved = cells.try_reserve_exact(georef.n_cells());
-    reserved.map_err(|_| too_many_cells::<T>(path, georef, "more than there is"))?;
+    reserved.map_err(|_| too_many_cells::<T>(name, georef, "more than there is"))?;
     Ok(cells)
 }
 
@@ -24,18 +24,17 @@ pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
 ///
 /// # Errors
 /// E501.
-pub(super) fn check_cells<T>(path: &Path, georef: &GeoRef) -> Result<()> {
+pub(super) fn check_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<()> {
     if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
-        return Err(too_many_cells::<T>(path, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
+        return Err(too_many_cells::<T>(name, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
     }
     Ok(())
 }
 
-fn too_many_cells<T>(path: &Path, georef: &GeoRef, why: &str) -> Error {
+fn too_many_cells<T>(name: &dyn Display, georef: &GeoRef, why: &str) -> Error {
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
     let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
-    let path = path.display();
-    let text = format!("cannot read `{path}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
+    let text = format!("cannot read `{name}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
     Error::limit(501, text).with_hint(
         "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
          LRX LRY IN OUT`",
@@ -49,7 +48,7 @@ mod tests {
     #[test]
     fn memory_is_checked_before_it_is_taken() {
         let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
-        let error = reserve_cells::<f32>(Path::new("x.tif"), &georef).expect_err("too large");
+        let error = reserve_cells::<f32>(&"x.tif", &georef).expect_err("too large");
         assert_eq!(error.code(), "E501");
         assert!(error.to_string().contains("149.0 GiB"), "{error}");
     }

@@ -1,13 +1,11 @@
 //! Areas from files of vector data.
 
-use std::path::Path;
-
 use super::sites::{check_placeable, in_scene, misplaced};
-use super::source::input_name;
 use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
 use crate::crs;
 use crate::error::{Error, Result};
+use crate::input::Input;
 use crate::raster::GeoRef;
 
 /// Reads an area from the polygons of a file of vector data.
@@ -18,12 +16,13 @@ use crate::raster::GeoRef;
 /// # Errors
 /// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
 /// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
-pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
-    let set = read_features(path, Selection::default())?;
+pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
+    let input = &input.into();
+    let set = read_features(input, Selection::default())?;
     let named = set.crs?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
     if areas.is_empty() {
-        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
+        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", input);
         return Err(Error::file(308, text));
     }
     let is_degrees = bounds(areas.iter().flat_map(|(_, f)| &f.polygons))
@@ -34,7 +33,7 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
         None if is_degrees && grid.crs().is_some() => Some(crs::from_epsg(4326)?),
         None => None,
     };
-    let name = input_name(path);
+    let name = input.to_string();
     check_placeable(&name, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
@@ -54,7 +53,7 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
     if !area.meets(grid) {
         let text = format!(
             "cannot use {}: its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}",
-            path.display(),
+            input,
             grid.x_min(),
             grid.x_max(),
             grid.y_min(),

@@ -6,13 +6,12 @@
 //! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
 //! counts beside its parts. Both are counted.
 
-use std::path::Path;
-
 use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
 use crate::city::Fault;
 use crate::error::{Error, Result};
+use crate::input::Input;
 
 /// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
 pub(super) const METERS_PER_LEVEL: f64 = 3.0;
@@ -70,12 +69,12 @@ impl Buildings {
     /// # Errors
     /// E302 for a coordinate that is not finite, E365 if no feature has the property that heights are read from.
     pub(super) fn of(
-        path: &Path,
+        input: &Input,
         set: FeatureSet,
         options: &FootprintOptions,
         log: &mut FaultLog,
     ) -> Result<Buildings> {
-        refuse_unknown_property(path, &set, options)?;
+        refuse_unknown_property(input, &set, options)?;
         let mut buildings = Buildings::default();
         for (index, feature) in set.features.into_iter().enumerate() {
             let number = index + 1;
@@ -86,8 +85,7 @@ impl Buildings {
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
             if let Some(bad) = bad {
-                let path = path.display();
-                let text = format!("cannot read {path}: feature {number}: found coordinate `{bad}`, wanted a number");
+                let text = format!("cannot read {input}: feature {number}: found coordinate `{bad}`, wanted a number");
                 return Err(Error::file(302, text));
             }
             let footprint = says.footprint(number);
@@ -114,7 +112,7 @@ impl Buildings {
 
 /// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
 /// property that nobody named.
-fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
+fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
     let name = options.height_property();
     let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
     let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
@@ -139,8 +137,7 @@ fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOpt
         }
     }
     let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let path = path.display();
-    let text = format!("cannot use {path}: no feature has the property `{name}`, wanted one that holds heights");
+    let text = format!("cannot use {input}: no feature has the property `{name}`, wanted one that holds heights");
     Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), like_storeys.as_slice(), others.as_slice()) {
         ([], [], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
         ([], [], others) => format!("no property looks like a height; there are {}", quoted(others)),

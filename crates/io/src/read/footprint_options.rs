@@ -1,9 +1,8 @@
 //! How footprints are read.
 
-use std::path::PathBuf;
-
 use super::projection::Projection;
 use crate::city::NodataAs;
+use crate::input::Input;
 use crate::raster::Crs;
 
 /// What to do with footprints whose height is missing.
@@ -44,7 +43,7 @@ pub enum DataAreaChoice {
     /// Everywhere.
     All,
     /// Within the polygons of a file.
-    Within(PathBuf),
+    Within(Input),
 }
 
 /// How footprints are read.
@@ -63,7 +62,7 @@ pub struct FootprintOptions {
     /// Table of a GeoPackage; needed where it has several.
     pub layer: Option<String>,
     /// Terrain model, in the same CRS unless `project` is given.
-    pub terrain: Option<PathBuf>,
+    pub terrain: Option<Input>,
     /// Height of flat ground \[m above the datum\], 0 by default.
     pub ground_m: Option<f64>,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].

@@ -5,8 +5,6 @@
 //! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
-use std::path::Path;
-
 use rayon::prelude::*;
 
 use super::area::read_area;
@@ -29,6 +27,7 @@ use crate::crs;
 use crate::crs::{InputKind, Transformation};
 use crate::error::{Error, Result, Warning};
 use crate::formats::reserve_cells;
+use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::raster::{Crs, GeoRef, Raster};
 
@@ -40,8 +39,12 @@ const FEW: f64 = 0.02;
 /// # Errors
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
 /// errors for bad numbers and layers; limit errors for huge grids.
-pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<City> {
-    read(path, options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
+pub fn read_footprints(
+    input: impl Into<Input>,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    read(&input.into(), options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
 }
 
 /// Reads footprints as [`read_footprints`] does, and lists everything that was mended or left out, in the order of the
@@ -50,15 +53,15 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
 /// # Errors
 /// As [`read_footprints`].
 pub fn read_footprints_and_repairs(
-    path: &Path,
+    input: impl Into<Input>,
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
-    read(path, options, Listing::EachOne, warnings)
+    read(&input.into(), options, Listing::EachOne, warnings)
 }
 
 fn read(
-    path: &Path,
+    input: &Input,
     options: &FootprintOptions,
     listing: Listing,
     warnings: &mut Vec<Warning>,
@@ -66,34 +69,34 @@ fn read(
     // The extent is in the scene's CRS: of a file in another one all must be read.
     let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
     let selection = Selection { layer: options.layer.as_deref(), bounds };
-    let mut set = read_features(path, selection)?;
-    let mut sources = vec![source_of(path, options.always_hash)?];
+    let mut set = read_features(input, selection)?;
+    let mut sources = vec![source_of(input, options.always_hash)?];
     let file_crs = match &options.crs {
         Some(crs) => Some(crs.clone()),
         None => std::mem::replace(&mut set.crs, Ok(None))?,
     };
     let attribution = set.attribution.take();
     let mut log = FaultLog::new(listing);
-    let mut raw = Buildings::of(path, set, options, &mut log)?;
+    let mut raw = Buildings::of(input, set, options, &mut log)?;
     let file_crs = match &options.project {
         Some(projection) => {
             let (from, bounds) = (file_crs.clone(), raw.bounds());
-            let to = project(path, &mut raw, file_crs, projection, warnings)?;
+            let to = project(input, &mut raw, file_crs, projection, warnings)?;
             move_listed(&mut log, from, to.as_ref(), bounds)?;
             to
         }
         None => file_crs,
     };
     let bounds = raw.bounds();
-    check_degrees(path, file_crs.as_ref(), bounds)?;
+    check_degrees(input, file_crs.as_ref(), bounds)?;
 
     let terrain = match &options.terrain {
         None => None,
         Some(terrain_path) => {
             let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
             let terrain = heights.raster;
-            refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
-                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
+            refuse_two_crs((input, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
+                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), input)
             })?;
             sources.append(&mut heights.sources);
             Some(terrain)
@@ -103,33 +106,33 @@ fn read(
     if crs.is_none() {
         warnings.push(Warning::new(
             325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
         ));
     }
     if let Some(crs) = &crs {
-        warn_of_units(path, crs, warnings);
+        warn_of_units(input, crs, warnings);
     }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
-    let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
+    let grid = receivers_grid(input, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let data_area = data_area(options, &grid, warnings)?;
-    if let DataAreaChoice::Within(path) = &options.data_area {
-        sources.push(source_of(path, options.always_hash)?);
+    if let DataAreaChoice::Within(input) = &options.data_area {
+        sources.push(source_of(input, options.always_hash)?);
     }
     let mut ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
-    warn_of_the_ground(path, &raw, &ground, warnings);
-    let making = Making { path, options, ground: &ground, frame };
+    warn_of_the_ground(input, &raw, &ground, warnings);
+    let making = Making { input, options, ground: &ground, frame };
     let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
     if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
-        ground = Ground::Terrain(blocking_where_unknown(path, terrain, &grid)?);
+        ground = Ground::Terrain(blocking_where_unknown(input, terrain, &grid)?);
     }
-    warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
+    warn_if_nothing_meets_the_grid(input, &footprints, &grid, frame, warnings);
     let faults = log.counts;
     let scene = City {
-        name: name_of(path),
+        name: name_of(input),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults, data_area },
         built_up: None,
@@ -147,7 +150,7 @@ fn read(
 fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
     match (&options.data_area, options.extent) {
         (DataAreaChoice::All, _) => Ok(DataArea::All),
-        (DataAreaChoice::Within(path), _) => read_area(path, grid).map(DataArea::Within),
+        (DataAreaChoice::Within(input), _) => read_area(input, grid).map(DataArea::Within),
         (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
         (DataAreaChoice::Auto, Some(_)) => {
             let text = "all of `--extent` counts as known ground, also where no building is near (`--data-area auto|all|FILE`)";
@@ -161,7 +164,7 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
 ///
 /// # Errors
 /// E501 for more cells of the terrain than memory holds.
-fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
+fn blocking_where_unknown(input: &Input, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
     let from = terrain.georef();
     let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
     let [west, east] = [from.x_min() - grid.x_min(), grid.x_max() - from.x_max()].map(|l| beyond(l, from.cell_width()));
@@ -177,7 +180,7 @@ fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> 
     let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
     let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
     let Some(georef) = georef else { return Ok(terrain.clone()) };
-    let mut cells = reserve_cells(path, &georef)?;
+    let mut cells = reserve_cells(input, &georef)?;
     cells.resize(georef.n_cells(), BLOCKS_ALL);
     for row in 0..from.n_rows() {
         let to = &mut cells[(row + north_n) * n_cols + west_n..][..from.n_cols()];
@@ -205,7 +208,7 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
 /// # Errors
 /// E310 if there is no way from the one system to the other, or it is not known what the positions are in.
 fn project(
-    path: &Path,
+    input: &Input,
     raw: &mut Buildings,
     from: Option<Crs>,
     projection: &Projection,
@@ -216,7 +219,7 @@ fn project(
     let from = match from {
         Some(from) => from,
         None if may_be_degrees => crs::from_epsg(4326)?,
-        None => return Err(no_crs(path)),
+        None => return Err(no_crs(input)),
     };
     let middle = ((west + east) / 2.0, (south + north) / 2.0);
     let to = projection.target(&from, middle)?;
@@ -229,7 +232,7 @@ fn project(
         *position = [x, y];
     }
     if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
-        let text = format!("{}: brought from {} to {} ({})", path.display(), from.label(), to.label(), to.name());
+        let text = format!("{}: brought from {} to {} ({})", input, from.label(), to.label(), to.name());
         warnings.push(Warning::new(335, text));
     }
     Ok(Some(to))
@@ -237,16 +240,16 @@ fn project(
 
 /// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
 fn terrain_heights(
-    path: &Path,
+    input: &Input,
     scene_crs: Option<&Crs>,
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Heights> {
-    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
     let wanted = scene_crs.filter(|_| options.project.is_some() && file.georef().crs().is_some());
     let reprojection = match wanted {
         None => None,
-        Some(crs) => Reprojection::plan(path, file.georef(), &Projection::To(crs.clone()), None)?,
+        Some(crs) => Reprojection::plan(input, file.georef(), &Projection::To(crs.clone()), None)?,
     };
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
@@ -257,7 +260,7 @@ fn grown([west, south, east, north]: [f64; 4]) -> [f64; 4] {
 }
 
 /// Warns where solids stand on another height than the flat ground of the scene.
-fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
+fn warn_of_the_ground(input: &Input, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
     let Ground::Flat(z) = ground else { return };
     let lowest: Vec<f64> = raw.footprints.iter().filter_map(|f| f.lowest).collect();
     let range = lowest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(*z), r.1.max(*z)));
@@ -268,7 +271,7 @@ fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &
     let text = format!(
         "{}: the ground is at {} m, but the buildings begin at {} to {} m above the datum (`--terrain FILE`, or `--ground \
          {}`, the median)",
-        path.display(),
+        input,
         tidy(meters(*z)),
         tidy(range.0),
         tidy(range.1),
@@ -278,16 +281,16 @@ fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &
 }
 
 /// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
-fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+fn check_degrees(input: &Input, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let Some(bounds) = bounds else { return Ok(()) };
     if let Some(crs) = crs {
-        return refuse_degrees(path, crs, bounds, InputKind::Vector);
+        return refuse_degrees(input, crs, bounds, InputKind::Vector);
     }
     // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
     let [west, south, east, north] = bounds;
     let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
     if on_earth && east - west < 1.0 && north - south < 1.0 {
-        return refuse_degrees(path, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
+        return refuse_degrees(input, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
     }
     Ok(())
 }
@@ -295,7 +298,7 @@ fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Re
 /// What prisms are made of buildings with.
 #[derive(Clone, Copy)]
 struct Making<'a> {
-    path: &'a Path,
+    input: &'a Input,
     options: &'a FootprintOptions,
     ground: &'a Ground,
     frame: Frame,
@@ -312,7 +315,7 @@ impl Making<'_> {
         let of_ground = (self.ground, self.options.base);
         let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
-            let text = format!("cannot use {}: feature `{}` has {tangle}", self.path.display(), found.raw.id);
+            let text = format!("cannot use {}: feature `{}` has {tangle}", self.input, found.raw.id);
             return Err(Error::limit(504, text).with_hint("mend or leave out the feature; is it one building?"));
         }
         let median = median_height(&shaped);
@@ -340,7 +343,7 @@ impl Making<'_> {
             let base = shaped.base;
             footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
         }
-        warn_of_faults(&log.counts, self.path, &words, missing_share, warnings);
+        warn_of_faults(&log.counts, self.input, &words, missing_share, warnings);
         let gap = HeightGap { area_share: missing_share, done: words.treated };
         Ok((footprints, (missing_share > 0.0).then_some(gap)))
     }
@@ -353,7 +356,7 @@ impl Making<'_> {
         let text = format!(
             "cannot use {}: {} of {n} footprints, {:.1} % of the footprint area, have no usable `{}`; wanted at most {:.0} %, or \
              `--missing POLICY`",
-            self.path.display(),
+            self.input,
             missing.len(),
             100.0 * share,
             words.property,
@@ -390,8 +393,8 @@ impl Making<'_> {
         }
         let found = match self.options.missing {
             MissingHeight::Fail => {
-                let (path, id, name) = (self.path.display(), culprit.id, &words.property);
-                let text = format!("cannot use {path}: feature `{id}` has no usable `{name}`");
+                let (input, id, name) = (self.input, culprit.id, &words.property);
+                let text = format!("cannot use {input}: feature `{id}` has no usable `{name}`");
                 return Err(Error::file(309, text)
                     .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
             }
@@ -420,9 +423,9 @@ impl Making<'_> {
             .and_then(|steps| above?.checked_add(steps))
             .filter(|top| height_steps(meters(*top)).is_some())
             .ok_or_else(|| {
-                let (path, id) = (self.path.display(), &shaped.raw.id);
+                let (input, id) = (self.input, &shaped.raw.id);
                 let text = format!(
-                    "cannot use {path}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
+                    "cannot use {input}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
                 );
                 Error::site(205, text)
             })
@@ -480,15 +483,14 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 fn warn_if_nothing_meets_the_grid(
-    path: &Path,
+    input: &Input,
     footprints: &[Footprint],
     grid: &GeoRef,
     frame: Frame,
     warnings: &mut Vec<Warning>,
 ) {
     if footprints.is_empty() {
-        warnings
-            .push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
+        warnings.push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", input)));
         return;
     }
     let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
@@ -506,7 +508,7 @@ fn warn_if_nothing_meets_the_grid(
             360,
             format!(
                 "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
-                path.display(),
+                input,
                 footprints.len(),
                 grid.x_min(),
                 grid.x_max(),

@@ -1,10 +1,9 @@
 //! Which reference system a scene is brought into, from degrees into meters as a rule; and its footprints on their way.
 
-use std::path::Path;
-
 use crate::crs;
 use crate::crs::{Transformation, utm_for};
 use crate::error::{Error, Result};
+use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
 
 /// Where to.
@@ -40,7 +39,7 @@ impl Projection {
 }
 
 /// The refusal to project what is in no known system.
-pub(super) fn no_crs(path: &Path) -> Error {
-    let text = format!("cannot project {}: it names no coordinate reference system", path.display());
+pub(super) fn no_crs(input: &Input) -> Error {
+    let text = format!("cannot project {}: it names no coordinate reference system", input);
     Error::file(310, text).with_hint("say which it is: `--crs EPSG:n`")
 }

@@ -1,8 +1,7 @@
 //! The grid of receivers over footprints and meshes: what was asked for, else the terrain's, else their bounding box.
 
-use std::path::Path;
-
 use crate::error::{Error, Result};
+use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, whole};
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
@@ -20,7 +19,7 @@ pub(super) struct GridRequest {
 /// # Errors
 /// E112 and E114 for bad numbers, E308 if nothing says how large it is, E502 if it would be too large.
 pub(super) fn receivers_grid(
-    path: &Path,
+    input: &Input,
     request: GridRequest,
     terrain: Option<&Raster<i32>>,
     bounds: Option<[f64; 4]>,
@@ -59,7 +58,7 @@ pub(super) fn receivers_grid(
         (None, None, None) => {
             return Err(Error::file(
                 308,
-                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", path.display()),
+                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", input),
             )
             .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
         }
@@ -69,10 +68,7 @@ pub(super) fn receivers_grid(
     if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
         return Err(Error::limit(
             502,
-            format!(
-                "cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side",
-                path.display()
-            ),
+            format!("cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side", input),
         )
         .with_hint("give `--extent W,S,E,N`, or a larger `--cell`"));
     }

@@ -1,16 +1,15 @@
 //! UAV sites: where the UAVs hover, from flags, CSV or GeoJSON.
 
-use std::path::Path;
-
 use serde_json::Value;
 
-use super::source::{input_name, is_geojson, read_text};
+use super::source::is_geojson;
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
 use super::vector::geojson::{features, named_crs, read_document};
 use crate::city::{GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;
 use crate::error::{Error, Result};
+use crate::input::Input;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
@@ -22,26 +21,32 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 ///
 /// # Errors
 /// File errors naming the lines or features; site errors if positions cannot be brought into the scene's CRS.
-pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let sites = match is_geojson(path)? {
-        true => read_geojson(path, grid, first_number, bad)?,
-        false => read_csv(path, grid, first_number, bad)?,
+pub fn read_sites(
+    input: impl Into<Input>,
+    grid: &GeoRef,
+    first_number: usize,
+    bad: BadRows<'_>,
+) -> Result<Vec<GivenSite>> {
+    let input = &input.into();
+    let sites = match is_geojson(input)? {
+        true => read_geojson(input, grid, first_number, bad)?,
+        false => read_csv(input, grid, first_number, bad)?,
     };
     if sites.is_empty() {
-        return Err(Error::file(308, format!("cannot use {}: it holds no site", input_name(path))));
+        return Err(Error::file(308, format!("cannot use {}: it holds no site", input)));
     }
     Ok(sites)
 }
 
-fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input_name(path);
+fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let name = input.to_string();
     let refuse = |found: String| {
         Error::file(302, format!("cannot read {name}: {found}")).with_hint(
             "a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`, separated by commas, \
              semicolons or tabs",
         )
     };
-    let table = Table::parse(&read_text(path)?).map_err(refuse)?;
+    let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
     let Some(h_column) = table.column(&["h", "h_m", "height", "height_m"]) else {
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
@@ -66,15 +71,15 @@ fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -
     })
 }
 
-fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input_name(path);
-    let document = read_document(path)?;
-    let crs = match named_crs(path, &document)? {
+fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let name = input.to_string();
+    let document = read_document(input)?;
+    let crs = match named_crs(input, &document)? {
         Some(crs) => crs,
         None => crs::from_epsg(4326)?,
     };
     let mut rows = Vec::new();
-    for (number, feature) in features(path, document)?.iter().enumerate() {
+    for (number, feature) in features(input, document)?.iter().enumerate() {
         let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));
         check_placeable(&name, from, grid.crs())?;
         let site = site_of(feature, (&crs, grid), first_number + number);

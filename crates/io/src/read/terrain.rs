@@ -1,18 +1,17 @@
 //! A terrain model brought onto the grid of the surface above it.
 
-use std::path::Path;
-
 use super::systems::refuse_two_crs;
 use crate::crs::Transformation;
 use crate::error::{Error, Result, Warning};
 use crate::formats::CellSources;
+use crate::input::Input;
 use crate::quantity::VOID;
 use crate::raster::{GeoRef, Raster};
 
 /// A raster and the file that it came from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed<'a, T> {
-    pub(super) path: &'a Path,
+    pub(super) input: &'a Input,
     pub(super) on: T,
 }
 
@@ -42,12 +41,12 @@ pub(super) fn terrain_on_grid(
     way: Option<&Transformation>,
     warnings: &mut Vec<Warning>,
 ) -> Result<Raster<i32>> {
-    let Placed { path: surface_path, on: grid } = surface;
-    let Placed { path: terrain_path, on: terrain } = terrain;
+    let Placed { input: surface_path, on: grid } = surface;
+    let Placed { input: terrain_path, on: terrain } = terrain;
     let from = terrain.georef();
     if way.is_none() {
         refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
-            format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
+            format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path)
         })?;
         if grid.same_grid(from) {
             let n_void = terrain.cells().iter().filter(|z| **z == VOID).count();
@@ -57,7 +56,7 @@ pub(super) fn terrain_on_grid(
             if n_void > 0 {
                 let text = format!(
                     "{}: {n_void} of {} cells of the terrain have no height and are no receivers",
-                    terrain_path.display(),
+                    terrain_path,
                     grid.n_cells()
                 );
                 warnings.push(Warning::new(340, text));
@@ -82,8 +81,7 @@ pub(super) fn terrain_on_grid(
 }
 
 /// Refuses a terrain that lies elsewhere than the surface.
-pub(super) fn no_terrain_below((surface, grid): (&Path, &GeoRef), (terrain, from): (&Path, &GeoRef)) -> Error {
-    let (surface, terrain) = (surface.display(), terrain.display());
+pub(super) fn no_terrain_below((surface, grid): (&Input, &GeoRef), (terrain, from): (&Input, &GeoRef)) -> Error {
     let (grid, from) = (grid.description(), from.description());
     let text = format!(
         "cannot combine {surface} ({grid}) with {terrain} ({from}): wanted a terrain below the surface, found none at any cell"
@@ -95,7 +93,7 @@ pub(super) fn no_terrain_below((surface, grid): (&Path, &GeoRef), (terrain, from
 /// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.
 pub(super) fn warning_of_other_grid(
     surface: Placed<'_, &GeoRef>,
-    (terrain, from, brought): (&Path, &GeoRef, &str),
+    (terrain, from, brought): (&Input, &GeoRef, &str),
     n_void: usize,
 ) -> Warning {
     let grid = surface.on;
@@ -103,7 +101,7 @@ pub(super) fn warning_of_other_grid(
         0 => String::new(),
         _ => format!("; {n_void} of {} cells have no terrain and are no receivers", grid.n_cells()),
     };
-    let (surface, terrain) = (surface.path.display(), terrain.display());
+    let surface = surface.input;
     let (on, to) = (from.description(), grid.description());
     let text = format!(
         "{terrain} ({on}{brought}) is not on the grid of {surface} ({to}): each cell takes the terrain that holds its \

@@ -1,14 +1,15 @@
 //! Heights of two files together: what each is above, and whether that is the same.
 
-use std::path::Path;
+use std::fmt::Display;
 
 use crate::crs::{VerticalCrs, VerticalDifference};
 use crate::error::{Error, Result, Warning};
 use crate::formats::RasterFile;
+use crate::input::Input;
 
 /// The vertical system that a raster file names; `None` if it names none, or cannot be opened as a raster.
-pub fn vertical_of(path: &Path) -> Option<VerticalCrs> {
-    RasterFile::open(path, &mut Vec::new()).ok()?.vertical().cloned()
+pub fn vertical_of(input: impl Into<Input>) -> Option<VerticalCrs> {
+    RasterFile::open(input, &mut Vec::new()).ok()?.vertical().cloned()
 }
 
 /// Whether the user has said which reference system the files are in.
@@ -28,12 +29,11 @@ pub enum SystemSaid {
 /// E311 if one is above an ellipsoid and the other above a datum, which are tens of meters apart, unless the user has said
 /// which system the files are in.
 pub fn compare_vertical(
-    (a_path, a): (&Path, Option<&VerticalCrs>),
-    (b_path, b): (&Path, Option<&VerticalCrs>),
+    (a_path, a): (impl Display, Option<&VerticalCrs>),
+    (b_path, b): (impl Display, Option<&VerticalCrs>),
     said: SystemSaid,
     warnings: &mut Vec<Warning>,
 ) -> Result<()> {
-    let (a_path, b_path) = (a_path.display(), b_path.display());
     let (a, b) = match (a, b) {
         (Some(a), Some(b)) => (a, b),
         (None, None) => return Ok(()),

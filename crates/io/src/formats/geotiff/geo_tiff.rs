@@ -1,7 +1,5 @@
 //! A GeoTIFF whose header was read and checked: its picture, its mask, its place, and what its tags say of the heights.
 
-use std::path::{Path, PathBuf};
-
 use super::header::{Codec, Image};
 use super::metadata::Metadata;
 use super::placement::{Placement, meters_per_named_unit, read_placement};
@@ -9,6 +7,7 @@ use super::tags::{Directory, TiffSource, tag};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::formats::sample::Sample;
+use crate::input::Input;
 use crate::raster::GeoRef;
 
 /// Most image directories to look through for a mask.
@@ -17,7 +16,7 @@ const MAX_DIRECTORIES: usize = 64;
 /// A GeoTIFF file, its header read and checked.
 #[derive(Debug, Clone)]
 pub struct GeoTiff {
-    pub(super) path: PathBuf,
+    pub(super) input: Input,
     /// Length of the file when its header was read \[bytes\].
     pub(super) len: u64,
     pub(super) image: Image,
@@ -37,8 +36,9 @@ impl GeoTiff {
     /// # Errors
     /// If the file cannot be opened, is no TIFF, is cut short, is encoded in a way that is not read, or lies on no
     /// north-up grid.
-    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<GeoTiff> {
-        let (mut source, first) = TiffSource::open(path)?;
+    pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<GeoTiff> {
+        let input = &input.into();
+        let (mut source, first) = TiffSource::open(input)?;
         let directory = source.directory(first)?;
         let image = Image::parse(&mut source, &directory)?;
         let placement = read_placement(&mut source, &directory, (image.n_rows, image.n_cols), warnings)?;
@@ -47,7 +47,7 @@ impl GeoTiff {
             Some(text) => {
                 let nodata = nodata_in(image.sample, &text);
                 if nodata.is_none() {
-                    let text = format!("`{}` declares nodata as `{text}`, which is no number: ignored", path.display());
+                    let text = format!("`{}` declares nodata as `{text}`, which is no number: ignored", input);
                     warnings.push(Warning::new(322, text));
                 }
                 nodata
@@ -61,22 +61,20 @@ impl GeoTiff {
         };
         let is_picture = directory.integer(&mut source, tag::PHOTOMETRIC)? == Some(2) && image.n_bands >= 3;
         let tiff =
-            GeoTiff { path: path.to_owned(), len: source.len(), image, mask, placement, nodata, metadata, is_picture };
+            GeoTiff { input: input.clone(), len: source.len(), image, mask, placement, nodata, metadata, is_picture };
         tiff.warn_of_encoding(warnings);
         Ok(tiff)
     }
 
     fn warn_of_encoding(&self, warnings: &mut Vec<Warning>) {
-        let path = self.path.display();
-        let mut sidecar = self.path.clone().into_os_string();
-        sidecar.push(".msk");
-        if Path::new(&sidecar).exists() {
-            let text = format!("the mask `{}` beside `{path}` is not read: declare nodata instead", sidecar.display());
+        let input = &self.input;
+        if let Some(mask) = input.with_suffix(".msk") {
+            let text = format!("the mask `{mask}` beside `{input}` is not read: declare nodata instead");
             warnings.push(Warning::new(324, text));
         }
         if self.image.codec == Codec::Jpeg {
             let text = format!(
-                "`{path}` is JPEG-compressed: its heights are off by up to several units, and are used as they are"
+                "`{input}` is JPEG-compressed: its heights are off by up to several units, and are used as they are"
             );
             warnings.push(Warning::new(334, text));
         }
@@ -85,13 +83,13 @@ impl GeoTiff {
             && (band - system).abs() > 1e-9
         {
             let text = format!(
-                "`{path}` gives its heights in units of {band} m by its band, of {system} m by its vertical system: the \
+                "`{input}` gives its heights in units of {band} m by its band, of {system} m by its vertical system: the \
                  band is believed"
             );
             warnings.push(Warning::new(372, text));
         }
         if let Some(size) = self.meters_per_height_unit().filter(|size| (size - 1.0).abs() > 1e-9) {
-            let text = format!("`{path}` gives its heights in units of {size} m; scenes convert them");
+            let text = format!("`{input}` gives its heights in units of {size} m; scenes convert them");
             warnings.push(Warning::new(332, text));
         }
     }
@@ -195,7 +193,7 @@ fn find_mask(
     const REDUCED: u64 = 1;
     const MASK: u64 = 4;
     let mut warn = |source: &TiffSource, text: &str| {
-        let text = format!("a later image in `{}` cannot be read and is ignored: {text}", source.path().display());
+        let text = format!("a later image in `{}` cannot be read and is ignored: {text}", source.input());
         warnings.push(Warning::new(329, text));
     };
     let mut seen = vec![first_at];

@@ -5,12 +5,12 @@
 //! GDAL reads it.
 
 use std::io::Read;
-use std::path::Path;
 
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
+use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
 /// Meters in a foot and in a US survey foot.
@@ -53,7 +53,7 @@ pub(super) fn read_placement(
     (n_rows, n_cols): (usize, usize),
     warnings: &mut Vec<Warning>,
 ) -> Result<Placement> {
-    let shown = source.path().display().to_string();
+    let shown = source.input().to_string();
     let keys = GeoKeys::read(source, directory).unwrap_or_else(|error| {
         warnings.push(Warning::new(326, format!("`{shown}` has damaged GeoKeys, which are ignored: {error}")));
         GeoKeys::default()
@@ -64,7 +64,7 @@ pub(super) fn read_placement(
         affine.c -= 0.5 * (affine.a + affine.b);
         affine.f -= 0.5 * (affine.d + affine.e);
     }
-    let affine = affine.or_else(|| world_file(source.path())).unwrap_or_else(|| {
+    let affine = affine.or_else(|| world_file(source.input())).unwrap_or_else(|| {
         let text = format!(
             "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
         );
@@ -113,8 +113,7 @@ fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<War
     match (scale.as_deref(), tie_points.as_deref(), matrix.as_deref()) {
         (Some([width, height, ..]), Some([col, row, _, x, y, _, ..]), _) => {
             if *height < 0.0 {
-                let text =
-                    format!("`{}` has a negative cell height: read as positive, north up", source.path().display());
+                let text = format!("`{}` has a negative cell height: read as positive, north up", source.input());
                 warnings.push(Warning::new(330, text));
             }
             let height = height.abs();
@@ -134,9 +133,9 @@ fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<War
 }
 
 /// The world file beside a raster that has no place of its own: six numbers, the last two the center of the first cell.
-fn world_file(path: &Path) -> Option<Affine> {
-    ["tfw", "TFW", "tifw", "wld"].iter().find_map(|extension| {
-        let (file, _) = crate::formats::input::open_file(&path.with_extension(extension)).ok()?;
+fn world_file(input: &Input) -> Option<Affine> {
+    ["tfw", "tifw", "wld"].iter().find_map(|extension| {
+        let (file, _) = input.beside(extension)?.open().ok()?;
         let mut text = String::new();
         file.take(4096).read_to_string(&mut text).ok()?;
         let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
@@ -146,19 +145,19 @@ fn world_file(path: &Path) -> Option<Affine> {
 }
 
 /// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
-fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
+fn crs(keys: &GeoKeys, input: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
         (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
         (None, None, None) => {
             let text =
-                format!("`{path}` names no coordinate reference system: local coordinates in meters are assumed");
+                format!("`{input}` names no coordinate reference system: local coordinates in meters are assumed");
             warnings.push(Warning::new(325, text));
             return None;
         }
         (Some(model), _, _) => {
             let text = format!(
-                "`{path}` has GeoTIFF model type `{model}`, neither projected nor geographic: local coordinates in meters are assumed"
+                "`{input}` has GeoTIFF model type `{model}`, neither projected nor geographic: local coordinates in meters are assumed"
             );
             warnings.push(Warning::new(325, text));
             return None;
@@ -172,7 +171,7 @@ fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
             Ok(crs) => Some(crs),
             Err(error) => {
                 let text = format!(
-                    "`{path}` names a coordinate reference system that is not known ({error}): used by its name only"
+                    "`{input}` names a coordinate reference system that is not known ({error}): used by its name only"
                 );
                 warnings.push(Warning::new(326, text));
                 named(&format!("EPSG:{code}"))
@@ -187,7 +186,7 @@ fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
     };
     if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
         let text = format!(
-            "`{path}` is in web Mercator (EPSG:3857), whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
+            "`{input}` is in web Mercator (EPSG:3857), whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
         );
         warnings.push(Warning::new(331, text));
     }

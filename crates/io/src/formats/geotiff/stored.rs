@@ -28,9 +28,9 @@ impl GeoTiff {
     ) -> Result<Raster<T>> {
         let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
         if (1..self.n_bands()).any(|band| !is_alpha(band)) {
-            let path = self.path.display();
+            let input = &self.input;
             let kind = if self.is_picture { "is a color picture of" } else { "has" };
-            let text = format!("`{path}` {kind} {} bands: the first is read as heights", self.n_bands());
+            let text = format!("`{input}` {kind} {} bands: the first is read as heights", self.n_bands());
             warnings.push(Warning::new(323, text));
         }
         self.read_band(0, window, warnings, convert)
@@ -51,28 +51,28 @@ impl GeoTiff {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let georef = self.georef().part(window);
-        check_cells::<T>(&self.path, &georef)?;
+        check_cells::<T>(&self.input, &georef)?;
         if self.is_empty() {
             // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
             let mut voids = Voids::new(self.nodata);
             voids.n_missing = georef.n_cells() as u64;
-            voids.report(&self.path, warnings)?;
+            voids.report(&self.input, warnings)?;
         }
-        let mut cells: Vec<T> = reserve_cells(&self.path, &georef)?;
+        let mut cells: Vec<T> = reserve_cells(&self.input, &georef)?;
         let (scale, offset) = self.metadata.scaling(band);
         let mut voids = Voids::new(self.nodata);
         self.for_each_stored(band, window, |row, col, stored| {
             cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
         })?;
         if (scale, offset) != (1.0, 0.0) {
-            let path = self.path.display();
-            let text = format!("`{path}` stores its heights scaled: multiplied by {scale}, then {offset} added");
+            let input = &self.input;
+            let text = format!("`{input}` stores its heights scaled: multiplied by {scale}, then {offset} added");
             warnings.push(Warning::new(333, text));
         }
         if self.placement.south_up {
             turn_over(&mut cells, window.n_cols);
         }
-        voids.report(&self.path, warnings)?;
+        voids.report(&self.input, warnings)?;
         Ok(Raster::new(georef, cells))
     }
 
@@ -87,7 +87,7 @@ impl GeoTiff {
         window: CellWindow,
         mut visit: impl FnMut(usize, usize, Stored),
     ) -> Result<()> {
-        let (mut source, _) = TiffSource::open(&self.path)?;
+        let (mut source, _) = TiffSource::open(&self.input)?;
         if band >= self.n_bands() {
             let text = format!("band {} of {}, wanted at most the last", band + 1, self.n_bands());
             return Err(source.error(302, text));

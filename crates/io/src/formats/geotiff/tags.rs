@@ -5,14 +5,12 @@
 //! Reference: TIFF 6.0 (1992) section 2, and the BigTIFF extension.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
 
 use tiff_reader::ByteOrder;
 
 use crate::error::{Error, Result, io_words};
-use crate::formats::input::open_file;
+use crate::input::{Input, Reader};
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
 pub(super) mod tag {
@@ -53,8 +51,8 @@ const MAX_TEXT_BYTES: u64 = 64 << 20;
 /// A TIFF file open for random access, with its byte order and pointer size.
 #[derive(Debug)]
 pub(super) struct TiffSource {
-    file: File,
-    path: PathBuf,
+    file: Reader,
+    input: Input,
     len: u64,
     big_tiff: bool,
     byte_order: ByteOrder,
@@ -62,10 +60,10 @@ pub(super) struct TiffSource {
 
 impl TiffSource {
     /// Opens the file and reads its first bytes; returns it with the place of its first directory.
-    pub(super) fn open(path: &Path) -> Result<(TiffSource, u64)> {
-        let (file, len) = open_file(path)?;
-        let path = path.to_owned();
-        let mut source = TiffSource { file, path, len, big_tiff: false, byte_order: ByteOrder::LittleEndian };
+    pub(super) fn open(input: &Input) -> Result<(TiffSource, u64)> {
+        let (file, len) = input.open()?;
+        let mut source =
+            TiffSource { file, input: input.clone(), len, big_tiff: false, byte_order: ByteOrder::LittleEndian };
         if len < 8 {
             return Err(source.error(303, format!("the file has {len} bytes, a TIFF header has at least 8")));
         }
@@ -90,13 +88,13 @@ impl TiffSource {
         }
     }
 
-    /// An error about this file: what was found, on one line that names the path.
+    /// An error about this file: what was found, on one line that names it.
     pub(super) fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: {}", self.path.display(), text.as_ref()))
+        Error::file(code, format!("cannot read `{}`: {}", self.input, text.as_ref()))
     }
 
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    pub(super) fn input(&self) -> &Input {
+        &self.input
     }
 
     /// Length of the file \[bytes\].

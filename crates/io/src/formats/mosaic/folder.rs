@@ -7,7 +7,7 @@ use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
 use crate::error::{Error, Result, Warning};
-use crate::formats::cannot_read;
+use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
 /// How far the grids of two tiles may be apart \[cells\].
@@ -76,7 +76,7 @@ impl Mosaic {
 
 /// The rasters in a folder, sorted by name.
 fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |e: std::io::Error| cannot_read(folder, &e);
+    let failed = |e: std::io::Error| cannot_read(&folder.into(), &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();

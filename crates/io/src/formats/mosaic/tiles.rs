@@ -147,14 +147,14 @@ impl Mosaic {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let georef = self.georef.part(window);
-        let mut cells = reserve_cells(&self.path, &georef)?;
+        let mut cells = reserve_cells(&self.path.display(), &georef)?;
         let mut voids = Voids::new(self.nodata);
         let (scale, offset) = self.scaling;
         let odd = self.for_each_number(window, |row, col, number| {
             cells.push(convert(voids.height(row, col, number) * scale + offset));
         })?;
         self.warn(&odd, warnings);
-        voids.report(&self.path, warnings)?;
+        voids.report(&self.path.display(), warnings)?;
         Ok(Raster::new(georef, cells))
     }
 
@@ -189,7 +189,7 @@ impl Mosaic {
 
     /// The numbers of a window, row by row.
     fn put_together(&self, window: CellWindow, odd: &mut Oddities) -> Result<Vec<f64>> {
-        let mut numbers = reserve_cells(&self.path, &self.georef.part(window))?;
+        let mut numbers = reserve_cells(&self.path.display(), &self.georef.part(window))?;
         numbers.resize(window.n_rows * window.n_cols, self.empty);
         for piece in &self.pieces {
             if let Some(area) = overlap(piece.area, window) {

@@ -17,9 +17,9 @@ use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of, tr
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
 use crate::error::{Error, Result, Warning};
-use crate::formats::cannot_read;
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::sample::Sample;
+use crate::input::cannot_read;
 use crate::raster::GeoRef;
 
 /// Most virtual rasters inside of each other.
@@ -55,7 +55,7 @@ impl Mosaic {
         nesting: Nesting<'_>,
         warnings: &mut Vec<Warning>,
     ) -> Result<Mosaic> {
-        let this = std::fs::canonicalize(path).map_err(|e| cannot_read(path, &e))?;
+        let this = std::fs::canonicalize(path).map_err(|e| cannot_read(&path.into(), &e))?;
         let Nesting { ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
             let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());

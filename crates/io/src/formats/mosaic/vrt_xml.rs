@@ -6,21 +6,22 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use crate::error::{Error, Result};
-use crate::formats::input::{cannot_read, open_file};
+use crate::input::{Input, cannot_read};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
 const MAX_XML_BYTES: u64 = 256 << 20;
 
 /// The text of the file.
 pub(super) fn read_xml(path: &Path) -> Result<String> {
-    let (file, len) = open_file(path)?;
+    let input = Input::path(path);
+    let (file, len) = input.open()?;
     if len > MAX_XML_BYTES {
         let text =
             format!("cannot read `{}`: {len} bytes of XML, wanted at most {} MiB", path.display(), MAX_XML_BYTES >> 20);
         return Err(Error::limit(501, text));
     }
     let mut bytes = Vec::new();
-    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
+    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(&input, &e))?;
     let text = String::from_utf8(bytes)
         .map_err(|e| Error::file(302, format!("cannot read `{}`: {e}, wanted XML in UTF-8", path.display())))?;
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))

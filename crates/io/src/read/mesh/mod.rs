@@ -10,8 +10,6 @@ mod obj;
 mod ply;
 mod top_surface;
 
-use std::path::Path;
-
 use super::heights::warn_of_units;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::source::source_of;
@@ -20,6 +18,7 @@ use super::systems::refuse_degrees;
 use crate::city::City;
 use crate::crs::InputKind;
 use crate::error::{Error, Result, Warning};
+use crate::input::Input;
 use crate::quantity::{VOID, counted};
 
 /// How a mesh is read.
@@ -38,36 +37,35 @@ pub struct MeshOptions {
 /// # Errors
 /// File errors for malformed files (with line or vertex) and meshes without faces; site errors for heights out of range;
 /// usage errors for bad numbers; limit errors for huge grids.
-pub fn read_mesh(path: &Path, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
-    let is_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    let mesh = if is_ply { ply::read(path)? } else { obj::read(path)? };
+pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
+    let input = &input.into();
+    let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
     let bad = mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite()));
     if let Some(k) = bad {
-        let text =
-            format!("cannot read {}: vertex number {k}, counted from 0, is not three finite numbers", path.display());
+        let text = format!("cannot read {}: vertex number {k}, counted from 0, is not three finite numbers", input);
         return Err(Error::file(302, text));
     }
     let Some(bounds) = mesh.bounds() else {
-        return Err(Error::file(308, format!("cannot use {}: it holds no face", path.display()))
+        return Err(Error::file(308, format!("cannot use {}: it holds no face", input))
             .with_hint("of a cloud of points make a raster first"));
     };
     let crs = options.surface.crs.as_ref();
     match crs {
         Some(crs) => {
-            refuse_degrees(path, crs, bounds, InputKind::Vector)?;
-            warn_of_units(path, crs, warnings);
+            refuse_degrees(input, crs, bounds, InputKind::Vector)?;
+            warn_of_units(input, crs, warnings);
         }
         None => warnings.push(Warning::new(
             325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
         )),
     }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
-    let grid = receivers_grid(path, request, None, Some(bounds), crs)?.with_crs(crs.cloned());
-    let surface = top_surface::top_surface(path, &mesh, &grid)?;
+    let grid = receivers_grid(input, request, None, Some(bounds), crs)?.with_crs(crs.cloned());
+    let surface = top_surface::top_surface(input, &mesh, &grid)?;
     let n_empty = surface.cells().iter().filter(|z| **z == VOID).count();
     if n_empty == surface.cells().len() {
-        let text = format!("cannot use {}: no face covers a cell of the grid, {}", path.display(), grid.description());
+        let text = format!("cannot use {}: no face covers a cell of the grid, {}", input, grid.description());
         return Err(Error::file(312, text).with_hint("check `--extent`; a mesh with y up has to be turned first"));
     }
     if n_empty > 0 {
@@ -75,8 +73,8 @@ pub fn read_mesh(path: &Path, options: &MeshOptions, warnings: &mut Vec<Warning>
         let done =
             if is_known { "taken as bare ground" } else { "nodata; `--ground Z` or `--terrain FILE` fills them" };
         let cells = counted(n_empty as u64, "cell", "cells");
-        warnings.push(Warning::new(367, format!("{}: {cells} without a face: {done}", path.display())));
+        warnings.push(Warning::new(367, format!("{}: {cells} without a face: {done}", input)));
     }
-    let sources = vec![source_of(path, options.surface.always_hash)?];
-    scene_of(path, (surface, Empty::Ground), sources, &options.surface, warnings)
+    let sources = vec![source_of(input, options.surface.always_hash)?];
+    scene_of(input, (surface, Empty::Ground), sources, &options.surface, warnings)
 }

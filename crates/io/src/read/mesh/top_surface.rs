@@ -5,11 +5,10 @@
 //! edge leave no gap. Faces that stand upright cover no center. A face of more than three corners is taken as plane
 //! (Newell's normal through its first corner), its height kept within that of its corners.
 
-use std::path::Path;
-
 use super::faces::Mesh;
 use crate::error::{Error, Result};
 use crate::formats::reserve_cells;
+use crate::input::Input;
 use crate::quantity::{Frame, STEPS_PER_UNIT, VOID, height_steps};
 use crate::raster::{GeoRef, Raster};
 
@@ -25,8 +24,8 @@ struct Corner {
 ///
 /// # Errors
 /// E205 for a height beyond ±32768 m, E501 for a grid that does not fit in memory.
-pub(super) fn top_surface(path: &Path, mesh: &Mesh, grid: &GeoRef) -> Result<Raster<i32>> {
-    let mut cells: Vec<i32> = reserve_cells(path, grid)?;
+pub(super) fn top_surface(input: &Input, mesh: &Mesh, grid: &GeoRef) -> Result<Raster<i32>> {
+    let mut cells: Vec<i32> = reserve_cells(input, grid)?;
     cells.resize(grid.n_cells(), VOID);
     let mut surface = Surface { cells, n_rows: grid.n_rows(), n_cols: grid.n_cols(), crossings: Vec::new() };
     let frame =
@@ -36,8 +35,7 @@ pub(super) fn top_surface(path: &Path, mesh: &Mesh, grid: &GeoRef) -> Result<Ras
         corners.clear();
         for [x, y, z] in face {
             let z = height_steps(z).ok_or_else(|| {
-                let text =
-                    format!("cannot use {}: a vertex has height `{z}` m, wanted within ±32768 m", path.display());
+                let text = format!("cannot use {}: a vertex has height `{z}` m, wanted within ±32768 m", input);
                 Error::site(205, text)
             })?;
             let (x, y) = frame.lattice_from_world(x, y);
@@ -161,7 +159,7 @@ mod tests {
             mesh.add_face(&corners).expect("its own vertices");
         }
         let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).expect("a valid grid");
-        let raster = top_surface(Path::new("x.obj"), &mesh, &grid).expect("a surface");
+        let raster = top_surface(&"x.obj".into(), &mesh, &grid).expect("a surface");
         raster.cells().iter().map(|z| (*z != VOID).then(|| f64::from(*z) / 1024.0)).collect()
     }
 

@@ -1,12 +1,10 @@
 //! What every format of vector data is made into: features with properties and polygons.
 
-use std::io::Read;
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::crs;
 use crate::error::{Error, Result};
-use crate::formats::cannot_read;
+use crate::input::Input;
 use crate::raster::Crs;
 
 /// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
@@ -88,29 +86,21 @@ impl Property {
     }
 }
 
-/// The whole of a file that is read at once.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
-    file.read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
-    Ok(bytes)
-}
-
 /// E302: the file is not what its name says.
-pub(super) fn malformed(path: &Path, found: &str, wanted: &str) -> Error {
-    Error::file(302, format!("cannot read {}: {found}, wanted {wanted}", path.display()))
+pub(super) fn malformed(input: &Input, found: &str, wanted: &str) -> Error {
+    Error::file(302, format!("cannot read {}: {found}, wanted {wanted}", input))
 }
 
 /// The CRS that a text in a file describes.
 ///
 /// # Errors
 /// E310 if it is not known.
-pub(super) fn crs_of(path: &Path, text: &str) -> Result<Option<Crs>> {
+pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
     if text.trim().is_empty() {
         return Ok(None);
     }
     crs::parse(text).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its coordinate reference system: {e}", path.display()))
+        Error::file(310, format!("cannot read {}: its coordinate reference system: {e}", input))
             .with_hint("override it with `--crs EPSG:n`")
     })
 }

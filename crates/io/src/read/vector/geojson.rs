@@ -3,34 +3,28 @@
 //! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
 //! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
 
-use std::path::Path;
-
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
 use super::feature::{self, FeatureSet, Polygon, Property};
 use crate::crs;
 use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::input::Input;
 use crate::raster::Crs;
-use crate::read::source::{input_name, read_input};
 
 /// Parses a GeoJSON document.
 ///
 /// # Errors
 /// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
-pub(in crate::read) fn read_document(path: &Path) -> Result<Value> {
-    let (bytes, name) = (read_input(path)?, input_name(path));
-    let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
-        let place = e.utf8_error().valid_up_to();
-        Error::file(302, format!("cannot read {name}: byte {place} is not UTF-8, wanted GeoJSON text"))
-    })?;
+pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
+    let text = input.text("GeoJSON text")?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     if text.trim().is_empty() {
-        return Err(Error::file(302, format!("cannot read {name}: the file is empty, wanted GeoJSON")));
+        return Err(Error::file(302, format!("cannot read {input}: the file is empty, wanted GeoJSON")));
     }
     serde_json::from_str(text).map_err(|e| {
         let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
-        let error = Error::file(302, format!("cannot read {name}: {found}, wanted one GeoJSON document"));
+        let error = Error::file(302, format!("cannot read {input}: {found}, wanted one GeoJSON document"));
         if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
             error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
         } else {
@@ -48,10 +42,9 @@ fn is_one_feature_a_line(text: &str) -> bool {
 ///
 /// # Errors
 /// If the document is none of these.
-pub(in crate::read) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
+pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Value>> {
     let wrong = |found: String| {
-        let name = input_name(path);
-        Error::file(302, format!("cannot read {name}: found {found}, wanted a GeoJSON FeatureCollection"))
+        Error::file(302, format!("cannot read {input}: found {found}, wanted a GeoJSON FeatureCollection"))
     };
     let Value::Object(mut object) = document else {
         return Err(wrong(format!("{} at the top level", kind_of(&document))));
@@ -80,28 +73,27 @@ pub(in crate::read) fn features(path: &Path, document: Value) -> Result<Vec<Valu
 ///
 /// # Errors
 /// If it names one that is not known.
-pub(in crate::read) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
+pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
         let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
-        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input_name(path));
+        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input);
         return Err(Error::file(310, text).with_hint("say it with `--crs EPSG:n`"));
     };
     crs::parse(name).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input_name(path)))
+        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input))
             .with_hint("override it with `--crs EPSG:n`")
     })
 }
 
 /// The features of a GeoJSON document.
-pub(in crate::read) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
+pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
     let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
-    let crs = named_crs(path, &document);
+    let crs = named_crs(input, &document);
     let mut found = Vec::new();
-    for (number, value) in features(path, document)?.into_iter().enumerate() {
+    for (number, value) in features(input, document)?.into_iter().enumerate() {
         let refuse = |found: String| {
-            let text =
-                format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", path.display(), number + 1);
+            let text = format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", input, number + 1);
             Error::file(302, text)
         };
         let feature: Feature =

@@ -15,13 +15,12 @@ mod shapefile;
 #[cfg(feature = "geopackage")]
 mod wkb;
 
-use std::path::Path;
-
 pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
 
 #[cfg(not(feature = "geopackage"))]
 use crate::error::Error;
 use crate::error::Result;
+use crate::input::Input;
 
 /// The format of a file of vector data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +48,8 @@ impl VectorFormat {
     }
 
     /// The format of a file by its name; GeoJSON where the name says nothing.
-    fn of(path: &Path) -> VectorFormat {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        VectorFormat::of_extension(&extension).unwrap_or(VectorFormat::Json)
+    fn of(input: &Input) -> VectorFormat {
+        VectorFormat::of_extension(&input.extension()).unwrap_or(VectorFormat::Json)
     }
 }
 
@@ -60,23 +58,23 @@ impl VectorFormat {
 /// # Errors
 /// File errors that name the file and, where there is one, the feature; `E304` for what the format allows but is not
 /// read.
-pub(super) fn read_features(path: &Path, selection: Selection<'_>) -> Result<FeatureSet> {
-    match VectorFormat::of(path) {
+pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
+    match VectorFormat::of(input) {
         VectorFormat::Json => {
-            let document = geojson::read_document(path)?;
+            let document = geojson::read_document(input)?;
             if cityjson::is_cityjson(&document) {
-                cityjson::features(path, &document)
+                cityjson::features(input, &document)
             } else {
-                geojson::feature_set(path, document)
+                geojson::feature_set(input, document)
             }
         }
-        VectorFormat::Shapefile => shapefile::read(path),
-        VectorFormat::FlatGeobuf => flatgeobuf::read(path, selection.bounds),
+        VectorFormat::Shapefile => shapefile::read(input),
+        VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
         #[cfg(feature = "geopackage")]
-        VectorFormat::GeoPackage => geopackage::read(path, selection.layer),
+        VectorFormat::GeoPackage => geopackage::read(input, selection.layer),
         #[cfg(not(feature = "geopackage"))]
         VectorFormat::GeoPackage => {
-            let text = format!("cannot read {}: this build reads no GeoPackage", path.display());
+            let text = format!("cannot read {}: this build reads no GeoPackage", input);
             Err(Error::file(304, text).with_hint("convert it, for example with `ogr2ogr city.fgb city.gpkg`"))
         }
     }
