@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let place = |(id, x, y, height): (&str, f64, f64, f64)| {
         Uav::place(&Site { id: id.into(), x, y, height: Height::AboveGround(height) }, &field, None)
     };
-    let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed::Result<_>>()?;
+    let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed_core::Result<_>>()?;
     let options = MapOptions::default();
     let maps =
         Mapper::new(&field, &options)?.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?.sites;

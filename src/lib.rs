@@ -23,6 +23,7 @@
 
 #[doc(hidden)]
 pub mod cli;
+mod error;
 mod map;
 mod memory;
 mod os_words;
@@ -33,17 +34,17 @@ mod scene;
 mod uav;
 mod words;
 
+pub use error::{Error, ErrorClass, Result, Warning};
 pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, Receivers, SaveOptions};
 pub use progress::Progress;
 pub use scene::{Scene, SceneOptions};
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;
-pub use skyshed_core::{Error, ErrorClass, Result, Warning};
 pub use skyshed_io::export::Layer;
 pub use uav::Uav;
 
-use skyshed_core::{city, coverage, error, height_field, los, quantity, raster, zones};
+use skyshed_core::{city, coverage, height_field, los, quantity, raster, zones};
 use skyshed_io::{crs, digest, export, formats, read};
 use skyshed_render as render;
 use skyshed_study::{accuracy, los_probability, placement};

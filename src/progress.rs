@@ -4,7 +4,6 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::coverage::Control;
-use crate::error::Result;
 
 /// A token of a run: how far it is, and the wish that it stop. Shared by whoever waits and whoever works.
 pub struct Progress {
@@ -14,7 +13,7 @@ pub struct Progress {
     /// Called before the first file of a run is begun.
     pub(crate) begin_writing: fn(),
     /// Asked between two files, or two parts of one, whether to go on.
-    pub(crate) check: fn() -> Result<()>,
+    pub(crate) check: fn() -> skyshed_core::Result<()>,
 }
 
 impl Default for Progress {

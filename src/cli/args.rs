@@ -337,7 +337,7 @@ pub(super) struct OutputArgs {
 impl OutputArgs {
     /// A table as it is to be written.
     pub(super) fn table(&self, rows: &[Vec<String>]) -> Result<Vec<u8>, Error> {
-        if self.csv_text { encode_table(&as_text(rows)) } else { encode_table(rows) }
+        if self.csv_text { Ok(encode_table(&as_text(rows))?) } else { Ok(encode_table(rows)?) }
     }
 }
 

@@ -231,7 +231,7 @@ impl City<'_> {
         provenance["mesh"] = serde_json::json!({"origin": [grid.x_min(), grid.y_min()], "unit": "m"});
         let scene =
             MitsubaScene { ground: &ground, buildings: &buildings, origin: &origin, provenance: &pretty(&provenance) };
-        add_mitsuba(batch, &scene, path)
+        Ok(add_mitsuba(batch, &scene, path)?)
     }
 
     fn picture(&self, provenance: &serde_json::Value, form: &PictureForm) -> Result<Vec<u8>> {

@@ -35,12 +35,12 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// UAVs whose files are complete, in a run that writes them one by one.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
-fn interrupted() -> Error {
+fn interrupted() -> skyshed_core::Error {
     let text = match WRITTEN.load(Ordering::Acquire) {
         0 => "interrupted; nothing was written".to_string(),
         n => format!("interrupted; the files of {} are written", counted(n, "UAV", "UAVs")),
     };
-    Error::new(ErrorClass::Interrupted, 130, text)
+    skyshed_core::Error::new(ErrorClass::Interrupted, 130, text)
 }
 
 /// Some files of a run may have their names already.
@@ -68,13 +68,13 @@ pub(super) fn listen() {
                 after_grace(|| {
                     let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
                     if *phase == Phase::InPieces {
-                        end(&interrupted());
+                        end(&interrupted().into());
                     }
                 });
             }
             Phase::Writing if is_first => after_grace(|| end(&while_writing())),
             Phase::Writing => end(&while_writing()),
-            Phase::Working | Phase::InPieces => end(&interrupted()),
+            Phase::Working | Phase::InPieces => end(&interrupted().into()),
         }
     };
     // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
@@ -127,7 +127,7 @@ pub(super) fn end_writing() -> Result<()> {
 /// If the user interrupted the writing.
 pub(super) fn give_up_writing() -> Result<()> {
     enter(Phase::Working);
-    check()
+    Ok(check()?)
 }
 
 /// From here on [`check`] says when to stop.
@@ -139,7 +139,7 @@ pub(super) fn begin_writing() {
 ///
 /// # Errors
 /// If the user interrupted it.
-pub(super) fn check() -> Result<()> {
+pub(super) fn check() -> skyshed_core::Result<()> {
     if wants_to_stop() { Err(interrupted()) } else { Ok(()) }
 }
 

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::hints;
 use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 
@@ -41,13 +42,13 @@ const FLAGS: [(&str, &str); 18] = [
 /// Prints an error and its hint.
 pub(super) fn error(error: &Error) {
     let mut text = error.to_string();
-    if error.code() == "E116" {
+    if matches!(error, Error::Io(skyshed_io::Error::Option(_))) || error.code() == "E116" {
         for (option, flag) in FLAGS {
             text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
         }
     }
     say(&format!("error[{}]: {text}", error.code()));
-    if let Some(hint) = error.hint() {
+    if let Some(hint) = hints::hint(error) {
         say(&format!("hint: {hint}"));
     }
 }

@@ -7,6 +7,7 @@ mod args;
 mod chart;
 mod city;
 mod compare;
+mod hints;
 mod info;
 mod interrupt;
 mod link;

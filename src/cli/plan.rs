@@ -134,7 +134,7 @@ pub(super) fn outputs_with_table(
         return Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"));
     }
     let all: Vec<PathBuf> = outputs.iter().chain(csv).cloned().collect();
-    check_outputs(&all, rules)
+    Ok(check_outputs(&all, rules)?)
 }
 
 /// Where UAVs are told: as typed, and in a table.

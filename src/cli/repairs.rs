@@ -78,11 +78,11 @@ fn add(
 ) -> Result<()> {
     if Format::of(path)? == Format::GeoJson {
         let document = repairs_geojson(repairs, layer, &facts.grid, provenance);
-        return batch.add(path, format!("{document}\n").as_bytes());
+        return Ok(batch.add(path, format!("{document}\n").as_bytes())?);
     }
     let table = repairs_table(repairs, layer);
     batch.add(path, &encode_table(&if is_text { as_text(&table) } else { table })?)?;
-    batch.add(&with_suffix(path, ".json"), pretty(provenance).as_bytes())
+    Ok(batch.add(&with_suffix(path, ".json"), pretty(provenance).as_bytes())?)
 }
 
 /// The layer that was read: as typed, else the file's own name, which stands for its only one.

@@ -217,7 +217,7 @@ impl SampleJob<'_> {
                         Err(e) if e.code() == "E201" => {}
                         // Over a building that stands where the terrain has no height.
                         Err(e) if e.code() == "E204" => n_without_ground += 1,
-                        Err(e) => return Err(e),
+                        Err(e) => return Err(e.into()),
                     }
                 }
                 n_inside.push(places.len() - uavs.len() - n_without_ground);

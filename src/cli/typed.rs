@@ -15,7 +15,7 @@ pub(super) struct SceneWord(OsString);
 impl SceneWord {
     /// The parameters of a generated city; `None` of a file.
     pub(super) fn built_up(&self) -> Option<Result<BuiltUp>> {
-        BuiltUpCity::parse_built_up(self.0.to_str()?)
+        Some(BuiltUpCity::parse_built_up(self.0.to_str()?)?.map_err(Into::into))
     }
 
     /// Whether no scene was typed, where none is needed.

@@ -103,7 +103,7 @@ impl Coverages {
             check_layers(&self.layers, self.sites.len(), path, *format)?;
             Writer { of: self, options }.add(&mut batch, path, *format)?;
         }
-        batch.commit().map(|_| ())
+        Ok(batch.commit().map(|_| ())?)
     }
 
     /// Margins of the receivers of the first UAV, of so many at most.

@@ -89,7 +89,7 @@ impl CurvePlan {
         let rx_height = receiver_height(report.rx_height_m)?;
         progress.begin(field.grid().n_cells() as u64 * map.sites.len() as u64);
         let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
-        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<Result<_>>()?;
+        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<skyshed_core::Result<_>>()?;
         progress.end();
         let range = self.heights.unwrap_or_else(|| default_range(&curves, field.max_top()));
         let heights = heights_in(range);

@@ -25,7 +25,7 @@ use crate::words::{picture_provenance, pretty};
 /// The table of a map; as text where a spreadsheet would run its cells.
 pub(crate) fn table(report: &MapReport, is_text: bool) -> Result<Vec<u8>> {
     let rows = report.table();
-    encode_table(&if is_text { as_text(&rows) } else { rows })
+    Ok(encode_table(&if is_text { as_text(&rows) } else { rows })?)
 }
 
 /// Everything that outputs are made from.
@@ -48,11 +48,11 @@ impl Writer<'_> {
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
                     mask_values: self.options.mask_values,
                 };
-                add_map(batch, &result, path, format)
+                Ok(add_map(batch, &result, path, format)?)
             }
-            Format::Kmz => batch.add(path, &self.kmz(path)?),
+            Format::Kmz => Ok(batch.add(path, &self.kmz(path)?)?),
             Format::GeoJson if self.options.polygons.is_some() => {
-                batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())
+                Ok(batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())?)
             }
             Format::FlatGeobuf => {
                 let file = PolygonFile {
@@ -61,9 +61,9 @@ impl Writer<'_> {
                     title: &format!("Coverage of {}", self.of.scene.name),
                     provenance: &self.of.report.document(None).to_string(),
                 };
-                add_flatgeobuf(batch, &file, path)
+                Ok(add_flatgeobuf(batch, &file, path)?)
             }
-            _ => self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes)),
+            _ => Ok(self.encode(path, format)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))?),
         }
     }
 
@@ -178,7 +178,7 @@ impl Writer<'_> {
         let receivers = format!("Receivers: {receivers}, {} m high", tidy(self.of.report.rx_height_m));
         pictures
             .push((LEGEND.into(), render::draw_overlay_legend(&uavs, &receivers, &provenance).map_err(undrawable)?));
-        encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)
+        Ok(encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)?)
     }
 }
 
@@ -211,10 +211,10 @@ impl<'a> MaskFile<'a> {
     pub(crate) fn push(&mut self, batch: &mut Batch, grid: &GeoRef, cells: &[u8], progress: &Progress) {
         let strips = self.strips.get_or_insert_with(|| {
             (progress.begin_writing)();
-            MaskStrips::begin(batch, self.path, grid, self.values)
+            Ok(MaskStrips::begin(batch, self.path, grid, self.values)?)
         });
         if let Ok(open) = strips
-            && let Err(error) = (progress.check)().and_then(|()| open.push(cells))
+            && let Err(error) = (progress.check)().map_err(Error::from).and_then(|()| Ok(open.push(cells)?))
         {
             *strips = Err(error);
         }

@@ -26,6 +26,7 @@ use crate::read::{StreamedSurface, SurfaceOptions, read_surface, source_of, surf
 use crate::report::digest_words;
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::UavsFound;
+use skyshed_io::error::WriteFault;
 
 /// What stands for the name of a UAV in the name of a file.
 pub(crate) const SITE: &str = "{site}";
@@ -249,7 +250,11 @@ impl<'a> SiteRuns<'a> {
         let given = Given { uavs: Some(own), scene, grid: Some(grid), unit: Some(unit.to_string()) };
         match job.run(given, self.progress) {
             // Another process was faster.
-            Err(error) if job.resume && error.code() == "E106" && found(&job, unit)? == Found::All => Ok(None),
+            Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
+                if job.resume && found(&job, unit)? == Found::All =>
+            {
+                Ok(None)
+            }
             done => done.map(Some),
         }
     }

@@ -165,7 +165,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
 
 /// The terrain, opened.
 fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
-    job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()
+    Ok(job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
 /// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
@@ -231,7 +231,7 @@ impl StripsRun<'_> {
             if let Some(shown) = &mut shown {
                 shown.add(mask);
             }
-            if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
+            if has_tif { Ok(pyramid.push(&mask_values.of(mask))?) } else { Ok(()) }
         })?;
         progress.end();
         timing.los = before_los.elapsed().as_secs_f64();
@@ -338,7 +338,7 @@ impl StripsRun<'_> {
             );
             return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
         };
-        Uav::place_streamed(site, scene, radius)
+        Ok(Uav::place_streamed(site, scene, radius)?)
     }
 }
 

@@ -204,7 +204,7 @@ impl SceneOptions {
         if let Some(bytes) = city.memory() {
             check_bytes(&word.display(), "its buildings and cells", bytes)?;
         }
-        city.city()
+        Ok(city.city()?)
     }
 
     /// A generated city of these options.
@@ -229,18 +229,18 @@ impl SceneOptions {
         let extension = extension_of(path);
         let Some(format) = VectorFormat::of_extension(&extension) else {
             if is_raster(path) {
-                return read_surface(path, &self.of_raster()?, warnings);
+                return Ok(read_surface(path, &self.of_raster()?, warnings)?);
             }
             self.refuse("a mesh", &[("size_m", self.size_m.is_some()), ("project", self.project.is_some())])?;
             self.refuse("a mesh", &self.of_footprints())?;
             let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
-            return read_mesh(path, &options, warnings);
+            return Ok(read_mesh(path, &options, warnings)?);
         };
         if format != VectorFormat::GeoPackage {
             self.refuse("a file that is no GeoPackage", &[("layer", self.layer.is_some())])?;
         }
         let options = self.of_vector()?;
-        let Some(list) = &self.repairs else { return read_footprints(path, &options, warnings) };
+        let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, warnings)?) };
         let (scene, repairs) = read_footprints_and_repairs(path, &options, warnings)?;
         // A scene that is read twice is the same.
         let _ = list.set(FoundRepairs { repairs, facts: facts_of(&scene, warnings) });
@@ -263,7 +263,12 @@ impl SceneOptions {
         let Some(terrain) = &self.terrain else { return Ok(()) };
         let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
         let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
-        compare_vertical((path.display(), of_scene.as_ref()), (terrain.display(), of_terrain.as_ref()), said, warnings)
+        Ok(compare_vertical(
+            (path.display(), of_scene.as_ref()),
+            (terrain.display(), of_terrain.as_ref()),
+            said,
+            warnings,
+        )?)
     }
 
     /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is
@@ -399,7 +404,7 @@ fn facts_of(scene: &crate::city::City, warnings: &[Warning]) -> RunFacts {
 
 /// The parameters of the generated city that a word stands for; `None` of a file.
 pub(crate) fn built_up(word: &OsStr) -> Option<Result<BuiltUp>> {
-    BuiltUpCity::parse_built_up(word.to_str()?)
+    Some(BuiltUpCity::parse_built_up(word.to_str()?)?.map_err(Into::into))
 }
 
 /// The extension of a path in lower case.

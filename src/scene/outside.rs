@@ -33,10 +33,10 @@ pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, 
 
 /// Places a UAV; what is wrong outside the grid is told with how far outside.
 pub(crate) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius: Option<f64>) -> Result<Uav> {
-    Uav::place(site, field, radius).map_err(|error| match way_outside(site, grid) {
+    Ok(Uav::place(site, field, radius).map_err(|error| match way_outside(site, grid) {
         Some(way) => error.within(format!("{way} of the grid")),
         None => error,
-    })
+    })?)
 }
 
 /// How far and in which direction a site is from the nearest point of the grid; nothing inside.

@@ -30,7 +30,7 @@ fn held(path: &Path) -> Input {
 }
 
 /// What a reader gives, in words; a folder before a name is left out.
-fn told(read: skyshed::Result<City>, warnings: &[Warning], folder: &Path) -> String {
+fn told(read: skyshed_io::Result<City>, warnings: &[Warning], folder: &Path) -> String {
     let mut city = read.unwrap_or_else(|e| panic!("{e}"));
     let prefix = format!("{}/", folder.display().to_string().trim_end_matches('/'));
     let without = |text: &str| text.replace(&prefix, "");

@@ -38,7 +38,7 @@ fn write(folder: &Folder, name: &str, georef: &GeoRef, heights: &[f32]) {
 fn projected(folder: &Folder, name: &str, options: SurfaceOptions) -> Result<(City, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let options = SurfaceOptions { project: Some(Projection::Auto), ..options };
-    read_surface(folder.join(name), &options, &mut warnings).map(|scene| (scene, warnings))
+    Ok(read_surface(folder.join(name), &options, &mut warnings).map(|scene| (scene, warnings))?)
 }
 
 fn surface(scene: &City) -> (&Raster<i32>, &Ground) {

@@ -196,7 +196,7 @@ pub const MOST_FOUND: usize = 400;
 const MOST_CHARACTERS: usize = 4000;
 
 /// Text without control characters, in which passages in backticks are no longer than [`MOST_FOUND`].
-fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let cut = |(k, part)| if k % 2 == 1 { shortened(part, MOST_FOUND) } else { escaped(part) };
     let parts: Vec<Cow<'_, str>> = text.split('`').enumerate().map(cut).collect();
     shortened(&parts.join("`"), MOST_CHARACTERS).into_owned()

@@ -52,14 +52,14 @@ pub(super) fn write(args: &ChartArgs, chart: &Chart<'_>, outputs: &[(PathBuf, Fo
 /// Adds the files of one output to a batch.
 fn add(args: &ChartArgs, chart: &Chart<'_>, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
     match format {
-        Format::Json => batch.add(path, pretty(&chart.document).as_bytes()),
+        Format::Json => Ok(batch.add(path, pretty(&chart.document).as_bytes())?),
         Format::Csv => {
             batch.add(path, &args.out.table(&chart.table)?)?;
-            batch.add(&with_suffix(path, ".json"), pretty(&chart.provenance).as_bytes())
+            Ok(batch.add(&with_suffix(path, ".json"), pretty(&chart.provenance).as_bytes())?)
         }
         Format::Png | Format::Svg | Format::Pdf => {
             let form = args.words.size.form(format);
-            batch.add(path, &chart.picture.draw(&form, &picture_provenance(&chart.provenance))?)
+            Ok(batch.add(path, &chart.picture.draw(&form, &picture_provenance(&chart.provenance))?)?)
         }
         _ => Ok(()),
     }

@@ -10,6 +10,7 @@ use crate::formats::RasterFile;
 use crate::raster::{GeoRef, LargeVec};
 use crate::read::refuse_two_crs;
 use crate::report::Position;
+use skyshed_io::error::Pair;
 
 /// A mask of an earlier run.
 #[derive(Debug)]
@@ -47,9 +48,7 @@ pub(super) struct Setting<'a> {
 pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
     let Setting { scene, grid, .. } = *setting;
     let file = RasterFile::open(path, warnings)?;
-    refuse_two_crs((scene.display(), grid.crs()), (path.display(), file.georef().crs()), |wanted, _| {
-        format!("make the map again from a scene in {}", wanted.label())
-    })?;
+    refuse_two_crs((scene.display(), grid.crs()), (path.display(), file.georef().crs()), Pair::SceneMap)?;
     if !file.georef().same_grid(grid) {
         let text = format!(
             "cannot compare {} ({}) with maps of {} ({}): wanted the same grid",

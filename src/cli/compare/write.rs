@@ -44,11 +44,11 @@ impl Writer<'_> {
                     overlay: self.overlay,
                     provenance: &provenance,
                 };
-                add_comparison(batch, &comparison, path)
+                Ok(add_comparison(batch, &comparison, path)?)
             }
             Format::Csv => {
                 batch.add(path, &self.args.out.table(&self.report.table())?)?;
-                batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())
+                Ok(batch.add(&with_suffix(path, ".json"), pretty(&provenance()).as_bytes())?)
             }
             Format::Png | Format::Svg | Format::Pdf => {
                 let show = Show::of(self);
@@ -56,14 +56,14 @@ impl Writer<'_> {
                 let provenance = [software, ("skyshed".to_string(), provenance().to_string())];
                 let form = self.args.words.size.form(format);
                 let file = show.with_sheet(|sheet| render::draw_compare_sheet(sheet, &form, &provenance));
-                batch.add(path, &file.map_err(undrawable)?)
+                Ok(batch.add(path, &file.map_err(undrawable)?)?)
             }
             Format::Html => {
                 let page = Show::of(self).page(&provenance()).map_err(undrawable)?;
-                batch.add(path, page.as_bytes())
+                Ok(batch.add(path, page.as_bytes())?)
             }
             // The time of writing is not known before the file is written.
-            Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),
+            Format::Json => Ok(batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes())?),
             _ => Ok(()),
         }
     }

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
+use skyshed_io::error::ReadFault;
+
 use crate::city::GivenSite;
 use crate::cli::args::SceneArgs;
 use crate::crs;
@@ -50,7 +52,7 @@ impl Places {
             args.crs.as_deref().map(crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))?;
         let places = match read(path, looks, crs.clone()) {
             // Degrees without a scene to bring them into stay degrees.
-            Err(error) if error.code() == "E206" && crs.is_none() => {
+            Err(Error::Io(skyshed_io::Error::Read(error))) if matches!(error.fault, ReadFault::NoSceneCrs(_)) => {
                 let degrees = Some(crs::from_epsg(4326)?);
                 Places { path: path.to_path_buf(), what: read(path, looks, degrees.clone())?, crs: degrees }
             }
@@ -183,12 +185,12 @@ impl Places {
 
 fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
-        return read_track(path, crs.as_ref(), BadRows::Refuse).map(What::Track);
+        return Ok(read_track(path, crs.as_ref(), BadRows::Refuse).map(What::Track)?);
     }
     // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs)
         .ok_or_else(|| Error::internal(901, "a grid of one cell is valid"))?;
-    read_sites(path, &grid, 1, BadRows::Refuse).map(What::Uavs)
+    Ok(read_sites(path, &grid, 1, BadRows::Refuse).map(What::Uavs)?)
 }
 
 /// What a file is by its name and beginning: a table with positions, or GeoJSON without a polygon.

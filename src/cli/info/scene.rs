@@ -247,7 +247,7 @@ impl Found {
             batch.add(path, &args.out.table(&needs.table())?)?;
             batch.add(&with_suffix(path, ".json"), pretty(document).as_bytes())?;
         }
-        batch.commit()
+        Ok(batch.commit()?)
     }
 
     fn text(&self) -> String {

@@ -96,7 +96,7 @@ impl Tiles {
         let [alpha, beta, gamma] = [0, 1, 2].map(|k| band(&|tile| self.values(tile)[k]));
         #[expect(clippy::cast_precision_loss, reason = "a city has fewer than 2^53 buildings")]
         let buildings = band(&|tile| tile.built_up_ratio().map(|_| tile.buildings() as f64));
-        encode_geotiff(&GeoTiffImage {
+        Ok(encode_geotiff(&GeoTiffImage {
             georef: self.tiles.georef(),
             bands: Bands::Float(vec![
                 ("alpha".into(), &alpha),
@@ -108,7 +108,7 @@ impl Tiles {
             palette: None,
             metadata: &[("SKYSHED".into(), provenance.to_string())],
             layout: TiffLayout::Cog,
-        })
+        })?)
     }
 
     /// A row for each tile; x and y are its middle, also where the extent cuts it.

@@ -14,6 +14,7 @@ use crate::read::{refuse_two_crs, source_of};
 use crate::scene::Scene;
 use crate::uav::bad_rows;
 use crate::zones::{Zone, ZoneMap};
+use skyshed_io::error::Pair;
 
 /// More candidates than this are refused.
 const MOST_CANDIDATES: usize = 10_000_000;
@@ -89,7 +90,11 @@ impl Inputs {
             heights,
             area: area(&args.area)?,
             weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,
-            sources: files.into_iter().flatten().map(|path| source_of(path, args.scene.hash)).collect::<Result<_>>()?,
+            sources: files
+                .into_iter()
+                .flatten()
+                .map(|path| source_of(path, args.scene.hash))
+                .collect::<skyshed_io::Result<_>>()?,
             spots,
             within: area(&args.within)?,
             keep_out: area(&args.keep_out)?,
@@ -123,10 +128,7 @@ impl Inputs {
 /// What each receiver counts: the value of the cell of a raster that holds it; 0 outside and where there is none.
 fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<Weights> {
     let file = RasterFile::open(path, warnings)?;
-    let remedy = |from: &crate::raster::Crs, to: &crate::raster::Crs| {
-        format!("gdalwarp -s_srs {} -t_srs {} {} weights.tif", from.label(), to.label(), path.display())
-    };
-    refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), remedy)?;
+    refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), Pair::WeightsScene)?;
     let raster = file.read(file.georef().window(), warnings, |v| v)?;
     if let Some(at) = raster.cells().iter().position(|w| *w < 0.0) {
         let (n_cols, value) = (raster.georef().n_cols(), raster.cells()[at]);

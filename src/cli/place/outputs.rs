@@ -45,18 +45,18 @@ impl Writer<'_> {
         if let Some((path, format)) = map {
             winner_map::add(self, &mut batch, path, *format)?;
         }
-        batch.commit()
+        Ok(batch.commit()?)
     }
 
     /// Adds the files of one output to a batch.
     fn add(&self, batch: &mut Batch, path: &Path, format: Format) -> Result<()> {
         interrupt::check()?;
         match format {
-            Format::Json => batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes()),
-            Format::GeoJson => batch.add(path, pretty(&self.report.geojson()).as_bytes()),
+            Format::Json => Ok(batch.add(path, pretty(&self.report.document(Some(self.timing))).as_bytes())?),
+            Format::GeoJson => Ok(batch.add(path, pretty(&self.report.geojson()).as_bytes())?),
             Format::Csv => {
                 batch.add(path, &self.args.out.table(&self.report.table())?)?;
-                batch.add(&with_suffix(path, ".json"), pretty(&self.report.provenance()).as_bytes())
+                Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.report.provenance()).as_bytes())?)
             }
             Format::Png | Format::Svg | Format::Pdf | Format::GeoTiff => {
                 let Some(places) = self.places else {
@@ -66,7 +66,7 @@ impl Writer<'_> {
                     Format::GeoTiff => self.raster(places)?,
                     _ => picture::draw(self, places, format)?,
                 };
-                batch.add(path, &bytes)
+                Ok(batch.add(path, &bytes)?)
             }
             _ => Ok(()),
         }
@@ -81,14 +81,14 @@ impl Writer<'_> {
 
     fn raster(&self, places: &PlaceGrid) -> Result<Vec<u8>> {
         let values = self.values(places, NODATA);
-        encode_geotiff(&GeoTiffImage {
+        Ok(encode_geotiff(&GeoTiffImage {
             georef: &places.grid,
             bands: Bands::Float(vec![(self.quantity().0.to_string(), &values)]),
             nodata: Some(f64::from(NODATA)),
             palette: None,
             metadata: &[("SKYSHED".into(), self.report.provenance().to_string())],
             layout: TiffLayout::Cog,
-        })
+        })?)
     }
 
     /// What is shown over each place, and its unit.

@@ -30,7 +30,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         job.winners.iter().enumerate().map(|(k, uav)| Uav { id: id(k, uav), ..uav.clone() }).collect();
     let maps = job.mapper.map_many(&named, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?;
     if format != Format::GeoTiff {
-        return batch.add(path, &picture(job, &maps, format)?);
+        return Ok(batch.add(path, &picture(job, &maps, format)?)?);
     }
     let provenance = job.report.provenance().to_string();
     let result = MapResult {
@@ -41,7 +41,7 @@ pub(super) fn add(job: &Writer<'_>, batch: &mut Batch, path: &Path, format: Form
         tif_layout: TiffLayout::Cog,
         mask_values: MaskValues::Classes,
     };
-    add_map(batch, &result, path, format)
+    Ok(add_map(batch, &result, path, format)?)
 }
 
 fn picture(job: &Writer<'_>, maps: &ManyMaps, format: Format) -> Result<Vec<u8>> {

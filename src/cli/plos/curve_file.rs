@@ -1,5 +1,6 @@
 //! Curves of P_LoS in tables.
 
+use crate::cli::hints::with_skipping;
 use crate::error::{Error, Result};
 use crate::los_probability::models::{CurveAxis, UserCurve};
 use crate::quantity::counted;
@@ -12,12 +13,12 @@ use crate::read::{BadRows, RowFault, Table, readable};
 /// # Errors
 /// File error E313 that names the lines, what was found there and what was wanted.
 pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<UserCurve> {
-    let refuse = |found: String| {
-        Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(
-            "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, semicolons \
-             or tabs",
-        )
+    let refuse_rows = |found: String, some_are_good| {
+        let hint = "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, \
+                    semicolons or tabs";
+        Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(with_skipping(hint, some_are_good))
     };
+    let refuse = |found: String| refuse_rows(found, false);
     let table = Table::parse(text).map_err(refuse)?;
     let column = |name: &str| table.column(&[name]);
     let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
@@ -40,7 +41,7 @@ pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<Use
         let at = number(axis_column, axis.column(), axis.range(), axis_wanted)?;
         Ok((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, row.line()))
     });
-    let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |_, text| refuse(text))?;
+    let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |told| refuse_rows(told.text, told.some_are_good))?;
     if rows.len() < 2 {
         let rows = counted(rows.len() as u64, "row", "rows");
         return Err(refuse(format!("found {rows} of values, wanted at least 2")));

@@ -84,7 +84,9 @@ impl Sweeps {
             _ => (1..=18).map(|k| Far::Theta(5.0 * f64::from(k))).collect(),
         };
         let phis = match list(&args.phi) {
-            Some(phis) => phis.into_iter().map(|phi| Setting::checked_phi(phi).map(Some)).collect::<Result<_>>()?,
+            Some(phis) => {
+                phis.into_iter().map(|phi| Setting::checked_phi(phi).map(Some)).collect::<skyshed_core::Result<_>>()?
+            }
             None => vec![None],
         };
         let placement = |p: &PlacementArg| match p {
@@ -251,9 +253,9 @@ impl Far {
     /// Where users are, for heights above ground \[m\].
     pub(super) fn reach(self, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         match self {
-            Far::Theta(theta) => Setting::reach_at_elevation(theta, uav_height_m, rx_height_m),
-            Far::Distance(distance) => Setting::reach_at_distance(distance, uav_height_m, rx_height_m),
-            Far::Radius(radius) => Setting::reach_within(radius, uav_height_m, rx_height_m),
+            Far::Theta(theta) => Ok(Setting::reach_at_elevation(theta, uav_height_m, rx_height_m)?),
+            Far::Distance(distance) => Ok(Setting::reach_at_distance(distance, uav_height_m, rx_height_m)?),
+            Far::Radius(radius) => Ok(Setting::reach_within(radius, uav_height_m, rx_height_m)?),
         }
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn run(args: &StressArgs, command: Vec<String>) -> Result<()> {
     let seconds = start.elapsed().as_secs_f64();
     answer(args, &outputs, || report.document(Some(seconds)), || report.table())?;
     // What failed is written before it is told.
-    check_exact(&report.methods, &report.scores)
+    Ok(check_exact(&report.methods, &report.scores)?)
 }
 
 fn add(
@@ -61,10 +61,10 @@ fn add(
     match format {
         Format::Csv => {
             batch.add(path, &args.out.table(&report.table())?)?;
-            batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())
+            Ok(batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?)
         }
-        Format::Json => batch.add(path, pretty(&report.document(Some(start.elapsed().as_secs_f64()))).as_bytes()),
-        Format::Png | Format::Svg | Format::Pdf => batch.add(path, &picture(args, report, format)?),
+        Format::Json => Ok(batch.add(path, pretty(&report.document(Some(start.elapsed().as_secs_f64()))).as_bytes())?),
+        Format::Png | Format::Svg | Format::Pdf => Ok(batch.add(path, &picture(args, report, format)?)?),
         _ => Ok(()),
     }
 }

@@ -80,11 +80,11 @@ fn add(
     match format {
         Format::Csv => {
             batch.add(path, &out.table(&report.table())?)?;
-            batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())
+            Ok(batch.add(&with_suffix(path, ".json"), pretty(&report.document(None)).as_bytes())?)
         }
         // The time of writing is not known before the file is written.
-        Format::Json => batch.add(path, pretty(&report.document(Some(timing))).as_bytes()),
-        Format::Png | Format::Svg | Format::Pdf => batch.add(path, &drawing.draw(format, &provenance())?),
+        Format::Json => Ok(batch.add(path, pretty(&report.document(Some(timing))).as_bytes())?),
+        Format::Png | Format::Svg | Format::Pdf => Ok(batch.add(path, &drawing.draw(format, &provenance())?)?),
         _ => Ok(()),
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::temporary::Hold;
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result, WriteFault, io_words};
 
 /// A file format, told by the extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,11 @@ impl Format {
     /// # Errors
     /// Usage error (E104) for an unknown extension.
     pub fn of(path: &Path) -> Result<Format> {
+        Format::among(path, &[])
+    }
+
+    /// The format of a path; an error names those that are allowed.
+    fn among(path: &Path, allowed: &[Format]) -> Result<Format> {
         if path.as_os_str() == "-" {
             return Ok(Format::Stdout);
         }
@@ -68,14 +73,8 @@ impl Format {
             "fgb" => Format::FlatGeobuf,
             "xml" => Format::Mitsuba,
             "html" => Format::Html,
-            "" => {
-                let text = format!("cannot write {}: it has no extension, which tells the format", path.display());
-                return Err(Error::usage(104, text));
-            }
-            _ => {
-                let text = format!("cannot write {}: unknown extension `.{extension}`", path.display());
-                return Err(Error::usage(104, text));
-            }
+            "" => return Err(Error::write(path.display(), WriteFault::NoExtension(allowed.to_vec()))),
+            _ => return Err(Error::write(path.display(), WriteFault::Extension(extension, allowed.to_vec()))),
         })
     }
 
@@ -83,8 +82,9 @@ impl Format {
     pub fn is_picture(self) -> bool {
         matches!(self, Format::Png | Format::Svg | Format::Pdf)
     }
+
     /// The extension that stands for it.
-    fn extension(self) -> &'static str {
+    pub fn extension(self) -> &'static str {
         match self {
             Format::Png => ".png",
             Format::Svg => ".svg",
@@ -104,14 +104,6 @@ impl Format {
             Format::Stdout => "`-` for standard output",
         }
     }
-}
-
-/// What may be written, for a hint.
-fn listed(allowed: &[Format]) -> String {
-    let (streams, files): (Vec<Format>, Vec<Format>) = allowed.iter().partition(|format| **format == Format::Stdout);
-    let files: Vec<&str> = files.into_iter().map(Format::extension).collect();
-    let streams = streams.first().map_or(String::new(), |format| format!(", and {}", format.extension()));
-    format!("wanted {}{streams}", files.join(" "))
 }
 
 /// What the outputs of a run must comply with.
@@ -137,14 +129,14 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
     let mut places: Vec<PathBuf> = Vec::new();
     let mut folders: Vec<PathBuf> = Vec::new();
     for path in outputs {
-        let format = Format::of(path).map_err(|error| error.with_hint(listed(rules.allowed)))?;
-        let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
+        let format = Format::among(path, rules.allowed)?;
+        let refuse = |fault| Error::write(path.display(), fault);
         if !rules.allowed.contains(&format) {
-            return Err(refuse("this command does not write that format").with_hint(listed(rules.allowed)));
+            return Err(refuse(WriteFault::NotThisFormat(rules.allowed.to_vec())));
         }
         if format == Format::Stdout {
             if checked.iter().any(|(_, f)| *f == Format::Stdout) {
-                return Err(refuse("it is named twice"));
+                return Err(refuse(WriteFault::Twice));
             }
             checked.push((path.clone(), format));
             continue;
@@ -155,11 +147,11 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
             folders.push(folder.clone());
         }
         if path.is_dir() {
-            return Err(refuse("it is a folder"));
+            return Err(refuse(WriteFault::Folder));
         }
         let place = std::fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default());
         if places.contains(&place) {
-            return Err(refuse("it is named twice"));
+            return Err(refuse(WriteFault::Twice));
         }
         let is_input = |file: &Path| {
             let same = |input: &PathBuf| match (std::fs::canonicalize(input), std::fs::canonicalize(file)) {
@@ -169,19 +161,19 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
             rules.inputs.iter().any(same)
         };
         if is_input(path) {
-            return Err(refuse("it is an input of this run"));
+            return Err(refuse(WriteFault::Input));
         }
         let is_tile = |input: &PathBuf| {
             let folder = std::fs::canonicalize(input).ok().filter(|folder| folder.is_dir());
             folder.is_some_and(|folder| place.parent() == Some(&folder))
         };
         if matches!(format, Format::GeoTiff | Format::AsciiGrid) && rules.inputs.iter().any(is_tile) {
-            return Err(refuse("it would be a tile of the folder that this run reads"));
+            return Err(refuse(WriteFault::Tile));
         }
         refuse_to_replace(path, rules.overwrite)?;
         for sidecar in sidecars(path, format, rules.bare) {
             if is_input(&sidecar) {
-                return Err(refuse(&format!("its sidecar {} is an input of this run", sidecar.display())));
+                return Err(refuse(WriteFault::SidecarIsInput(sidecar.display().to_string())));
             }
             refuse_to_replace(&sidecar, rules.overwrite)?;
         }
@@ -198,7 +190,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
 pub fn check_folder(path: &Path) -> Result<()> {
     let folder = folder_of(&followed(path));
     let refuse =
-        |why: &str| Error::file(401, format!("cannot write {}: folder {} {why}", path.display(), folder.display()));
+        |why: &str| Error::write(path.display(), WriteFault::Refused(format!("folder {} {why}", folder.display())));
     match std::fs::metadata(&folder) {
         Ok(found) if !found.is_dir() => return Err(refuse("is a file")),
         Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Err(refuse("does not exist")),
@@ -244,18 +236,16 @@ pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
 pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     let found = std::fs::metadata(path);
     if found.as_ref().is_ok_and(|found| !found.is_file()) {
-        let text = format!("cannot write {}: it is a folder, a pipe or a device, wanted a file", path.display());
-        return Err(Error::usage(105, text).with_hint("where a command offers `-o -`, that writes to standard output"));
+        return Err(Error::write(path.display(), WriteFault::NoFile));
     }
     if !overwrite && found.is_ok() {
-        return Err(Error::usage(106, format!("cannot write {}: it exists", path.display()))
-            .with_hint("`--overwrite` replaces it"));
+        return Err(Error::write(path.display(), WriteFault::Exists));
     }
     Ok(())
 }
 
 pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
-    Error::file(401, format!("cannot write {}: {}", path.display(), io_words(cause)))
+    Error::refused(path.display(), cause)
 }
 
 pub(super) fn folder_of(path: &Path) -> PathBuf {

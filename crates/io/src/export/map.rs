@@ -9,7 +9,7 @@ use super::map_arrays::npz;
 use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite};
 use super::single_band::{ascii_grid, bil};
 use crate::coverage::class;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, WriteFault};
 use crate::formats::{
     Bands, ClassColor, ClassImage, ClassPyramid, ExrChannel, GeoTiffImage, pam_sidecar, write_exr, write_geotiff,
 };
@@ -31,36 +31,20 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
             _ => n_sites,
         })
         .sum();
-    let single = match format {
-        Format::AsciiGrid => Some("an ASCII grid"),
-        Format::Bil => Some("a .bil file"),
-        _ => None,
+    let has = |layer| layers.contains(&layer);
+    let fault = match format {
+        Format::AsciiGrid | Format::Bil if n_bands != 1 => WriteFault::OneLayer(format, n_bands),
+        Format::Kmz | Format::FlatGeobuf if !has(Layer::Los) => WriteFault::Without(Layer::Los),
+        Format::GeoTiff
+            if has(Layer::Which) && n_sites > MOST_SITES_AS_F32 && layers.iter().any(|l| l.is_measure()) =>
+        {
+            WriteFault::SetsBesideMeasures
+        }
+        // Nodata of counts is the set of 32 UAVs.
+        Format::GeoTiff if has(Layer::Which) && has(Layer::Count) && n_sites >= 32 => WriteFault::SetsBesideCounts,
+        _ => return Ok(()),
     };
-    if let Some(single) = single.filter(|_| n_bands != 1) {
-        return Err(Error::usage(
-            107,
-            format!("cannot write {}: {single} holds one layer of one site, found {n_bands}", path.display()),
-        )
-        .with_hint("choose one site and one layer, or write .tif"));
-    }
-    if matches!(format, Format::Kmz | Format::FlatGeobuf) && !layers.contains(&Layer::Los) {
-        let text = format!("cannot write {}: it shows line of sight, which is not among the layers", path.display());
-        return Err(Error::usage(107, text).with_hint("add `los` to `--layers`, or write .tif"));
-    }
-    let has_sets = layers.contains(&Layer::Which) && n_sites > MOST_SITES_AS_F32;
-    if format == Format::GeoTiff && has_sets && layers.iter().any(|l| l.is_measure()) {
-        return Err(Error::usage(
-            107,
-            format!("cannot write {}: `which` of more than 24 sites beside measures", path.display()),
-        )
-        .with_hint("write `which` to a .tif of its own, or to .exr"));
-    }
-    // Nodata of counts is the set of 32 UAVs.
-    if format == Format::GeoTiff && layers.contains(&Layer::Which) && layers.contains(&Layer::Count) && n_sites >= 32 {
-        let text = format!("cannot write {}: `count` beside `which` of 32 sites or more", path.display());
-        return Err(Error::usage(107, text).with_hint("write each to a .tif of its own, or both to .exr"));
-    }
-    Ok(())
+    Err(Error::write(path.display(), fault))
 }
 
 /// Adds a raster file of a map to a batch, and the files that go beside it.
@@ -75,7 +59,7 @@ pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: F
         Format::AsciiGrid => ascii_grid(result, path)?,
         Format::Bil => bil(result, path)?,
         Format::Npz => npz(result, path)?,
-        _ => return Err(Error::internal(902, "a raster format was asked for")),
+        _ => return Err(skyshed_core::Error::internal(902, "a raster format was asked for").into()),
     };
     files.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::city::Footprint;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, WriteFault};
 use crate::quantity::{Frame, meters};
 
 /// A table `xMin,xMax,yMin,yMax,zMin,zMax`, one row per footprint, as the class `Box` of ns-3 takes its numbers: x and y in
@@ -16,12 +16,7 @@ pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<
     let bounds: Vec<Option<[i32; 4]>> = footprints.iter().map(box_of).collect();
     let others = bounds.iter().filter(|b| b.is_none()).count();
     if others > 0 {
-        let text = format!(
-            "cannot write {}: {others} of {} footprints are not rectangles parallel to the axes, as buildings of ns-3 are",
-            path.display(),
-            footprints.len()
-        );
-        return Err(Error::usage(109, text).with_hint("write .geojson, or .xml for Mitsuba and Sionna RT"));
+        return Err(Error::write(path.display(), WriteFault::NoBoxes(others, footprints.len())));
     }
     let header = ["xMin", "xMax", "yMin", "yMax", "zMin", "zMax"].map(str::to_string).to_vec();
     let row = |(footprint, [west, south, east, north]): (&Footprint, [i32; 4])| {

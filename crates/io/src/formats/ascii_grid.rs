@@ -14,7 +14,7 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, Place, ReadFault, Result, Warning};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::{CellWindow, Crs, GeoRef, Raster};
 
@@ -64,10 +64,8 @@ impl AsciiGrid {
         let (n_cells, left) = (georef.n_cells() as u64, len.saturating_sub(cells_at));
         if n_cells.saturating_mul(2) - 1 > left {
             let (cols, rows) = (georef.n_cols(), georef.n_rows());
-            let text = format!(
-                "cannot read `{input}`: {left} bytes follow its header, too few for {cols} columns x {rows} rows"
-            );
-            return Err(Error::file(303, text).with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+            let what = format!("{left} bytes follow its header, too few for {cols} columns x {rows} rows");
+            return Err(Error::truncated(input, what).because(Cause::TooFewCells));
         }
         let crs = sidecar_crs(input, warnings);
         if crs.is_none() {
@@ -132,8 +130,8 @@ impl AsciiGrid {
             for col in 0..self.georef.n_cols() {
                 if !words.next()? {
                     let (found, wanted) = (row * self.georef.n_cols() + col, self.georef.n_cells());
-                    let error = words.error(303, format!("the file ends after {found} values, wanted {wanted}"));
-                    return Err(error.with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+                    let error = words.truncated(format!("the file ends after {found} values, wanted {wanted}"));
+                    return Err(error.because(Cause::TooFewCells));
                 }
                 if row >= window.row && (window.col..window.col + window.n_cols).contains(&col) {
                     visit(row, col, self.stored(words.number()?));
@@ -141,9 +139,8 @@ impl AsciiGrid {
             }
         }
         if window.row + window.n_rows == self.georef.n_rows() && words.next()? {
-            let error =
-                words.error(302, format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells()));
-            return Err(error.with_hint("`ncols` and `nrows` may be wrong"));
+            let what = format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells());
+            return Err(words.malformed(what).because(Cause::TooManyCells));
         }
         Ok(())
     }
@@ -177,7 +174,7 @@ impl Header {
         let mut header = Header::default();
         loop {
             if !words.next()? {
-                return Err(words.error(303, "the file ends in its header, wanted heights"));
+                return Err(words.truncated("the file ends in its header, wanted heights"));
             }
             let word = words.text();
             let Some(key) = KEYS.iter().find(|key| word.eq_ignore_ascii_case(key)) else {
@@ -185,33 +182,32 @@ impl Header {
                 let is_key = word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.parse::<f64>().is_err();
                 if is_key {
                     let wanted = "ncols, nrows, xllcorner, yllcorner, cellsize, dx, dy or NODATA_value";
-                    return Err(words.error(302, format!("`{word}` is no key of the header, wanted {wanted}")));
+                    return Err(words.malformed(format!("`{word}` is no key of the header, wanted {wanted}")));
                 }
                 header.check(words)?;
                 return Ok(header);
             };
             if header.entries.iter().any(|(k, ..)| k == key) {
-                return Err(words.error(302, format!("`{word}` is given twice")));
+                return Err(words.malformed(format!("`{word}` is given twice")));
             }
             if !words.next()? {
-                return Err(words.error(303, format!("the file ends after `{word}`, wanted its value")));
+                return Err(words.truncated(format!("the file ends after `{word}`, wanted its value")));
             }
             let value = words.text();
             // The value is checked where its line is at hand.
             let number = words.number().map_err(|_| {
-                let error = words.error(302, format!("`{word}` is `{value}`, wanted a number with a decimal point"));
-                if value.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
+                words.not_a_number(format!("`{word}` is `{value}`, wanted a number with a decimal point"))
             })?;
             let is_size = matches!(*key, "cellsize" | "dx" | "dy");
             let is_count = matches!(*key, "ncols" | "nrows");
             if is_size && !(number > 0.0 && number.is_finite()) {
-                return Err(words.error(302, format!("`{word}` is `{value}`, must be above 0")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, must be above 0")));
             }
             if is_count && !value.parse::<usize>().is_ok_and(|n| n > 0) {
-                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a whole number above 0")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, wanted a whole number above 0")));
             }
             if !number.is_finite() && !key.starts_with("nodata") {
-                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a finite number")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, wanted a finite number")));
             }
             header.entries.push((key, value, words.word_line));
         }
@@ -224,15 +220,15 @@ impl Header {
             [("ncols", "ncols"), ("nrows", "nrows"), ("xllcorner", "xllcenter"), ("yllcorner", "yllcenter")]
         {
             if !has(one) && !has(other) {
-                return Err(words.error(302, format!("the header ends without `{one}`")));
+                return Err(words.malformed(format!("the header ends without `{one}`")));
             }
             if one != other && has(one) && has(other) {
-                return Err(words.error(302, format!("the header has both `{one}` and `{other}`")));
+                return Err(words.malformed(format!("the header has both `{one}` and `{other}`")));
             }
         }
         let has_size = has("cellsize") || (has("dx") && has("dy"));
         if !has_size {
-            return Err(words.error(302, "the header ends without `cellsize`, or `dx` and `dy`"));
+            return Err(words.malformed("the header ends without `cellsize`, or `dx` and `dy`"));
         }
         Ok(())
     }
@@ -255,8 +251,9 @@ impl Header {
         let x_min = corner("xllcorner", "xllcenter", width);
         let y_max = corner("yllcorner", "yllcenter", height) + height * n_rows as f64;
         GeoRef::new((x_min, y_max), (width, height), (n_rows, n_cols), None).ok_or_else(|| {
-            let text = format!("cannot read `{}`: {n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid", input);
-            Error::file(307, text)
+            let what =
+                format!("{n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid");
+            Error::read(input, ReadFault::Irregular(what))
         })
     }
 }
@@ -280,9 +277,14 @@ impl<'a> Words<'a> {
         Words { input, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
     }
 
-    /// An error on the line of the current word.
-    fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: line {}: {}", self.input, self.word_line, text.as_ref()))
+    /// E302, on the line of the current word.
+    fn malformed(&self, what: impl Into<String>) -> Error {
+        Error::malformed(self.input, what).at(Place::Line(self.word_line))
+    }
+
+    /// E303, on the line of the current word.
+    fn truncated(&self, what: impl Into<String>) -> Error {
+        Error::truncated(self.input, what).at(Place::Line(self.word_line))
     }
 
     /// Moves to the next word; false at the end of the file.
@@ -318,7 +320,7 @@ impl<'a> Words<'a> {
             self.reader.consume(n_used);
             self.at += n_used as u64;
             if self.word.len() > MAX_WORD_BYTES {
-                return Err(self.error(302, format!("a word of more than {MAX_WORD_BYTES} bytes, wanted a number")));
+                return Err(self.malformed(format!("a word of more than {MAX_WORD_BYTES} bytes, wanted a number")));
             }
             if done {
                 return Ok(true);
@@ -333,11 +335,16 @@ impl<'a> Words<'a> {
 
     /// The current word as a number.
     fn number(&self) -> Result<f64> {
-        std::str::from_utf8(&self.word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| {
-            let text = self.text();
-            let error = self.error(302, format!("`{text}` is no number"));
-            if text.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
-        })
+        std::str::from_utf8(&self.word)
+            .ok()
+            .and_then(|word| word.parse().ok())
+            .ok_or_else(|| self.not_a_number(format!("`{}` is no number", self.text())))
+    }
+
+    /// The error of a word that is to be a number.
+    fn not_a_number(&self, what: String) -> Error {
+        let error = self.malformed(what);
+        if self.word.contains(&b',') { error.because(Cause::DecimalCommas) } else { error }
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::crs::Transformation;
-use crate::error::{Error, Result};
+use crate::error::{CrsError, Result};
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Points along each side of a grid between which its outline in another system is taken for straight.
@@ -29,7 +29,7 @@ impl CellSources {
     /// E502 if the source has more than 2^32 − 1 cells.
     pub fn new(grid: &GeoRef, source: &GeoRef, way: &Transformation) -> Result<CellSources> {
         if u32::try_from(source.n_cells()).is_err() {
-            return Err(Error::limit(502, format!("cannot reproject {} cells: wanted below 2^32", source.n_cells())));
+            return Err(CrsError::TooManyCells(source.n_cells()).into());
         }
         let is_round = matches!(source.crs().map(Crs::kind), Some(CrsKind::Geographic));
         let turned = |x: f64| match x {

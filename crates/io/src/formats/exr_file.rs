@@ -18,7 +18,7 @@ use exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, Leve
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{Blocks, Compression};
 
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result};
 use crate::raster::GeoRef;
 
 /// The values of a channel, row by row from the north-west cell.
@@ -62,12 +62,11 @@ pub fn write_exr(
     Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(|cause| cannot_encode(&cause.to_string()))?;
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes).ok_or_else(|| cannot_encode("its header is not as expected"))?;
-    out.write_all(&bytes)
-        .map_err(|cause| Error::file(401, format!("cannot write an OpenEXR file: {}", io_words(&cause))))
+    out.write_all(&bytes).map_err(|cause| Error::refused("an OpenEXR file", &cause))
 }
 
 fn cannot_encode(why: &str) -> Error {
-    Error::internal(402, format!("cannot encode an OpenEXR file: {why}"))
+    Error::encode("an OpenEXR file", why)
 }
 
 /// The bytes of a string; readers take them as UTF-8.

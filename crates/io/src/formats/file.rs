@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicUsize;
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, Result, Warning};
 use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
 
@@ -49,16 +49,14 @@ impl RasterFile {
             Kind::Tiff => GeoTiff::open(input, warnings).map(RasterFile::GeoTiff),
             Kind::AsciiGrid => AsciiGrid::open(input, warnings).map(RasterFile::AsciiGrid),
             Kind::VirtualRaster if input.is_held() => {
-                let text = format!("cannot read `{input}`: a virtual raster names other files, wanted its path");
-                Err(Error::file(304, text))
+                Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
             }
             Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, warnings).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
-                let text = format!(
-                    "cannot read `{input}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
+                let what = format!(
+                    "it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
                 );
-                Err(Error::file(302, text)
-                    .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
+                Err(Error::malformed(input, what).because(Cause::OtherRaster))
             }
         }
     }

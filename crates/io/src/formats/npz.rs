@@ -8,7 +8,7 @@ use std::io::{Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result};
 
 /// An array with its shape, the last index running fastest.
 #[derive(Debug, Clone)]
@@ -38,8 +38,8 @@ pub enum NpyArray<'a> {
 /// If an array does not hold as many values as its shape says.
 pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)]) -> Result<()> {
     let refused = |cause: zip::result::ZipError| match cause {
-        zip::result::ZipError::Io(cause) => Error::file(401, format!("cannot write an npz file: {}", io_words(&cause))),
-        other => Error::internal(402, format!("cannot encode an npz file: {other}")),
+        zip::result::ZipError::Io(cause) => Error::refused("an npz file", &cause),
+        other => Error::encode("an npz file", other),
     };
     let mut archive = ZipWriter::new(out);
     for (name, array) in arrays {

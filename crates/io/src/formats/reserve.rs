@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, ReadFault, Result};
 use crate::raster::GeoRef;
 
 /// Most memory that the cells of one read may take \[bytes\].
@@ -34,11 +34,8 @@ pub(super) fn check_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<()> 
 fn too_many_cells<T>(name: &dyn Display, georef: &GeoRef, why: &str) -> Error {
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
     let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
-    let text = format!("cannot read `{name}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
-    Error::limit(501, text).with_hint(
-        "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
-         LRX LRY IN OUT`",
-    )
+    let what = format!("{n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
+    Error::read(name, ReadFault::Memory(what)).because(Cause::LargeRaster)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result, WriteFault, io_words};
 use crate::quantity::VOID;
 use crate::raster::CellWindow;
 
@@ -160,8 +160,7 @@ impl TileStore {
         let end_col = window.col + n_cols;
         for tile in window.col / TILE..end_col.div_ceil(TILE) {
             let start = ((row / TILE * across + tile) * TILE + row % TILE) * TILE * BYTES;
-            read_at(&self.file, bytes, start as u64)
-                .map_err(|e| Error::file(401, format!("cannot read the scratch file: {}", io_words(&e))))?;
+            read_at(&self.file, bytes, start as u64).map_err(|e| scratch_error("what was written there", &e))?;
             let cols = window.col.max(tile * TILE)..end_col.min((tile + 1) * TILE);
             let within = cols.start - tile * TILE;
             for (row, bytes) in band.chunks_exact_mut(n_cols).zip(bytes.chunks_exact(TILE * BYTES)) {
@@ -176,8 +175,7 @@ impl TileStore {
 }
 
 fn scratch_error(folder: &str, cause: &std::io::Error) -> Error {
-    Error::file(401, format!("cannot write a scratch file in {folder}: {}", io_words(cause)))
-        .with_hint("choose a folder with more room: `--scratch FOLDER`")
+    Error::write(format!("a scratch file in {folder}"), WriteFault::Scratch(io_words(cause)))
 }
 
 /// Fills `bytes` from an offset on, without moving a position that threads share.

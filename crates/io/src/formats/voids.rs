@@ -5,7 +5,7 @@
 
 use std::fmt::Display;
 
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result, Warning};
 use crate::quantity::counted;
 
 /// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
@@ -114,11 +114,8 @@ impl Voids {
     pub(super) fn report(&self, name: &dyn Display, warnings: &mut Vec<Warning>) -> Result<()> {
         let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
         if self.n_heights == 0 {
-            let text =
-                format!("cannot use `{name}`: none of the {n_voids} cells read holds a height, wanted at least one");
-            return Err(
-                Error::file(305, text).with_hint("look at the nodata value and the band with `gdalinfo -stats`")
-            );
+            let read = ReadFault::AllVoid(n_voids, "read holds".into());
+            return Err(Error::read(name, read).because(Cause::Nodata));
         }
         let mut warn = |code, found: &Found, what: &str, done: &str| {
             if found.count > 0 {

@@ -4,7 +4,7 @@ use super::sites::{check_placeable, in_scene, misplaced};
 use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::raster::GeoRef;
 
@@ -22,8 +22,7 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     let named = set.crs?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
     if areas.is_empty() {
-        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", input);
-        return Err(Error::file(308, text));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Area)));
     }
     let is_degrees = bounds(areas.iter().flat_map(|(_, f)| &f.polygons))
         .is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
@@ -33,8 +32,7 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
         None if is_degrees && grid.crs().is_some() => Some(crs::from_epsg(4326)?),
         None => None,
     };
-    let name = input.to_string();
-    check_placeable(&name, from.as_ref(), grid.crs())?;
+    check_placeable(input, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
         let id =
@@ -42,7 +40,7 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
         let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| {
             let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
-            moved.map_err(|fault| misplaced(&name, format!("{place}: {fault}"), false))
+            moved.map_err(|fault| misplaced(input, format!("{place}: {fault}"), false, false))
         };
         for polygon in opened(feature.polygons).0 {
             let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
@@ -51,15 +49,8 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     }
     let area = Area::new(polygons);
     if !area.meets(grid) {
-        let text = format!(
-            "cannot use {}: its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}",
-            input,
-            grid.x_min(),
-            grid.x_max(),
-            grid.y_min(),
-            grid.y_max()
-        );
-        return Err(Error::site(208, text).with_hint("a file in projected coordinates names its CRS in a `crs` member"));
+        let scene = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
+        return Err(Error::read(input, ReadFault::OutsideScene(scene)));
     }
     Ok(area)
 }

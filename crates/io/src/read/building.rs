@@ -10,11 +10,11 @@ use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
 use crate::city::Fault;
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, ReadFault, Result};
 use crate::input::Input;
 
 /// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
-pub(super) const METERS_PER_LEVEL: f64 = 3.0;
+pub const METERS_PER_LEVEL: f64 = 3.0;
 
 /// The areas of a file with what is known of their heights.
 #[derive(Debug, Default)]
@@ -85,8 +85,8 @@ impl Buildings {
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
             if let Some(bad) = bad {
-                let text = format!("cannot read {input}: feature {number}: found coordinate `{bad}`, wanted a number");
-                return Err(Error::file(302, text));
+                let what = format!("found coordinate `{bad}`, wanted a number");
+                return Err(Error::malformed(input, what).at(Place::Feature(number as u64)));
             }
             let footprint = says.footprint(number);
             if feature.has_other_parts {
@@ -136,21 +136,10 @@ fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintO
             list.push(name);
         }
     }
-    let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let text = format!("cannot use {input}: no feature has the property `{name}`, wanted one that holds heights");
-    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), like_storeys.as_slice(), others.as_slice()) {
-        ([], [], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
-        ([], [], others) => format!("no property looks like a height; there are {}", quoted(others)),
-        ([], found, _) => {
-            format!(
-                "{} may count storeys: `--missing levels --levels-field NAME` takes {METERS_PER_LEVEL} m for each",
-                quoted(found)
-            )
-        }
-        (found, ..) => {
-            format!("{} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum", quoted(found))
-        }
-    }))
+    let [like_heights, like_storeys, others] =
+        [like_heights, like_storeys, others].map(|names| names.into_iter().map(str::to_string).collect());
+    let wanted = name.to_string();
+    Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others }))
 }
 
 /// What a property may hold by its name.

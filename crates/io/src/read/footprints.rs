@@ -13,7 +13,7 @@ use super::faults::{HeightWords, warn_of_faults};
 use super::footprint_options::{DataAreaChoice, FootprintOptions, MissingHeight};
 use super::heights::{HeightFile, Heights, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
-use super::projection::{Projection, no_crs};
+use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::repairs::{FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
@@ -25,7 +25,7 @@ use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
 use crate::city::{Fault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::{InputKind, Transformation};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, HeightOf, HeightsMissing, Pair, ReadFault, Result, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
@@ -95,9 +95,8 @@ fn read(
         Some(terrain_path) => {
             let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
             let terrain = heights.raster;
-            refuse_two_crs((input, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
-                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), input)
-            })?;
+            let found = (terrain_path, terrain.georef().crs());
+            refuse_two_crs((input, file_crs.as_ref()), found, Pair::FootprintsTerrain)?;
             sources.append(&mut heights.sources);
             Some(terrain)
         }
@@ -219,7 +218,7 @@ fn project(
     let from = match from {
         Some(from) => from,
         None if may_be_degrees => crs::from_epsg(4326)?,
-        None => return Err(no_crs(input)),
+        None => return Err(Error::read(input, ReadFault::NoCrs)),
     };
     let middle = ((west + east) / 2.0, (south + north) / 2.0);
     let to = projection.target(&from, middle)?;
@@ -315,8 +314,8 @@ impl Making<'_> {
         let of_ground = (self.ground, self.options.base);
         let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
-            let text = format!("cannot use {}: feature `{}` has {tangle}", self.input, found.raw.id);
-            return Err(Error::limit(504, text).with_hint("mend or leave out the feature; is it one building?"));
+            let fault = ReadFault::Tangle(found.raw.id.clone(), tangle.to_string());
+            return Err(Error::read(self.input, fault));
         }
         let median = median_height(&shaped);
         let words = HeightWords::of(self.options);
@@ -351,24 +350,17 @@ impl Making<'_> {
     /// The refusal of a file that lacks heights, with what each policy would do.
     fn too_many_missing(self, shaped: &[Shaped], (share, median): (f64, Option<f64>), words: &HeightWords) -> Error {
         let missing: Vec<&Shaped> = shaped.iter().filter(|s| is_without_height(s)).collect();
-        let n = shaped.iter().filter(|s| is_usable(s)).count();
-        let by_storeys = missing.iter().filter(|s| s.raw.levels.is_some()).count();
-        let text = format!(
-            "cannot use {}: {} of {n} footprints, {:.1} % of the footprint area, have no usable `{}`; wanted at most {:.0} %, or \
-             `--missing POLICY`",
-            self.input,
-            missing.len(),
-            100.0 * share,
-            words.property,
-            100.0 * FEW
-        );
-        let of_median = median.map_or("has none to take".to_string(), |m| format!("gives them {} m", tidy(m)));
-        Error::file(309, text).with_hint(format!(
-            "`--missing drop` leaves them out, as if nothing stood there; `levels` gives {by_storeys} of them 3 m a storey of \
-             `{}` and leaves {} out; `median` {of_median}; or name another property with `--height-field`",
-            self.options.levels_field,
-            missing.len() - by_storeys
-        ))
+        let fault = HeightsMissing {
+            n_missing: missing.len(),
+            n: shaped.iter().filter(|s| is_usable(s)).count(),
+            share,
+            most: FEW,
+            property: words.property.clone(),
+            n_storeys: missing.iter().filter(|s| s.raw.levels.is_some()).count(),
+            levels_field: self.options.levels_field.clone(),
+            median_m: median,
+        };
+        Error::read(self.input, ReadFault::HeightsMissing(fault))
     }
 
     /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
@@ -393,10 +385,8 @@ impl Making<'_> {
         }
         let found = match self.options.missing {
             MissingHeight::Fail => {
-                let (input, id, name) = (self.input, culprit.id, &words.property);
-                let text = format!("cannot use {input}: feature `{id}` has no usable `{name}`");
-                return Err(Error::file(309, text)
-                    .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
+                let fault = ReadFault::HeightMissing(culprit.id.to_string(), words.property.clone());
+                return Err(Error::read(self.input, fault));
             }
             MissingHeight::Few | MissingHeight::Drop => None,
             // Storeys are counted from the ground, whatever the property would have been measured from.
@@ -423,11 +413,8 @@ impl Making<'_> {
             .and_then(|steps| above?.checked_add(steps))
             .filter(|top| height_steps(meters(*top)).is_some())
             .ok_or_else(|| {
-                let (input, id) = (self.input, &shaped.raw.id);
-                let text = format!(
-                    "cannot use {input}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
-                );
-                Error::site(205, text)
+                let of = HeightOf::Feature(shaped.raw.id.clone());
+                Error::read(self.input, ReadFault::HeightRange(of, height))
             })
     }
 }

@@ -7,7 +7,7 @@ use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
 use crate::crs::InputKind;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, HeightOf, ReadFault, Result, Warning};
 use crate::formats::{RasterFile, TileStore, TileStoreWriter};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
@@ -61,8 +61,8 @@ impl<'a> HeightFile<'a> {
                 // A system that is cut off may be one of feet: its cells are not taken for meters.
                 let said = warnings[before..].iter().find(|warning| warning.code() == "W326");
                 if let (Some(said), None) = (said, georef.crs()) {
-                    let text = format!("cannot place {}: {}", input, said.text().trim_end_matches(": ignored"));
-                    return Err(Error::file(310, text).with_hint("override it with `--crs EPSG:n`"));
+                    let said = said.text().trim_end_matches(": ignored").to_string();
+                    return Err(Error::read(input, ReadFault::CrsNotUnderstood(said)));
                 }
                 georef
             }
@@ -117,7 +117,7 @@ impl<'a> HeightFile<'a> {
             Some((raster, n_void)) => (raster.into_cells(), n_void),
             None => match lattice_heights((input, &file, window), warnings) {
                 // A hole of the file is no fault of it.
-                Err(error) if is_part && error.code() == "E305" => {
+                Err(Error::Read(error)) if is_part && matches!(error.fault, ReadFault::AllVoid(..)) => {
                     (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
                 }
                 heights => heights?,
@@ -144,7 +144,7 @@ impl<'a> HeightFile<'a> {
             }
         })?;
         failed?;
-        let n_void = sorted.finish(input, georef.n_cells())?;
+        let n_void = sorted.finish(input)?;
         let sources = sources_of_raster(input, &file, always_hash, warnings)?;
         Ok(StoredHeights { tiles: writer.finish()?, georef, n_void, sources })
     }
@@ -157,7 +157,7 @@ fn lattice_heights(
 ) -> Result<(LargeVec<i32>, u64)> {
     let mut sorted = LatticeHeights::of(file);
     let raster = file.read(window, warnings, |height| sorted.put(height))?;
-    let n_void = sorted.finish(input, raster.cells().len())?;
+    let n_void = sorted.finish(input)?;
     Ok((raster.into_cells(), n_void))
 }
 
@@ -189,15 +189,9 @@ impl LatticeHeights {
     }
 
     /// The number of cells without a height.
-    fn finish(self, input: &Input, n_cells: usize) -> Result<u64> {
+    fn finish(self, input: &Input) -> Result<u64> {
         if let Some(v) = self.out_of_range {
-            let text = format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", input);
-            return Err(Error::site(205, text)
-                .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
-        }
-        if self.n_void == n_cells as u64 {
-            let text = format!("cannot use {}: all {n_cells} cells are nodata, wanted heights", input);
-            return Err(Error::file(305, text));
+            return Err(Error::read(input, ReadFault::HeightRange(HeightOf::Cell, v)));
         }
         Ok(self.n_void)
     }

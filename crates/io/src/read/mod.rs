@@ -24,6 +24,7 @@ mod vector;
 mod vertical;
 
 pub use area::read_area;
+pub use building::METERS_PER_LEVEL;
 pub use footprint_options::{BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MissingHeight};
 pub use footprints::{read_footprints, read_footprints_and_repairs};
 pub use mesh::{MeshOptions, read_mesh};
@@ -35,7 +36,7 @@ pub use source::{read_text, source_of};
 pub use streamed::StreamedSurface;
 pub use surface::{SurfaceOptions, read_surface, surface_grid};
 pub use systems::refuse_two_crs;
-pub use table::{BadRows, Row, RowFault, Table, readable};
+pub use table::{BadRows, BadRowsTold, Row, RowFault, Table, readable};
 pub use track::read_track;
 pub use vector::VectorFormat;
 pub use vertical::{SystemSaid, compare_vertical, vertical_of};

@@ -2,8 +2,7 @@
 
 use crate::crs;
 use crate::crs::{Transformation, utm_for};
-use crate::error::{Error, Result};
-use crate::input::Input;
+use crate::error::Result;
 use crate::raster::{Crs, CrsKind};
 
 /// Where to.
@@ -36,10 +35,4 @@ impl Projection {
             }
         }
     }
-}
-
-/// The refusal to project what is in no known system.
-pub(super) fn no_crs(input: &Input) -> Error {
-    let text = format!("cannot project {}: it names no coordinate reference system", input);
-    Error::file(310, text).with_hint("say which it is: `--crs EPSG:n`")
 }

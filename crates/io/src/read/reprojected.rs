@@ -4,10 +4,10 @@
 //! and flat roofs stay flat.
 
 use super::heights::{HeightFile, Heights, check_grid};
-use super::projection::{Projection, no_crs};
+use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use crate::crs::Transformation;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result, Warning};
 use crate::formats::{CellSources, bounds_through, half_diagonal_through, reserve_cells, suggested_grid};
 use crate::input::Input;
 use crate::quantity::{VOID, counted, tidy};
@@ -38,7 +38,7 @@ impl<'a> Reprojection<'a> {
         projection: &Projection,
         cell_m: Option<f64>,
     ) -> Result<Option<Reprojection<'a>>> {
-        let from = file.crs().ok_or_else(|| no_crs(input))?;
+        let from = file.crs().ok_or_else(|| Error::read(input, ReadFault::NoCrs))?;
         let middle = ((file.x_min() + file.x_max()) / 2.0, (file.y_min() + file.y_max()) / 2.0);
         let to = projection.target(from, middle)?;
         if from.same_as(&to) {
@@ -55,8 +55,8 @@ impl<'a> Reprojection<'a> {
             }
         };
         let grid = grid.ok_or_else(|| {
-            let text = format!("cannot project {} ({}): nothing is left of it", input, file.description());
-            Error::file(307, text)
+            let what = format!("nothing is left of {} in {}", file.description(), to.label());
+            Error::read(input, ReadFault::Irregular(what))
         })?;
         drop(reserve_cells::<u32>(input, &grid)?);
         let sources = CellSources::new(&grid, file, &back)?;
@@ -89,12 +89,8 @@ impl<'a> Reprojection<'a> {
         let cells = sources.resampled(heights.raster.cells(), VOID);
         let n_void = cells.iter().filter(|z| **z == VOID).count();
         if n_void == cells.len() {
-            let text = format!(
-                "cannot use {}: none of the {n_void} cells in {} lies over a height, wanted at least one",
-                input,
-                to.label()
-            );
-            return Err(Error::file(305, text).with_hint("give a smaller `--cell`"));
+            let over = ReadFault::AllVoid(n_void as u64, format!("in {} lies over", to.label()));
+            return Err(Error::read(input, over).because(Cause::LargeCells));
         }
         let outside = match sources.n_outside() as u64 {
             0 => String::new(),

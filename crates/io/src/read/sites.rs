@@ -3,12 +3,12 @@
 use serde_json::Value;
 
 use super::source::is_geojson;
-use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
+use super::table::{BadRows, BadRowsTold, NUMBER, Position, RowFault, Table, height, readable};
 use super::vector::geojson::{features, named_crs, read_document};
 use crate::city::{GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;
-use crate::error::{Error, Result};
+use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
@@ -33,19 +33,13 @@ pub fn read_sites(
         false => read_csv(input, grid, first_number, bad)?,
     };
     if sites.is_empty() {
-        return Err(Error::file(308, format!("cannot use {}: it holds no site", input)));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Sites)));
     }
     Ok(sites)
 }
 
 fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input.to_string();
-    let refuse = |found: String| {
-        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
-            "a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`, separated by commas, \
-             semicolons or tabs",
-        )
-    };
+    let refuse = |found: String| bad_rows(input, PlacesIn::SiteTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
     let Some(h_column) = table.column(&["h", "h_m", "height", "height_m"]) else {
@@ -53,7 +47,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(&name, wgs84.as_ref(), grid.crs())?;
+    check_placeable(input, wgs84.as_ref(), grid.crs())?;
 
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
@@ -65,14 +59,10 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
         Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([xy.0, xy.1]) })
     });
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, is_degrees),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteTable, is_degrees))
 }
 
 fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input.to_string();
     let document = read_document(input)?;
     let crs = match named_crs(input, &document)? {
         Some(crs) => crs,
@@ -81,15 +71,11 @@ fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<
     let mut rows = Vec::new();
     for (number, feature) in features(input, document)?.iter().enumerate() {
         let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));
-        check_placeable(&name, from, grid.crs())?;
+        check_placeable(input, from, grid.crs())?;
         let site = site_of(feature, (&crs, grid), first_number + number);
         rows.push((format!("feature {}", number + 1), site));
     }
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => Error::file(302, format!("cannot read {name}: {text}"))
-            .with_hint("a site is a Point with the property `h`, and optionally `id`, `h_above`"),
-        RowFault::Place(_) => misplaced(&name, text, true),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteFeatures, true))
 }
 
 /// The coordinates of a point.
@@ -148,22 +134,29 @@ fn refuse_swapped(
 }
 
 /// Refuses positions in another system where the scene names none.
-pub(super) fn check_placeable(name: &str, from: Option<&Crs>, scene_crs: Option<&Crs>) -> Result<()> {
+pub(super) fn check_placeable(input: &Input, from: Option<&Crs>, scene_crs: Option<&Crs>) -> Result<()> {
     match (from, scene_crs) {
-        (Some(from), None) => {
-            let text = format!("cannot place {name}: positions in {}, but the scene names no CRS", from.label());
-            Err(Error::site(206, text).with_hint(
-                "give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates",
-            ))
-        }
+        (Some(from), None) => Err(Error::read(input, ReadFault::NoSceneCrs(from.label()))),
         _ => Ok(()),
     }
 }
 
+/// The error of rows or features that cannot be read.
+pub(super) fn bad_rows(input: &Input, of: PlacesIn, what: String, some_are_good: bool) -> Error {
+    Error::read(input, ReadFault::Rows { what, of, some_are_good })
+}
+
 /// The error of rows that lie where they cannot.
-pub(super) fn misplaced(name: &str, text: String, is_degrees: bool) -> Error {
-    let error = Error::site(206, format!("cannot place {name}: {text}"));
-    if is_degrees { error.with_hint("longitude comes first in GeoJSON, and the columns are `lon,lat`") } else { error }
+pub(super) fn misplaced(input: &Input, what: String, is_degrees: bool, some_are_good: bool) -> Error {
+    Error::read(input, ReadFault::Misplaced { what, is_degrees, some_are_good })
+}
+
+/// The error of bad rows of either kind.
+pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees: bool) -> Error {
+    match told.first {
+        RowFault::Text(_) => bad_rows(input, of, told.text, told.some_are_good),
+        RowFault::Place(_) => misplaced(input, told.text, is_degrees, told.some_are_good),
+    }
 }
 
 /// A position in the scene's CRS; `from` is `None` where it already is.

@@ -12,7 +12,7 @@ use super::systems::refuse_two_crs;
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::city::{WindowedBase, WindowedSolids, row_bands};
-use crate::error::{Result, Warning};
+use crate::error::{Pair, Result, Warning};
 use crate::formats::TileStore;
 use crate::input::Input;
 use crate::quantity::VOID;
@@ -62,9 +62,8 @@ impl StreamedSurface {
         let ground = match (&options.terrain, options.ground_m) {
             (Some(terrain_path), _) => {
                 let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
-                refuse_two_crs((input, grid.crs()), (terrain_path, file.georef().crs()), |wanted, _| {
-                    format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path)
-                })?;
+                let found = (terrain_path, file.georef().crs());
+                refuse_two_crs((input, grid.crs()), found, Pair::SurfaceTerrain)?;
                 let mut terrain = file.store(scratch, options.always_hash, warnings)?;
                 sources.append(&mut terrain.sources);
                 StreamedGround::Terrain(terrain.tiles, terrain.georef)
@@ -219,7 +218,7 @@ impl WindowedSolids for StreamedSurface {
         }
     }
 
-    fn solids(&self, window: CellWindow) -> Result<Solids> {
+    fn solids(&self, window: CellWindow) -> skyshed_core::Result<Solids> {
         let ground = self.ground(window)?;
         let mut cells = Vec::new();
         self.surface.read(window, &mut cells)?;

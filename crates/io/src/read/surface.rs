@@ -8,7 +8,7 @@ use super::reprojected::Reprojection;
 use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
-use crate::error::{Error, Result, Warning};
+use crate::error::{OptionError, Result, Warning};
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
@@ -76,8 +76,7 @@ fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<W
         Some(projection) => Reprojection::plan(input, file.georef(), projection, options.cell_m)?,
     };
     if reprojection.is_none() && options.cell_m.is_some() {
-        let text = format!("`--cell` has no meaning for {}: it is in the wanted system and stays", input);
-        return Err(Error::usage(116, text));
+        return Err(OptionError::CellKept(input.to_string()).into());
     }
     let file = match options.around {
         Some(around) => file.around(around),
@@ -248,16 +247,13 @@ fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> 
 
 /// How far above the ground a surface is a building \[1/1024 m\].
 pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
-    height_steps(options.building_threshold_m)
-        .filter(|t| *t >= 0)
-        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))
-}
-
-pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
-    Error::usage(113, format!("`{flag}` is `{value}`, wanted {wanted}"))
+    let m = options.building_threshold_m;
+    let bad = OptionError::Number("building_threshold_m", m, "0 m or more");
+    height_steps(m).filter(|t| *t >= 0).ok_or_else(|| bad.into())
 }
 
 /// Ground height on the lattice.
 pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
-    height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
+    let bad = OptionError::Number("ground_m", ground_m, "a height within ±32768 m");
+    height_steps(ground_m).ok_or_else(|| bad.into())
 }

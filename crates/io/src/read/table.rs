@@ -5,8 +5,9 @@
 
 use std::borrow::Cow;
 use std::cell::Cell;
+use std::fmt::Display;
 
-use crate::error::{Error, Result, Warning, shortened};
+use crate::error::{Warning, shortened};
 use crate::quantity::{Height, parse_meters, parse_number};
 
 /// What becomes of rows that cannot be read.
@@ -231,16 +232,27 @@ impl std::fmt::Display for RowFault {
     }
 }
 
+/// Rows that cannot be read, in words.
+#[derive(Debug)]
+pub struct BadRowsTold {
+    /// What is wrong with the first.
+    pub first: RowFault,
+    /// All of them.
+    pub text: String,
+    /// Whether others are good.
+    pub some_are_good: bool,
+}
+
 /// The rows of a file that can be read; all others are told together, by an error of `refuse` or a warning.
 ///
 /// # Errors
 /// If rows are bad and must not be, or all of them are.
-pub fn readable<T>(
-    name: &str,
+pub fn readable<T, E>(
+    name: impl Display,
     rows: Vec<(String, std::result::Result<T, RowFault>)>,
     bad: BadRows<'_>,
-    refuse: impl FnOnce(&RowFault, String) -> Error,
-) -> Result<Vec<T>> {
+    refuse: impl FnOnce(BadRowsTold) -> E,
+) -> std::result::Result<Vec<T>, E> {
     /// Rows that are told one by one.
     const MOST_TOLD: usize = 20;
     /// Characters that are told of each.
@@ -272,14 +284,7 @@ pub fn readable<T>(
     }
     let text =
         if n_bad == 1 { format!("{place}: {}", first) } else { format!("{n_bad} of {n_rows} rows are bad: {told}") };
-    let error = refuse(first, text);
-    Err(match error.hint() {
-        Some(hint) if !good.is_empty() => {
-            let hint = format!("{hint}; a run with `--skip-bad` goes on without bad rows");
-            error.with_hint(hint)
-        }
-        _ => error,
-    })
+    Err(refuse(BadRowsTold { first: first.clone(), text, some_are_good: !good.is_empty() }))
 }
 
 #[cfg(test)]
@@ -330,18 +335,16 @@ mod tests {
             let row = |k: usize| if good.contains(&k) { Ok(k) } else { Err(RowFault::Text(format!("found `{k}`"))) };
             (0..30).map(|k| (format!("line {}", k + 2), row(k))).collect::<Vec<_>>()
         };
-        let refuse = |_: &RowFault, text: String| Error::file(302, text).with_hint("h");
-        let error = readable("t", rows(25..30), BadRows::Refuse, refuse).unwrap_err();
-        let text = error.to_string();
+        let refuse = |bad: BadRowsTold| bad;
+        let told = readable("t", rows(25..30), BadRows::Refuse, refuse).unwrap_err();
+        let text = told.text;
         assert!(text.starts_with("25 of 30 rows are bad: line 2: found `0`; line 3: found `1`; "), "{text}");
-        assert!(text.ends_with("line 21: found `19`; and 5 more"), "{text}");
-        assert_eq!(error.hint(), Some("h; a run with `--skip-bad` goes on without bad rows"));
+        assert!(text.ends_with("line 21: found `19`; and 5 more") && told.some_are_good, "{text}");
         let mut warnings = Vec::new();
         let good = readable("t", rows(1..30), BadRows::LeaveOut(&mut warnings), refuse);
-        assert_eq!(good, Ok((1..30).collect()));
+        assert_eq!(good.ok(), Some((1..30).collect()));
         assert_eq!(warnings, [Warning::new(380, "t: 1 of 30 rows was left out: line 2: found `0`")]);
-        let error = readable("t", rows(0..0), BadRows::LeaveOut(&mut warnings), refuse).unwrap_err();
-        assert!(error.to_string().starts_with("30 of 30 rows are bad") && warnings.len() == 1);
-        assert_eq!(error.hint(), Some("h"));
+        let told = readable("t", rows(0..0), BadRows::LeaveOut(&mut warnings), refuse).unwrap_err();
+        assert!(told.text.starts_with("30 of 30 rows are bad") && !told.some_are_good && warnings.len() == 1);
     }
 }

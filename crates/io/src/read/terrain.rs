@@ -2,7 +2,7 @@
 
 use super::systems::refuse_two_crs;
 use crate::crs::Transformation;
-use crate::error::{Error, Result, Warning};
+use crate::error::{CombineError, Error, Pair, Result, Warning};
 use crate::formats::CellSources;
 use crate::input::Input;
 use crate::quantity::VOID;
@@ -45,9 +45,7 @@ pub(super) fn terrain_on_grid(
     let Placed { input: terrain_path, on: terrain } = terrain;
     let from = terrain.georef();
     if way.is_none() {
-        refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
-            format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path)
-        })?;
+        refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), Pair::SurfaceTerrain)?;
         if grid.same_grid(from) {
             let n_void = terrain.cells().iter().filter(|z| **z == VOID).count();
             if n_void == grid.n_cells() {
@@ -82,12 +80,9 @@ pub(super) fn terrain_on_grid(
 
 /// Refuses a terrain that lies elsewhere than the surface.
 pub(super) fn no_terrain_below((surface, grid): (&Input, &GeoRef), (terrain, from): (&Input, &GeoRef)) -> Error {
-    let (grid, from) = (grid.description(), from.description());
-    let text = format!(
-        "cannot combine {surface} ({grid}) with {terrain} ({from}): wanted a terrain below the surface, found none at any cell"
-    );
-    Error::file(312, text)
-        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both")
+    let [surface, terrain] =
+        [(surface, grid), (terrain, from)].map(|(input, grid)| format!("{input} ({})", grid.description()));
+    CombineError::NoTerrainBelow(surface, terrain).into()
 }
 
 /// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.

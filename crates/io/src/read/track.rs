@@ -2,12 +2,12 @@
 
 use serde_json::Value;
 
-use super::sites::{check_placeable, degrees_or_named, in_scene, misplaced};
+use super::sites::{bad_rows, check_placeable, degrees_or_named, in_scene, refused};
 use super::source::is_geojson;
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
 use super::vector::geojson::{features, named_crs, read_document};
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::raster::Crs;
 
@@ -28,43 +28,29 @@ pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, bad: BadRows
     };
     places.dedup();
     if places.len() < 2 {
-        let text = format!("cannot use {}: found {} different places, wanted at least 2", input, places.len());
-        return Err(Error::file(308, text));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Places(places.len()))));
     }
     Ok(places)
 }
 
 fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
-    let name = input.to_string();
-    let refuse = |found: String| {
-        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
-            "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs",
-        )
-    };
+    let refuse = |found: String| bad_rows(input, PlacesIn::TrackTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(&name, wgs84.as_ref(), scene_crs)?;
+    check_placeable(input, wgs84.as_ref(), scene_crs)?;
     let rows = table.rows(|_, row| {
         let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
         in_scene(xy, wgs84.as_ref(), scene_crs).map(|(x, y)| [x, y])
     });
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, is_degrees),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackTable, is_degrees))
 }
 
 fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
-    let name = input.to_string();
     let document = read_document(input)?;
     let crs = match named_crs(input, &document)? {
         Some(crs) => crs,
         None => crs::from_epsg(4326)?,
-    };
-    let refuse = |text: String| {
-        Error::file(302, format!("cannot read {name}: {text}"))
-            .with_hint("a track is one LineString, or Points in their order")
     };
     let mut rows = Vec::new();
     let mut n_lines = 0;
@@ -73,7 +59,8 @@ fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Res
         let line = positions_of(&feature["geometry"]);
         n_lines += usize::from(line.as_ref().is_ok_and(|line| line.len() > 1));
         if n_lines > 1 {
-            return Err(refuse(format!("{place}: found a second line, wanted one track")));
+            let what = format!("{place}: found a second line, wanted one track");
+            return Err(bad_rows(input, PlacesIn::TrackFeatures, what, false));
         }
         match line {
             Err(found) => rows.push((place, Err(RowFault::Text(found.into())))),
@@ -81,7 +68,7 @@ fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Res
                 for position in line {
                     let xy = position[0].as_f64().zip(position[1].as_f64());
                     let from = xy.and_then(|xy| degrees_or_named(&crs, xy));
-                    check_placeable(&name, from, scene_crs)?;
+                    check_placeable(input, from, scene_crs)?;
                     let xy = xy.ok_or_else(|| RowFault::Text("found a position without two numbers".into()));
                     let xy = xy.and_then(|xy| in_scene(xy, from, scene_crs));
                     rows.push((place.clone(), xy.map(|(x, y)| [x, y])));
@@ -89,10 +76,7 @@ fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Res
             }
         }
     }
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, true),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackFeatures, true))
 }
 
 /// The positions of a line or a point.

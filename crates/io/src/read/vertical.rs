@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use crate::crs::{VerticalCrs, VerticalDifference};
-use crate::error::{Error, Result, Warning};
+use crate::error::{CombineError, Result, Warning};
 use crate::formats::RasterFile;
 use crate::input::Input;
 
@@ -49,13 +49,7 @@ pub fn compare_vertical(
     let both = format!("{a_path} with heights above {} and {b_path} with heights above {}", a.in_words(), b.in_words());
     match (a.difference(b), said) {
         (VerticalDifference::None, _) => Ok(()),
-        (VerticalDifference::Ellipsoid, SystemSaid::ByFiles) => {
-            let text = format!("cannot combine {both}: they are tens of meters apart, wanted one datum");
-            Err(Error::file(311, text).with_hint(
-                "bring one of them over with `gdalwarp -t_srs EPSG:HORIZONTAL+VERTICAL`; `--crs EPSG:n` says that both are \
-                 in one system, whatever they name",
-            ))
-        }
+        (VerticalDifference::Ellipsoid, SystemSaid::ByFiles) => Err(CombineError::TwoDatums(both).into()),
         (VerticalDifference::Datum | VerticalDifference::Ellipsoid, _) => {
             let text = format!("{both}: they are combined as they are; how far the two are apart is not known here");
             warnings.push(Warning::new(371, text));

@@ -52,7 +52,7 @@ impl GeoTiff {
         }
         let (source, _) = TiffSource::open(&self.input)?;
         if source.len() != self.len {
-            return Err(source.error(303, "the file has changed since it was opened"));
+            return Err(source.truncated("the file has changed since it was opened"));
         }
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
         let nodata = self.nodata.map(|nodata| nodata as f32);

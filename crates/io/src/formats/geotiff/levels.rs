@@ -10,7 +10,7 @@ use tiff_writer::{TiffWriteSample, encoder};
 
 use super::geo_tags::place_tags;
 use super::image::{Bands, ClassColor, GeoTiffImage, TiffLayout};
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
 pub(super) const TILE: usize = 256;
@@ -70,7 +70,7 @@ fn picture_tags<T: TiffWriteSample>(
     let count = |n: usize| u32::try_from(n).map_err(|_| too_large(n));
     let n_samples = u16::try_from(n_bands).map_err(|_| too_large(n_bands))?;
     if n_samples == 0 {
-        return Err(Error::internal(402, "cannot write a GeoTIFF without bands"));
+        return Err(Error::encode("a GeoTIFF", "it has no bands"));
     }
     let palette = image.palette.filter(|_| n_bands == 1 && matches!(image.bands, Bands::Byte(_)));
     // 1: zero is black, 3: colors from the map. 2: one plane per band.
@@ -266,13 +266,13 @@ pub(super) fn tags_with_places(
 }
 
 pub(super) fn failed(cause: std::io::Error) -> Error {
-    Error::file(401, format!("cannot write a GeoTIFF: {}", io_words(&cause)))
+    Error::refused("a GeoTIFF", &cause)
 }
 
 pub(super) fn refused(cause: tiff_writer::Error) -> Error {
-    Error::internal(402, format!("cannot encode a GeoTIFF: {cause}"))
+    Error::encode("a GeoTIFF", cause)
 }
 
 fn too_large(n: usize) -> Error {
-    Error::internal(402, format!("cannot encode a GeoTIFF: {n} is more than TIFF can count"))
+    Error::encode("a GeoTIFF", format!("{n} is more than TIFF can count"))
 }

@@ -9,7 +9,7 @@ use std::io::Read;
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
-use crate::error::{Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result, Warning};
 use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
@@ -75,21 +75,20 @@ pub(super) fn read_placement(
     let irregular = || {
         let text =
             format!("cells of {a} x {e} at {c}, {f}, wanted finite numbers and cells that do not vanish beside them");
-        source.error(307, text).with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`")
+        Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::NoPlace)
     };
     if ![a, b, c, d, e, f].iter().all(|number| number.is_finite()) {
         return Err(irregular());
     }
-    let remedy = "resample it with `gdalwarp IN OUT`, which makes it north-up";
     let (shear_x, shear_y) = (b * n_rows as f64, d * n_cols as f64);
     if shear_x.abs() > MAX_SHEAR_CELLS * a.abs() || shear_y.abs() > MAX_SHEAR_CELLS * e.abs() {
         let angle = d.atan2(a).to_degrees();
-        let error = source.error(306, format!("its rows run {angle:.1} degrees off east, wanted a north-up raster"));
-        return Err(error.with_hint(remedy));
+        let what = format!("its rows run {angle:.1} degrees off east, wanted a north-up raster");
+        return Err(Error::read(source.input(), ReadFault::Rotated(what)));
     }
     if a < 0.0 {
-        let error = source.error(306, "its columns run from east to west, wanted a north-up raster");
-        return Err(error.with_hint(remedy));
+        let what = "its columns run from east to west, wanted a north-up raster".into();
+        return Err(Error::read(source.input(), ReadFault::Rotated(what)));
     }
     let south_up = e > 0.0;
     if south_up {
@@ -123,11 +122,11 @@ fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<War
         (None, None, None) => Ok(None),
         (None, Some(points), None) if points.len() >= 6 => {
             let text = format!("it is placed by {} ground control points, wanted a regular grid", points.len() / 6);
-            Err(source.error(307, text).with_hint("resample it with `gdalwarp IN OUT`"))
+            Err(Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::ControlPoints))
         }
         _ => {
-            let error = source.error(307, "the tags of its place are incomplete, wanted a tie point and a cell size");
-            Err(error.with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`"))
+            let what = "the tags of its place are incomplete, wanted a tie point and a cell size".into();
+            Err(Error::read(source.input(), ReadFault::Irregular(what)).because(Cause::NoPlace))
         }
     }
 }
@@ -224,7 +223,7 @@ impl GeoKeys {
         let doubles = directory.floats(source, tag::GEO_DOUBLE_PARAMS)?.unwrap_or_default();
         let texts = directory.text(source, tag::GEO_ASCII_PARAMS)?.unwrap_or_default();
         GeoKeys::parse(&table, &doubles, texts.as_bytes())
-            .ok_or_else(|| source.error(302, "a key points outside the GeoKey tables"))
+            .ok_or_else(|| source.malformed("a key points outside the GeoKey tables"))
     }
 
     /// `None` if the table is not of version 1 or points outside itself.

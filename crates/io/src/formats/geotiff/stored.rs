@@ -90,10 +90,10 @@ impl GeoTiff {
         let (mut source, _) = TiffSource::open(&self.input)?;
         if band >= self.n_bands() {
             let text = format!("band {} of {}, wanted at most the last", band + 1, self.n_bands());
-            return Err(source.error(302, text));
+            return Err(source.malformed(text));
         }
         if source.len() != self.len {
-            return Err(source.error(303, "the file has changed since it was opened"));
+            return Err(source.truncated("the file has changed since it was opened"));
         }
         let south_up = self.placement.south_up;
         let first_row = if south_up { self.image.n_rows - window.row - window.n_rows } else { window.row };

@@ -9,7 +9,7 @@ use std::io::{Read, Seek, SeekFrom};
 
 use tiff_reader::ByteOrder;
 
-use crate::error::{Error, Result, io_words};
+use crate::error::{Cause, Error, ReadFault, Result, io_words};
 use crate::input::{Input, Reader};
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
@@ -65,13 +65,13 @@ impl TiffSource {
         let mut source =
             TiffSource { file, input: input.clone(), len, big_tiff: false, byte_order: ByteOrder::LittleEndian };
         if len < 8 {
-            return Err(source.error(303, format!("the file has {len} bytes, a TIFF header has at least 8")));
+            return Err(source.truncated(format!("the file has {len} bytes, a TIFF header has at least 8")));
         }
         let head = source.bytes(0, 8, "the header")?;
         source.byte_order = match &head[..2] {
             b"II" => ByteOrder::LittleEndian,
             b"MM" => ByteOrder::BigEndian,
-            _ => return Err(source.error(302, "the file does not start like a TIFF (`II` or `MM`)")),
+            _ => return Err(source.malformed("the file does not start like a TIFF (`II` or `MM`)")),
         };
         match source.u16(&head[2..4]) {
             42 => {
@@ -84,13 +84,23 @@ impl TiffSource {
                 let first = source.u64(&head);
                 Ok((source, first))
             }
-            version => Err(source.error(302, format!("TIFF version `{version}`, wanted 42 or 43 (BigTIFF)"))),
+            version => Err(source.malformed(format!("TIFF version `{version}`, wanted 42 or 43 (BigTIFF)"))),
         }
     }
 
-    /// An error about this file: what was found, on one line that names it.
-    pub(super) fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: {}", self.input, text.as_ref()))
+    /// E302.
+    pub(super) fn malformed(&self, what: impl Into<String>) -> Error {
+        Error::malformed(&self.input, what)
+    }
+
+    /// E303.
+    pub(super) fn truncated(&self, what: impl Into<String>) -> Error {
+        Error::truncated(&self.input, what)
+    }
+
+    /// E304.
+    pub(super) fn unsupported(&self, what: impl Into<String>) -> Error {
+        Error::unsupported(&self.input, what)
     }
 
     pub(super) fn input(&self) -> &Input {
@@ -111,13 +121,13 @@ impl TiffSource {
         let end = offset.checked_add(len).filter(|end| *end <= self.len);
         let (Some(_), Ok(n_bytes)) = (end, usize::try_from(len)) else {
             let text = format!("{what} ({len} bytes at byte {offset}) ends beyond the file of {} bytes", self.len);
-            return Err(self.error(303, text).with_hint("the file is cut short or damaged: fetch it again"));
+            return Err(self.truncated(text).because(Cause::CutShort));
         };
         let mut bytes = vec![0; n_bytes];
         self.file
             .seek(SeekFrom::Start(offset))
             .and_then(|_| self.file.read_exact(&mut bytes))
-            .map_err(|e| self.error(301, format!("{what}: {}", io_words(&e))))?;
+            .map_err(|e| Error::read(&self.input, ReadFault::CannotOpen(format!("{what}: {}", io_words(&e)))))?;
         Ok(bytes)
     }
 
@@ -151,7 +161,7 @@ impl TiffSource {
         let head = self.bytes(offset, count_len, "the image directory")?;
         let n_entries = if self.big_tiff { self.u64(&head) } else { u64::from(self.u16(&head)) };
         if n_entries == 0 || n_entries > 65_535 {
-            return Err(self.error(302, format!("the image directory has {n_entries} tags, wanted 1 to 65535")));
+            return Err(self.malformed(format!("the image directory has {n_entries} tags, wanted 1 to 65535")));
         }
         let entries_at = offset + count_len;
         let table = self.bytes(entries_at, n_entries * entry_len, "the image directory")?;
@@ -217,7 +227,7 @@ impl Directory {
         let Some(&Entry { kind, count, value_at }) = self.entries.get(&tag) else { return Ok(None) };
         let Some(len) = count.checked_mul(kind_len(kind)).filter(|len| *len > 0) else {
             let text = format!("tag {tag} holds {count} values of field type `{kind}`, which cannot be read");
-            return Err(source.error(302, text));
+            return Err(source.malformed(text));
         };
         Ok(Some((kind, source.bytes(value_at, len, &format!("tag {tag}"))?)))
     }
@@ -232,7 +242,7 @@ impl Directory {
             16 | 18 => bytes.chunks_exact(8).map(|b| source.u64(b)).collect(),
             _ => {
                 let text = format!("tag {tag} has field type `{kind}`, wanted an unsigned integer");
-                return Err(source.error(302, text));
+                return Err(source.malformed(text));
             }
         };
         Ok(Some(values))
@@ -245,7 +255,7 @@ impl Directory {
             Some([value]) => Ok(Some(*value)),
             Some(values) => {
                 let text = format!("tag {tag} holds {} values, wanted one", values.len());
-                Err(source.error(302, text))
+                Err(source.malformed(text))
             }
         }
     }
@@ -256,14 +266,14 @@ impl Directory {
         match kind {
             11 => Ok(Some(bytes.chunks_exact(4).map(|b| f64::from(f32::from_bits(source.u32(b)))).collect())),
             12 => Ok(Some(bytes.chunks_exact(8).map(|b| f64::from_bits(source.u64(b))).collect())),
-            _ => Err(source.error(302, format!("tag {tag} has field type `{kind}`, wanted floating point"))),
+            _ => Err(source.malformed(format!("tag {tag} has field type `{kind}`, wanted floating point"))),
         }
     }
 
     /// The text of an ASCII tag up to its first NUL.
     pub(super) fn text(&self, source: &mut TiffSource, tag: u16) -> Result<Option<String>> {
         if self.entries.get(&tag).is_some_and(|e| e.count > MAX_TEXT_BYTES) {
-            return Err(source.error(302, format!("tag {tag} is a text of more than {MAX_TEXT_BYTES} bytes")));
+            return Err(source.malformed(format!("tag {tag} is a text of more than {MAX_TEXT_BYTES} bytes")));
         }
         let Some((_, bytes)) = self.raw(source, tag)? else { return Ok(None) };
         let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());

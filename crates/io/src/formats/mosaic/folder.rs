@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, Pair, ReadFault, Result, Wanted, Warning, two_crs};
 use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
@@ -36,7 +36,7 @@ impl Mosaic {
         let named = headers.iter().find(|header| header.georef.crs().is_some());
         for other in &headers[1..] {
             if let Some(named) = named {
-                refuse_other_crs(path, named, other)?;
+                refuse_other_crs(named, other)?;
             }
             refuse_other_grid(path, first, other)?;
         }
@@ -93,8 +93,7 @@ fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 fn no_tiles(folder: &Path) -> Error {
-    let text = format!("cannot read `{}`: a folder without .tif, .tiff or .asc files, wanted tiles", folder.display());
-    Error::file(308, text).with_hint("folders in it are not looked into: name the one that holds the tiles")
+    Error::read(folder.display(), ReadFault::Nothing(Wanted::Tiles))
 }
 
 /// West and north edge of a grid in cells of another one, east and south of its north-west corner.
@@ -105,23 +104,11 @@ fn cells_from(reference: &GeoRef, grid: &GeoRef) -> (f64, f64) {
     )
 }
 
-/// The refusal of two tiles that do not belong together.
-fn refusal(folder: &Path, (first, other): (&Header, &Header), code: u16, (found, wanted): (&str, &str)) -> Error {
-    let text = format!(
-        "cannot put `{}` together: `{}` and `{}` {found}, wanted {wanted}",
-        folder.display(),
-        first.tile.path.display(),
-        other.tile.path.display()
-    );
-    Error::file(code, text)
-}
-
-fn refuse_other_crs(folder: &Path, first: &Header, other: &Header) -> Result<()> {
+fn refuse_other_crs(first: &Header, other: &Header) -> Result<()> {
     match (first.georef.crs(), other.georef.crs()) {
         (Some(a), Some(b)) if !a.same_as(b) => {
-            let found = format!("are in {} and {}", a.label(), b.label());
-            let hint = format!("gdalwarp -t_srs {} {} tile_reprojected.tif", a.label(), other.tile.path.display());
-            Err(refusal(folder, (first, other), 311, (&found, "one CRS")).with_hint(hint))
+            let [one, two] = [first, other].map(|header| header.tile.path.display());
+            Err(two_crs((one, a), (two, b), Pair::Tiles))
         }
         _ => Ok(()),
     }
@@ -131,8 +118,9 @@ fn refuse_other_crs(folder: &Path, first: &Header, other: &Header) -> Result<()>
 fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()> {
     let (one, two) = (&first.georef, &other.georef);
     let refuse = |found: String, wanted: &str| {
-        let hint = "`gdalbuildvrt ALL.vrt FILE …`, then `gdal_translate ALL.vrt ALL.tif`, brings them onto one grid";
-        Err(refusal(folder, (first, other), 307, (&found, wanted)).with_hint(hint))
+        let [a, b] = [first, other].map(|header| header.tile.path.display());
+        let what = format!("its tiles `{a}` and `{b}` {found}, wanted {wanted}");
+        Err(Error::read(folder.display(), ReadFault::Irregular(what)).because(Cause::OtherGrid))
     };
     let drift = |a: f64, b: f64, n: usize| (a - b).abs() * n as f64 > MAX_SHIFT_CELLS * a;
     if drift(one.cell_width(), two.cell_width(), two.n_cols())
@@ -166,11 +154,8 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     let (width, height) = (first.cell_width(), first.cell_height());
     let (n_cols, n_rows) = (((x_max - x_min) / width).round(), ((y_max - y_min) / height).round());
     let too_far = || {
-        let text = format!(
-            "cannot put `{}` together: its tiles lie in {n_cols} columns x {n_rows} rows, wanted at most {MAX_SIDE} a side",
-            folder.display()
-        );
-        Error::limit(501, text).with_hint("is there a tile of another place in the folder?")
+        let what = format!("its tiles lie in {n_cols} columns x {n_rows} rows, wanted at most {MAX_SIDE} a side");
+        Error::read(folder.display(), ReadFault::Memory(what)).because(Cause::FarTile)
     };
     if !(n_cols <= MAX_SIDE && n_rows <= MAX_SIDE) {
         return Err(too_far());

@@ -315,9 +315,7 @@ impl Tile {
                 if (n_rows, n_cols, tiff.nodata().map(f64::to_bits))
                     != (self.n_rows, self.n_cols, self.numbers.nodata.map(f64::to_bits))
                 {
-                    let text =
-                        format!("cannot read `{}`: the file has changed since it was opened", self.path.display());
-                    return Err(Error::file(303, text));
+                    return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
                 }
                 tiff.for_each_stored(band, window, visit)
             }

@@ -13,10 +13,10 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::covered::n_covered_cells;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
 use super::vrt_source::Source;
-use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of, translate_hint};
+use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, Pair, ReadFault, Result, Warning, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::sample::Sample;
 use crate::input::cannot_read;
@@ -58,13 +58,11 @@ impl Mosaic {
         let this = std::fs::canonicalize(path).map_err(|e| cannot_read(&path.into(), &e))?;
         let Nesting { ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
-            let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());
-            return Err(Error::file(302, text));
+            return Err(Error::malformed(path.display(), "it is a source of itself, wanted rasters"));
         }
         if ancestors.len() >= MAX_DEPTH {
-            let text =
-                format!("cannot read `{}`: virtual rasters in each other more than {MAX_DEPTH} deep", path.display());
-            return Err(Error::file(304, text).with_hint(translate_hint(path)));
+            let what = format!("virtual rasters in each other more than {MAX_DEPTH} deep");
+            return Err(Error::unsupported(path.display(), what).because(Cause::ForGdal));
         }
         let ancestors: Vec<PathBuf> = ancestors.iter().cloned().chain([this]).collect();
         let xml = read_xml(path)?;
@@ -73,11 +71,8 @@ impl Mosaic {
         // A file that many name which many name is opened for each.
         let is_nested = ancestors.len() > 1;
         if is_nested && n_opened.fetch_add(paths.len(), Ordering::Relaxed) + paths.len() > MOST_NESTED_FILES {
-            let text = format!(
-                "cannot read `{}`: virtual rasters in each other with more than {MOST_NESTED_FILES} sources",
-                path.display()
-            );
-            return Err(Error::limit(502, text).with_hint(translate_hint(path)));
+            let what = format!("virtual rasters in each other with more than {MOST_NESTED_FILES} sources");
+            return Err(Error::read(path.display(), ReadFault::TooMany(what)).because(Cause::ForGdal));
         }
         let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
@@ -144,28 +139,20 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     if !contradicts(wanted, found) {
         return Ok(());
     }
-    let tile = header.tile.path.display();
-    let text = format!(
-        "cannot read `{}`: it is in {}, its source `{tile}` in {}, wanted one CRS",
-        path.display(),
-        wanted.label(),
-        found.label()
-    );
-    Err(Error::file(311, text).with_hint(format!("gdalwarp -t_srs {} {tile} tile_reprojected.tif", wanted.label())))
+    Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
 }
 
 fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Described> {
     refuse_crowds(path, xml)?;
     // Without document types there are no entities to blow up.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(xml, options).map_err(|e| {
-        Error::file(302, format!("cannot read `{}`: {e}, wanted the XML of a virtual raster", path.display()))
-    })?;
+    let document = Document::parse_with_options(xml, options)
+        .map_err(|e| Error::malformed(path.display(), format!("{e}, wanted the XML of a virtual raster")))?;
     let vrt = Vrt { path, document: &document };
     let root = document.root_element();
     if !root.tag_name().name().eq_ignore_ascii_case("VRTDataset") {
         let text = format!("`{}` at the root, wanted `VRTDataset`", root.tag_name().name());
-        return Err(vrt.error(302, root, text));
+        return Err(vrt.malformed(root, text));
     }
     if let Some(kind) = attribute(root, "subClass") {
         return Err(vrt.unsupported(root, format!("it is a `{kind}`")));
@@ -176,7 +163,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     let is_band =
         |node: &Node<'_, '_>| node.is_element() && node.tag_name().name().eq_ignore_ascii_case("VRTRasterBand");
     let mut bands = root.children().filter(is_band);
-    let Some(band) = bands.next() else { return Err(vrt.error(302, root, "it has no `VRTRasterBand`, wanted one")) };
+    let Some(band) = bands.next() else { return Err(vrt.malformed(root, "it has no `VRTRasterBand`, wanted one")) };
     let n_bands = 1 + bands.count();
     if let Some(kind) = attribute(band, "subClass").filter(|kind| !kind.eq_ignore_ascii_case("VRTSourcedRasterBand")) {
         return Err(vrt.unsupported(band, format!("its band is a `{kind}`")));
@@ -186,8 +173,9 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     }
     let georef = placement(vrt, root, warnings)?;
     let type_name = attribute(band, "dataType").unwrap_or("Byte");
-    let numbers = Sample::of_gdal(type_name)
-        .ok_or_else(|| vrt.error(304, band, format!("numbers of type `{type_name}`, wanted integers or floats")))?;
+    let numbers = Sample::of_gdal(type_name).ok_or_else(|| {
+        vrt.error(band, ReadFault::Unsupported(format!("numbers of type `{type_name}`, wanted integers or floats")))
+    })?;
     let declared = match child(band, "NoDataValue") {
         None => None,
         Some(node) if text_of(node).eq_ignore_ascii_case("nan") => Some(f64::NAN),
@@ -217,7 +205,7 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, warnings: &mut Vec<Warning>) -> R
         let text = attribute(root, name).unwrap_or_default();
         let side = text.trim().parse::<u32>().ok().filter(|side| *side > 0 && f64::from(*side) <= MAX_SIDE);
         side.map(|side| side as usize)
-            .ok_or_else(|| vrt.error(302, root, format!("`{name}` is `{text}`, wanted a whole number above 0")))
+            .ok_or_else(|| vrt.malformed(root, format!("`{name}` is `{text}`, wanted a whole number above 0")))
     };
     let (n_rows, n_cols) = (side("rasterYSize")?, side("rasterXSize")?);
     let shown = vrt.path.display();
@@ -243,27 +231,29 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, warnings: &mut Vec<Warning>) -> R
     }
     let Some(node) = child(root, "GeoTransform") else {
         if let Some(list) = child(root, "GCPList") {
-            let error = vrt.error(307, list, "it is placed by ground control points, wanted a regular grid");
-            return Err(error.with_hint("resample it with `gdalwarp IN OUT`"));
+            let what = "it is placed by ground control points, wanted a regular grid";
+            return Err(vrt.error(list, ReadFault::Irregular(what.into())).because(Cause::ControlPoints));
         }
         let text = format!(
             "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
         );
         warnings.push(Warning::new(327, text));
         return GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), crs)
-            .ok_or_else(|| vrt.error(307, root, "its cells are no grid"));
+            .ok_or_else(|| vrt.error(root, ReadFault::Irregular("its cells are no grid".into())));
     };
     let numbers: Vec<f64> =
         text_of(node).split(',').map(|text| vrt.number(node, "GeoTransform", text)).collect::<Result<_>>()?;
     let [x_min, width, shear_x, y_max, shear_y, height] = *numbers.as_slice() else {
-        return Err(vrt.error(302, node, format!("`GeoTransform` has {} numbers, wanted 6", numbers.len())));
+        return Err(vrt.malformed(node, format!("`GeoTransform` has {} numbers, wanted 6", numbers.len())));
     };
     let (off_x, off_y) = ((shear_x * n_rows as f64).abs(), (shear_y * n_cols as f64).abs());
     let is_north_up = width > 0.0 && height < 0.0;
     if !is_north_up || off_x > MAX_SHEAR_CELLS * width || off_y > MAX_SHEAR_CELLS * -height {
-        let error = vrt.error(306, node, format!("`GeoTransform` is `{}`, wanted a north-up raster", text_of(node)));
-        return Err(error.with_hint("resample it with `gdalwarp IN OUT`, which makes it north-up"));
+        return Err(vrt.error(
+            node,
+            ReadFault::Rotated(format!("`GeoTransform` is `{}`, wanted a north-up raster", text_of(node))),
+        ));
     }
     GeoRef::new((x_min, y_max), (width, -height), (n_rows, n_cols), crs)
-        .ok_or_else(|| vrt.error(307, node, "`GeoTransform` gives no regular grid"))
+        .ok_or_else(|| vrt.error(node, ReadFault::Irregular("`GeoTransform` gives no regular grid".into())))
 }

@@ -1,11 +1,12 @@
 //! The XML of a virtual raster: read within limits, and what is said of a place in it.
 
+use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
 use roxmltree::{Document, Node};
 
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, Place, ReadFault, Result};
 use crate::input::{Input, cannot_read};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
@@ -16,20 +17,13 @@ pub(super) fn read_xml(path: &Path) -> Result<String> {
     let input = Input::path(path);
     let (file, len) = input.open()?;
     if len > MAX_XML_BYTES {
-        let text =
-            format!("cannot read `{}`: {len} bytes of XML, wanted at most {} MiB", path.display(), MAX_XML_BYTES >> 20);
-        return Err(Error::limit(501, text));
+        let what = format!("{len} bytes of XML, wanted at most {} MiB", MAX_XML_BYTES >> 20);
+        return Err(Error::read(&input, ReadFault::Memory(what)));
     }
     let mut bytes = Vec::new();
     file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(&input, &e))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| Error::file(302, format!("cannot read `{}`: {e}, wanted XML in UTF-8", path.display())))?;
+    let text = String::from_utf8(bytes).map_err(|e| Error::malformed(&input, format!("{e}, wanted XML in UTF-8")))?;
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
-}
-
-/// The way out where GDAL can do what is not done here.
-pub(super) fn translate_hint(path: &Path) -> String {
-    format!("let GDAL make one raster of it: `gdal_translate {} OUT.tif`", path.display())
 }
 
 /// An XML being read, for what is said of it.
@@ -41,21 +35,26 @@ pub(super) struct Vrt<'a> {
 
 impl Vrt<'_> {
     /// An error at the line of an element.
-    pub(super) fn error(&self, code: u16, at: Node<'_, '_>, text: impl AsRef<str>) -> Error {
+    pub(super) fn error(&self, at: Node<'_, '_>, fault: ReadFault) -> Error {
         let line = self.document.text_pos_at(at.range().start).row;
-        Error::file(code, format!("cannot read `{}`: line {line}: {}", self.path.display(), text.as_ref()))
+        Error::read(self.path.display(), fault).at(Place::Line(line.into()))
     }
 
-    /// An error about what GDAL does and this program does not.
-    pub(super) fn unsupported(&self, at: Node<'_, '_>, found: impl AsRef<str>) -> Error {
-        let text = format!("{}, wanted sources that are copied cell by cell", found.as_ref());
-        self.error(304, at, text).with_hint(translate_hint(self.path))
+    /// E302, at the line of an element.
+    pub(super) fn malformed(&self, at: Node<'_, '_>, what: impl Into<String>) -> Error {
+        self.error(at, ReadFault::Malformed(what.into()))
+    }
+
+    /// E304: what GDAL does and this program does not.
+    pub(super) fn unsupported(&self, at: Node<'_, '_>, found: impl Display) -> Error {
+        let what = format!("{found}, wanted sources that are copied cell by cell");
+        self.error(at, ReadFault::Unsupported(what)).because(Cause::ForGdal)
     }
 
     /// The number that an element or attribute holds.
     pub(super) fn number(&self, at: Node<'_, '_>, name: &str, text: &str) -> Result<f64> {
         let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| self.error(302, at, format!("`{name}` is `{text}`, wanted a finite number")))
+        number.ok_or_else(|| self.malformed(at, format!("`{name}` is `{text}`, wanted a finite number")))
     }
 
     /// The number of a child element, if there is such an element.
@@ -110,11 +109,9 @@ pub(super) fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
         let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
         n_namespaces += tag.matches("xmlns").count();
         if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
-            let text = format!(
-                "cannot read `{}`: more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster",
-                path.display()
-            );
-            return Err(Error::limit(502, text));
+            let what =
+                format!("more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster");
+            return Err(Error::read(path.display(), ReadFault::TooMany(what)));
         }
         rest = after;
     }

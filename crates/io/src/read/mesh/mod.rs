@@ -17,7 +17,7 @@ use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::systems::refuse_degrees;
 use crate::city::City;
 use crate::crs::InputKind;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, ReadFault, Result, Wanted, Warning};
 use crate::input::Input;
 use crate::quantity::{VOID, counted};
 
@@ -42,12 +42,11 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
     let bad = mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite()));
     if let Some(k) = bad {
-        let text = format!("cannot read {}: vertex number {k}, counted from 0, is not three finite numbers", input);
-        return Err(Error::file(302, text));
+        let what = format!("vertex number {k}, counted from 0, is not three finite numbers");
+        return Err(Error::malformed(input, what));
     }
     let Some(bounds) = mesh.bounds() else {
-        return Err(Error::file(308, format!("cannot use {}: it holds no face", input))
-            .with_hint("of a cloud of points make a raster first"));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Faces)));
     };
     let crs = options.surface.crs.as_ref();
     match crs {
@@ -65,8 +64,7 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     let surface = top_surface::top_surface(input, &mesh, &grid)?;
     let n_empty = surface.cells().iter().filter(|z| **z == VOID).count();
     if n_empty == surface.cells().len() {
-        let text = format!("cannot use {}: no face covers a cell of the grid, {}", input, grid.description());
-        return Err(Error::file(312, text).with_hint("check `--extent`; a mesh with y up has to be turned first"));
+        return Err(Error::read(input, ReadFault::NoFaceInGrid(grid.description())));
     }
     if n_empty > 0 {
         let is_known = options.surface.terrain.is_some() || options.surface.ground_m.is_some();

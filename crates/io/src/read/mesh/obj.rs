@@ -4,7 +4,7 @@
 //! Wavefront, Advanced Visualizer manual, appendix B1 (1995): negative numbers count from the last vertex.
 
 use super::faces::Mesh;
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::input::Input;
 
 /// Reads the vertices and faces of a file.
@@ -23,8 +23,8 @@ pub(super) fn read(input: &Input) -> Result<Mesh> {
             statement.push_str(more);
         }
         add(&mut mesh, &statement).map_err(|found| {
-            let text = format!("cannot read {}: line {}: {found}, wanted a Wavefront OBJ mesh", input, k + 1);
-            Error::file(302, text)
+            let what = format!("{found}, wanted a Wavefront OBJ mesh");
+            Error::malformed(input, what).at(Place::Line(k as u64 + 1))
         })?;
     }
     Ok(mesh)

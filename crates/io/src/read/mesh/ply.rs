@@ -14,7 +14,7 @@ use crate::input::Input;
 
 /// Reads the vertices and faces of a file.
 pub(super) fn read(input: &Input) -> Result<Mesh> {
-    let wrong = |found: String| Error::file(302, format!("cannot read {}: {found}, wanted a PLY mesh", input));
+    let wrong = |found: String| Error::malformed(input, format!("{found}, wanted a PLY mesh"));
     let (file, length) = input.open()?;
     let mut reader = Reader::new(BufReader::new(file));
     let parser = Parser::<Element>::new();

@@ -6,7 +6,7 @@
 //! (Newell's normal through its first corner), its height kept within that of its corners.
 
 use super::faces::Mesh;
-use crate::error::{Error, Result};
+use crate::error::{Error, HeightOf, ReadFault, Result};
 use crate::formats::reserve_cells;
 use crate::input::Input;
 use crate::quantity::{Frame, STEPS_PER_UNIT, VOID, height_steps};
@@ -34,10 +34,8 @@ pub(super) fn top_surface(input: &Input, mesh: &Mesh, grid: &GeoRef) -> Result<R
     for face in mesh.faces() {
         corners.clear();
         for [x, y, z] in face {
-            let z = height_steps(z).ok_or_else(|| {
-                let text = format!("cannot use {}: a vertex has height `{z}` m, wanted within ±32768 m", input);
-                Error::site(205, text)
-            })?;
+            let beyond = || Error::read(input, ReadFault::HeightRange(HeightOf::Vertex, z));
+            let z = height_steps(z).ok_or_else(beyond)?;
             let (x, y) = frame.lattice_from_world(x, y);
             corners.push(Corner { x, y, z });
         }

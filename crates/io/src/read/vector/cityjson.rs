@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 
 use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use super::rings::doubled_area;
-use crate::error::{Error, Result};
+use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
 
 /// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
@@ -35,10 +35,7 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         return Err(wrong("no `CityObjects`"));
     };
     if objects.is_empty() {
-        let text = format!("cannot use {}: its `CityObjects` are empty", input);
-        return Err(
-            Error::file(308, text).with_hint("a file of one object a line holds them further down: `cjseq collect`")
-        );
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::CityObjects)));
     }
     let mut features = Vec::new();
     for (id, object) in objects {

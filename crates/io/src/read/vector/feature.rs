@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
 use crate::raster::Crs;
 
@@ -88,7 +88,7 @@ impl Property {
 
 /// E302: the file is not what its name says.
 pub(super) fn malformed(input: &Input, found: &str, wanted: &str) -> Error {
-    Error::file(302, format!("cannot read {}: {found}, wanted {wanted}", input))
+    Error::malformed(input, format!("{found}, wanted {wanted}"))
 }
 
 /// The CRS that a text in a file describes.
@@ -99,10 +99,8 @@ pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
     if text.trim().is_empty() {
         return Ok(None);
     }
-    crs::parse(text).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its coordinate reference system: {e}", input))
-            .with_hint("override it with `--crs EPSG:n`")
-    })
+    let said = || "its coordinate reference system".to_string();
+    crs::parse(text).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
 }
 
 /// West, south, east, north of polygons; `None` if they have no position.

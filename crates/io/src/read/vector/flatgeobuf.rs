@@ -17,7 +17,7 @@ use flatgeobuf::{
 };
 
 use super::feature::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, Result};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
 
@@ -81,8 +81,7 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
             }
             let announced = header.features_count();
             if announced != 0 && announced != number {
-                let text = format!("cannot read {}: it ends after {number} of {announced} features", input);
-                return Err(Error::file(303, text));
+                return Err(Error::truncated(input, format!("it ends after {number} of {announced} features")));
             }
         }
     }
@@ -108,9 +107,8 @@ impl Source<'_> {
     fn take(&mut self, n: u64) -> Result<Vec<u8>> {
         let left = self.length.saturating_sub(self.at);
         if n > left {
-            let text =
-                format!("cannot read {}: at byte {} it announces {n} bytes, but {left} are left", self.input, self.at);
-            return Err(Error::file(303, text).with_hint("the file is cut off or damaged: copy it again"));
+            let what = format!("at byte {} it announces {n} bytes, but {left} are left", self.at);
+            return Err(Error::truncated(self.input, what).because(Cause::CutShort));
         }
         let mut bytes = Vec::new();
         Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.input, &e))?;

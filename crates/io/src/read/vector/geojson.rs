@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::feature::{self, FeatureSet, Polygon, Property};
 use crate::crs;
-use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
 use crate::input::Input;
 use crate::raster::Crs;
 
@@ -20,13 +20,13 @@ pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
     let text = input.text("GeoJSON text")?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     if text.trim().is_empty() {
-        return Err(Error::file(302, format!("cannot read {input}: the file is empty, wanted GeoJSON")));
+        return Err(Error::malformed(input, "the file is empty, wanted GeoJSON"));
     }
     serde_json::from_str(text).map_err(|e| {
         let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
-        let error = Error::file(302, format!("cannot read {input}: {found}, wanted one GeoJSON document"));
+        let error = Error::malformed(input, format!("{found}, wanted one GeoJSON document"));
         if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
-            error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
+            error.because(Cause::FeatureALine)
         } else {
             error
         }
@@ -43,9 +43,7 @@ fn is_one_feature_a_line(text: &str) -> bool {
 /// # Errors
 /// If the document is none of these.
 pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Value>> {
-    let wrong = |found: String| {
-        Error::file(302, format!("cannot read {input}: found {found}, wanted a GeoJSON FeatureCollection"))
-    };
+    let wrong = |found: String| Error::malformed(input, format!("found {found}, wanted a GeoJSON FeatureCollection"));
     let Value::Object(mut object) = document else {
         return Err(wrong(format!("{} at the top level", kind_of(&document))));
     };
@@ -77,13 +75,10 @@ pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Opti
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
         let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
-        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input);
-        return Err(Error::file(310, text).with_hint("say it with `--crs EPSG:n`"));
+        return Err(Error::read(input, ReadFault::CrsMember(kind.to_string())));
     };
-    crs::parse(name).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input))
-            .with_hint("override it with `--crs EPSG:n`")
-    })
+    let said = || format!("its `crs` is `{name}`");
+    crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
 }
 
 /// The features of a GeoJSON document.
@@ -93,8 +88,8 @@ pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<Fea
     let mut found = Vec::new();
     for (number, value) in features(input, document)?.into_iter().enumerate() {
         let refuse = |found: String| {
-            let text = format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", input, number + 1);
-            Error::file(302, text)
+            let what = format!("{found}, wanted a GeoJSON feature");
+            Error::malformed(input, what).at(Place::Feature(number as u64 + 1))
         };
         let feature: Feature =
             serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;

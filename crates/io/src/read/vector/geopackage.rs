@@ -15,7 +15,7 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use super::wkb::polygons_of;
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, ReadFault, Result, Wanted};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
 
@@ -25,8 +25,7 @@ const SQLITE_HEADER_BYTES: u64 = 100;
 /// Reads the features of a table, of the only one where no `layer` is named.
 pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     if input.is_held() {
-        let text = format!("cannot read {input}: SQLite reads a GeoPackage from a file, wanted its path");
-        return Err(Error::file(304, text));
+        return Err(Error::unsupported(input, "SQLite reads a GeoPackage from a file, wanted its path"));
     }
     let (file, length) = input.open()?;
     refuse_open_changes(input)?;
@@ -43,9 +42,7 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     let layer = chosen(input, layer, &layers)?;
     let table = Table::of(&database, layer).map_err(broken)?;
     let Some(table) = table else {
-        let text = format!("cannot read {}: layer `{layer}` is no table with a geometry column", input);
-        return Err(Error::file(304, text)
-            .with_hint(format!("write a view as a table: `ogr2ogr table.gpkg {} {layer}`", input)));
+        return Err(Error::read(input, ReadFault::NoTable(layer.to_string())));
     };
     let features = table.features(input, &database, length)?;
     let crs = crs(input, &database, table.srs);
@@ -72,8 +69,8 @@ fn refuse_views(input: &Input, database: &Connection) -> rusqlite::Result<Result
 /// A database that another program holds open keeps its last changes in a file beside it.
 fn refuse_open_changes(input: &Input) -> Result<()> {
     if let Some(beside) = input.with_suffix("-wal").filter(|changes| changes.len() > 0) {
-        let text = format!("cannot read {}: {beside} holds changes that are not in it yet", input);
-        return Err(Error::file(304, text).with_hint("close the program that has it open"));
+        let what = format!("{beside} holds changes that are not in it yet");
+        return Err(Error::unsupported(input, what).because(Cause::OpenDatabase));
     }
     Ok(())
 }
@@ -91,8 +88,8 @@ fn refuse_cut_off(input: &Input, file: Reader, length: u64) -> Result<()> {
         bytes => u64::from(bytes),
     };
     if u64::from(n_pages) * page > length {
-        let text = format!("cannot read {}: it ends after {length} bytes of {n_pages} pages of {page}", input);
-        return Err(Error::file(303, text).with_hint("the file is cut off: copy it again"));
+        let what = format!("it ends after {length} bytes of {n_pages} pages of {page}");
+        return Err(Error::truncated(input, what).because(Cause::CutShort));
     }
     Ok(())
 }
@@ -120,20 +117,14 @@ fn layers(database: &Connection) -> rusqlite::Result<Vec<String>> {
 }
 
 fn chosen<'a>(input: &Input, asked: Option<&'a str>, layers: &'a [String]) -> Result<&'a str> {
-    let listed = || layers.iter().map(|l| format!("`{l}`")).collect::<Vec<_>>().join(", ");
-    match (asked, layers) {
-        (Some(asked), layers) if layers.iter().any(|l| l == asked) => Ok(asked),
-        (_, []) => Err(Error::file(308, format!("cannot use {}: it holds no table of features", input))),
-        (Some(asked), _) => {
-            let text = format!("cannot read {}: it has no layer `{asked}`, wanted one of {}", input, listed());
-            Err(Error::usage(108, text))
-        }
-        (None, [only]) => Ok(only),
-        (None, _) => {
-            let text = format!("cannot choose a layer of {}: it has {}", input, listed());
-            Err(Error::usage(108, text).with_hint("`--layer NAME` says which"))
-        }
-    }
+    let fault = match (asked, layers) {
+        (Some(asked), layers) if layers.iter().any(|l| l == asked) => return Ok(asked),
+        (None, [only]) => return Ok(only),
+        (_, []) => ReadFault::Nothing(Wanted::Layers),
+        (Some(asked), _) => ReadFault::NoLayer(asked.to_string(), layers.to_vec()),
+        (None, _) => ReadFault::Layers(layers.to_vec()),
+    };
+    Err(Error::read(input, fault))
 }
 
 /// A table of features.

@@ -17,9 +17,9 @@ mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
 
-#[cfg(not(feature = "geopackage"))]
-use crate::error::Error;
 use crate::error::Result;
+#[cfg(not(feature = "geopackage"))]
+use crate::error::{Cause, Error, Result};
 use crate::input::Input;
 
 /// The format of a file of vector data.
@@ -74,8 +74,7 @@ pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<F
         VectorFormat::GeoPackage => geopackage::read(input, selection.layer),
         #[cfg(not(feature = "geopackage"))]
         VectorFormat::GeoPackage => {
-            let text = format!("cannot read {}: this build reads no GeoPackage", input);
-            Err(Error::file(304, text).with_hint("convert it, for example with `ogr2ogr city.fgb city.gpkg`"))
+            Err(Error::unsupported(input, "this build reads no GeoPackage").because(Cause::NotBuilt))
         }
     }
 }

@@ -13,7 +13,7 @@ use shapefile::{PolygonRing, Shape, ShapeReader};
 
 use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use super::rings::assembled;
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::Input;
 
 /// Most characters of a column's name in a `.dbf`.
@@ -28,14 +28,8 @@ const HEADER_BYTES: usize = 100;
 /// Reads a shapefile with its sidecar files.
 pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     let shp = input.read()?;
-    let shx = input.beside("shx").ok_or_else(|| {
-        missing(input, "shx", "its index")
-            .with_hint(format!("copy it too, or make it anew: `ogrinfo --config SHAPE_RESTORE_SHX YES {}`", input))
-    })?;
-    let dbf = input.beside("dbf").ok_or_else(|| {
-        missing(input, "dbf", "the table with its heights")
-            .with_hint("a shapefile is .shp, .shx, .dbf and .prj together")
-    })?;
+    let shx = input.beside("shx").ok_or_else(|| missing(input, "shx", "its index"))?;
+    let dbf = input.beside("dbf").ok_or_else(|| missing(input, "dbf", "the table with its heights"))?;
     let shx = shx.read()?;
     check_index(input, &shx, shp.len())?;
     let broken = |e: shapefile::Error| malformed(input, &e.to_string(), "a shapefile");
@@ -56,13 +50,12 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     }
     let rows = table(input, &dbf)?;
     if shapes.len() != n_indexed || shapes.len() != rows.len() {
-        let text = format!(
-            "cannot read {}: it holds {} shapes, its index {n_indexed} and its table {} rows, wanted as many of each",
-            input,
+        let what = format!(
+            "it holds {} shapes, its index {n_indexed} and its table {} rows, wanted as many of each",
             shapes.len(),
             rows.len()
         );
-        return Err(Error::file(303, text).with_hint("copy its files again, all from one place"));
+        return Err(Error::truncated(input, what).because(Cause::MixedFiles));
     }
     let features = shapes.into_iter().zip(rows);
     let features = features.map(|(polygons, properties)| Feature { polygons, properties, ..Feature::default() });
@@ -73,9 +66,9 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     Ok(FeatureSet { crs, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
 }
 
-fn missing(input: &Input, extension: &str, what: &str) -> Error {
+fn missing(input: &Input, extension: &str, holds: &'static str) -> Error {
     let wanted = input.as_path().with_extension(extension);
-    Error::file(301, format!("cannot read {}: {} is missing, {what}", input, wanted.display()))
+    Error::read(input, ReadFault::NoSidecar(wanted.display().to_string(), holds))
 }
 
 /// Refuses an index whose records would be more than the file: it could have one shape read many times.
@@ -97,8 +90,7 @@ fn polygons_of(input: &Input, shape: Shape) -> Result<Vec<Polygon>> {
         Shape::PolygonM(polygon) => Ok(rings_of(&polygon)),
         Shape::PolygonZ(polygon) => Ok(rings_of(&polygon)),
         Shape::Multipatch(_) => {
-            let text = format!("cannot read {}: it holds multipatches, wanted polygons", input);
-            Err(Error::file(304, text).with_hint("give the buildings as CityJSON, or as a mesh in .obj or .ply"))
+            Err(Error::unsupported(input, "it holds multipatches, wanted polygons").because(Cause::Multipatch))
         }
         _ => Ok(Vec::new()),
     }
