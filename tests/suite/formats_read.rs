@@ -281,7 +281,8 @@ fn each_bad_ascii_grid_is_refused_with_its_line() {
     }
     let commas = scratch.file("commas.asc", format!("{HEADER}1 2 3\n4 5,5 6\n"));
     let error = read(&commas).err().expect("decimal commas are refused");
-    assert_eq!(error.hint(), Some("replace the decimal commas by points"));
+    let Error::Io(skyshed_io::Error::Read(error)) = error else { panic!("{error}") };
+    assert_eq!(error.cause, skyshed_io::error::Cause::DecimalCommas);
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn one_table_of_several_is_read_when_it_is_named() {
     write_geopackage(&folder.join("two.gpkg"), &[("old town", &city[..1]), ("new", &city)]);
     let refused = folder.type_in("info two.gpkg");
     let lines = refused.refused(2);
-    assert_eq!(lines[0], "error[E108]: cannot choose a layer of two.gpkg: it has `old town`, `new`");
+    assert!(lines[0].starts_with("error[E108]") && lines[0].contains("`old town`, `new`"), "{lines:?}");
     assert_eq!(lines[1], "hint: `--layer NAME` says which");
     let buildings = |layer: &str| {
         folder.run(&["info", "two.gpkg", "--layer", layer, "--json", "-q"]).done().json()["buildings"].clone()

@@ -107,9 +107,6 @@ impl Input {
     }
 
     /// Opens it for reading in any order, and says how long it is \[bytes\].
-    ///
-    /// # Errors
-    /// E301 if it is no file, or cannot be opened.
     pub(crate) fn open(&self) -> Result<(Reader, u64)> {
         if let Some(held) = &self.held {
             return Ok((Reader::Held(Cursor::new(Arc::clone(&held.bytes))), held.bytes.len() as u64));
@@ -127,9 +124,6 @@ impl Input {
     }
 
     /// All bytes; those of standard input are kept, since they can be read once.
-    ///
-    /// # Errors
-    /// E301 if it cannot be read.
     pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
         static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
         if let Some(held) = &self.held {
@@ -147,9 +141,6 @@ impl Input {
     }
 
     /// All text; `wanted` says what it was to be, for a message.
-    ///
-    /// # Errors
-    /// E301 if it cannot be read, E302 if it is not UTF-8.
     pub(crate) fn text(&self, wanted: &str) -> Result<String> {
         String::from_utf8(self.read()?.into_owned()).map_err(|e| {
             let place = e.utf8_error().valid_up_to();

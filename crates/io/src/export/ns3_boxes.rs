@@ -40,26 +40,3 @@ fn box_of(footprint: &Footprint) -> Option<[i32; 4]> {
     let side = |a: i32, b: i32| i64::from(b) - i64::from(a);
     (doubled.abs() == 2 * side(west, east) * side(south, north)).then_some([west, south, east, north])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const FRAME: Frame = Frame { x_origin: 100.0, y_origin: 200.0, unit_x: 1.0, unit_y: 1.0 };
-
-    fn footprint(corners: &[[i32; 2]]) -> Footprint {
-        let ring = corners.iter().map(|p| p.map(|v| v * 512)).collect();
-        Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 20 * 1024 + 512, base: Some(-1024) }
-    }
-
-    #[test]
-    fn a_rectangle_is_its_six_numbers_and_anything_else_is_refused() {
-        // A corner on a side, and clockwise.
-        let five = footprint(&[[0, 0], [0, 4], [3, 4], [6, 4], [6, 0]]);
-        let rows = ns3_boxes(std::slice::from_ref(&five), FRAME, Path::new("b.csv")).unwrap();
-        assert_eq!(rows[1].join(","), "100,103,200,202,-1,20.5");
-        let notched = footprint(&[[0, 0], [6, 0], [6, 4], [3, 4], [3, 3], [0, 3]]);
-        let error = ns3_boxes(&[five, notched], FRAME, Path::new("b.csv")).unwrap_err().to_string();
-        assert!(error.contains("1 of 2 footprints"), "{error}");
-    }
-}

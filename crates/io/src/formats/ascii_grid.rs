@@ -119,9 +119,6 @@ impl AsciiGrid {
     }
 
     /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
-    ///
-    /// # Errors
-    /// If a value is no number, or there are too few or too many values.
     pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let (mut file, _) = self.input.open()?;
         file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.input, &e))?;
@@ -421,23 +418,6 @@ pub fn write_ascii_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_written_grid_has_the_keys_of_gdal() {
-        let georef = GeoRef::new((10.0, 26.0), (1.0, 2.0), (2, 3), None).expect("a valid grid");
-        let mut out = Vec::new();
-        let values = [0.1, -2.0, f64::NAN, 3.25, 1e-7, f64::INFINITY];
-        write_ascii_grid(&mut out, &georef, -9999.0, values.into_iter(), None).expect("memory");
-        assert_eq!(
-            String::from_utf8_lossy(&out),
-            "ncols        3\nnrows        2\nxllcorner    10\nyllcorner    22\ndx           1\ndy           2\n\
-             NODATA_value -9999\n0.1 -2 -9999\n3.25 0.0000001 -9999\n"
-        );
-        let mut out = Vec::new();
-        let georef = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 1), None).expect("a valid grid");
-        write_ascii_grid(&mut out, &georef, -1.0, [2.675].into_iter(), Some(2)).expect("memory");
-        assert!(String::from_utf8_lossy(&out).ends_with("cellsize     1\nNODATA_value -1\n2.67\n"));
-    }
 
     #[test]
     fn a_grid_is_not_written_with_a_wrong_number_of_values() {

@@ -139,28 +139,6 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_of_square_cells_has_the_diagonal_of_its_source() {
-        let source = degrees(11.5, 48.2);
-        let (utm, way, back) = ways(32632, (11.53, 48.18));
-        let grid = suggested_grid(&source, &way, utm).unwrap().unwrap();
-        // 0.06° × cos 48.18° are 4.46 km, 0.04° are 4.45 km; turned by 1.9°. 72.1 cells diagonally.
-        assert!((grid.cell_width() - 89.0).abs() < 2.5 && grid.cell_width().to_bits() == grid.cell_height().to_bits());
-        let sources = CellSources::new(&grid, &source, &back).unwrap();
-        // The corners are empty, the rest is not.
-        assert!((20..200).contains(&sources.n_outside()), "{}", sources.n_outside());
-        let ids: Vec<u32> = (0..2400).collect();
-        let half = half_diagonal_through(&source, &way).unwrap();
-        // 0.001° by 0.001° are 74.3 m × 111.2 m, turned a little: a diagonal of 134 m.
-        assert!((half - 67.0).abs() < 1.5, "{half}");
-        for (cell, id) in sources.resampled(&ids, NONE).iter().enumerate().filter(|(_, id)| **id != NONE) {
-            let center = grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols());
-            let id = *id as usize;
-            let of_source = way.apply(source.world_from_cell(id / 60, id % 60)).unwrap();
-            assert!((center.0 - of_source.0).hypot(center.1 - of_source.1) <= half * 1.001);
-        }
-    }
-
-    #[test]
     fn longitudes_a_turn_on_are_the_same_places() {
         let (utm, way, back) = ways(32760, (179.9, -17.0));
         let east = degrees(179.9, -17.0);

@@ -265,22 +265,3 @@ fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
     let tile = Tile { path: path.to_owned(), n_rows, n_cols, numbers, content };
     Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, warnings })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_are_told_apart_by_their_content() {
-        assert_eq!(kind_of(b"II*\0\x08\0\0\0"), Kind::Tiff);
-        assert_eq!(kind_of(b"MM\0+\0\x08\0\0"), Kind::Tiff);
-        assert_eq!(kind_of(b"\r\n  NCOLS 4\nnrows 3\n"), Kind::AsciiGrid);
-        assert_eq!(kind_of(b"\xef\xbb\xbfcellsize 2"), Kind::AsciiGrid);
-        assert_eq!(kind_of(b"\x89PNG\r\n\x1a\n"), Kind::Other("a PNG picture"));
-        assert_eq!(kind_of(b"{\"type\":"), Kind::Other("JSON text"));
-        assert_eq!(kind_of(b"<VRTDataset>"), Kind::VirtualRaster);
-        assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
-        assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
-        assert_eq!(kind_of(b""), Kind::Other("empty"));
-    }
-}

@@ -137,19 +137,3 @@ fn write_values<T: Copy, const N: usize>(
         out.write_all(&bytes)
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_header_is_a_python_literal_of_a_multiple_of_64_bytes() {
-        let header = header("<f4", &[300, 700]);
-        assert_eq!(header.len() % 64, 0);
-        let text = String::from_utf8_lossy(&header[10..]).into_owned();
-        assert!(text.starts_with("{'descr': '<f4', 'fortran_order': False, 'shape': (300, 700), }  "), "{text}");
-        assert!(text.ends_with('\n'));
-        assert!(String::from_utf8_lossy(&super::header("|u1", &[5])).contains("'shape': (5,)"));
-        assert!(String::from_utf8_lossy(&super::header("<U3", &[])).contains("'shape': ()"));
-    }
-}

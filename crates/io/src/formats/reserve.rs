@@ -9,9 +9,6 @@ use crate::raster::GeoRef;
 const MAX_READ_BYTES: u64 = 16 << 30;
 
 /// An empty vector with room for all cells of `georef`.
-///
-/// # Errors
-/// If these are more than may be held in memory.
 pub(crate) fn reserve_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<Vec<T>> {
     check_cells::<T>(name, georef)?;
     let mut cells = Vec::new();
@@ -21,9 +18,6 @@ pub(crate) fn reserve_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<Ve
 }
 
 /// Refuses more cells than may be held in memory.
-///
-/// # Errors
-/// E501.
 pub(super) fn check_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<()> {
     if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
         return Err(too_many_cells::<T>(name, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
@@ -36,17 +30,4 @@ fn too_many_cells<T>(name: &dyn Display, georef: &GeoRef, why: &str) -> Error {
     let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
     let what = format!("{n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
     Error::read(name, ReadFault::Memory(what)).because(Cause::LargeRaster)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn memory_is_checked_before_it_is_taken() {
-        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
-        let error = reserve_cells::<f32>(&"x.tif", &georef).expect_err("too large");
-        assert_eq!(error.code(), "E501");
-        assert!(error.to_string().contains("149.0 GiB"), "{error}");
-    }
 }

@@ -208,31 +208,6 @@ fn read_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> std::io::Resul
 mod tests {
     use super::*;
 
-    #[test]
-    fn windows_hold_what_was_put_whichever_end_comes_first() {
-        let (n_rows, n_cols) = (600, 300);
-        let value = |row: usize, col: usize| i32::try_from(row * 1000 + col).unwrap() - 100_000;
-        let folder = std::env::temp_dir();
-        for from_south in [false, true] {
-            let mut writer = TileStoreWriter::create(&folder, (n_rows, n_cols)).unwrap();
-            for k in 0..n_rows {
-                let row = if from_south { n_rows - 1 - k } else { k };
-                let cells: Vec<i32> = (0..n_cols).map(|col| value(row, col)).collect();
-                writer.put_row(row, &cells).unwrap();
-            }
-            let store = writer.finish().unwrap();
-            let mut cells = Vec::new();
-            for (row, col, rows, cols) in
-                [(0, 0, n_rows, n_cols), (255, 255, 2, 2), (40, 3, 500, 1), (512, 256, 88, 44)]
-            {
-                store.read(CellWindow { row, col, n_rows: rows, n_cols: cols }, &mut cells).unwrap();
-                let expected: Vec<i32> =
-                    (row..row + rows).flat_map(|r| (col..col + cols).map(move |c| value(r, c))).collect();
-                assert_eq!(cells, expected);
-            }
-        }
-    }
-
     #[cfg(unix)]
     #[test]
     fn cells_without_a_height_take_no_room_on_the_disk() {

@@ -108,9 +108,6 @@ impl Voids {
     }
 
     /// Warns of what was odd.
-    ///
-    /// # Errors
-    /// If there was no height at all.
     pub(super) fn report(&self, name: &dyn Display, warnings: &mut Vec<Warning>) -> Result<()> {
         let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
         if self.n_heights == 0 {

@@ -65,9 +65,6 @@ pub(super) enum FoundHeight {
 
 impl Buildings {
     /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
-    ///
-    /// # Errors
-    /// E302 for a coordinate that is not finite, E365 if no feature has the property that heights are read from.
     pub(super) fn of(
         input: &Input,
         set: FeatureSet,
@@ -308,21 +305,5 @@ mod tests {
         assert_eq!(found_height(&Property::Number(100.0), HeightUnit::Feet), FoundHeight::Meters(30.48));
         assert_eq!(found_height(&Property::Text("100 m".into()), HeightUnit::Feet), FoundHeight::Meters(100.0));
         assert_eq!(found_height(&Property::Number(f64::NAN), HeightUnit::Meters), FoundHeight::Missing);
-    }
-
-    #[test]
-    fn storeys_under_the_roof_are_added_and_rings_are_opened() {
-        let word = |name: &str, text: &str| (name.into(), Property::Text(text.into()));
-        let feature = Feature {
-            properties: vec![word("building:levels", "4"), word("roof:levels", "1"), word("building:part", "yes")],
-            ..Feature::default()
-        };
-        let options = FootprintOptions::default();
-        let says = Says { feature: &feature, name_limit: None, options: &options };
-        assert_eq!(says.levels(), Some(5.0));
-        assert!(says.is_part() && !says.is_no_building());
-        let ring = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let closed: Vec<[f64; 2]> = ring.iter().copied().chain([[0.0, 0.0]]).collect();
-        assert_eq!(opened(vec![vec![closed, ring.clone(), vec![]]]), (vec![vec![ring.clone(), ring, vec![]]], 1));
     }
 }

@@ -143,9 +143,6 @@ fn read(
 }
 
 /// Where the ground is known.
-///
-/// # Errors
-/// Those of reading the file of the area.
 fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
     match (&options.data_area, options.extent) {
         (DataAreaChoice::All, _) => Ok(DataArea::All),
@@ -160,9 +157,6 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
 }
 
 /// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
-///
-/// # Errors
-/// E501 for more cells of the terrain than memory holds.
 fn blocking_where_unknown(input: &Input, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
     let from = terrain.georef();
     let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
@@ -203,9 +197,6 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
 /// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
 ///
 /// Without a system of their own, positions that can be degrees are taken for longitude and latitude.
-///
-/// # Errors
-/// E310 if there is no way from the one system to the other, or it is not known what the positions are in.
 fn project(
     input: &Input,
     raw: &mut Buildings,
@@ -364,9 +355,6 @@ impl Making<'_> {
     }
 
     /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
-    ///
-    /// # Errors
-    /// E309 for a missing height, where that is the policy.
     fn height(
         self,
         shaped: &Shaped,
@@ -404,9 +392,6 @@ impl Making<'_> {
     }
 
     /// The top on the lattice.
-    ///
-    /// # Errors
-    /// E205 for one beyond it.
     fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool)) -> Result<i32> {
         let above = if above_datum { Some(0) } else { shaped.base };
         height_steps(height)

@@ -49,9 +49,6 @@ pub(super) struct StoredHeights {
 
 impl<'a> HeightFile<'a> {
     /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
-    ///
-    /// # Errors
-    /// Those of the file; E310 if what it says of its system is not understood and nothing overrides it.
     pub(super) fn open(input: &'a Input, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
         let before = warnings.len();
         let file = RasterFile::open(input, warnings)?;
@@ -82,9 +79,6 @@ impl<'a> HeightFile<'a> {
     }
 
     /// The cells under those of another grid alone; its very cells where the grids agree.
-    ///
-    /// # Errors
-    /// E312 if there are none.
     pub(super) fn under(self, (surface, grid): (&Input, &GeoRef)) -> Result<HeightFile<'a>> {
         let window = self.georef.window_of(grid).or_else(|| self.georef.window_over(grid));
         let window = window.ok_or_else(|| no_terrain_below((surface, grid), (self.input, &self.georef)))?;
@@ -97,18 +91,12 @@ impl<'a> HeightFile<'a> {
     }
 
     /// The same file if its coordinates can be those of a scene as they are.
-    ///
-    /// # Errors
-    /// E310 if they are degrees.
     pub(super) fn in_meters(self, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
         check_grid(self.input, &self.georef, warnings)?;
         Ok(self)
     }
 
     /// Reads all heights.
-    ///
-    /// # Errors
-    /// If the file cannot be read, no cell holds a height, or one holds a height that is out of range.
     pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
         let HeightFile { input, file, window, georef } = self;
         let is_part = window != file.georef().window();
@@ -128,9 +116,6 @@ impl<'a> HeightFile<'a> {
     }
 
     /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
-    ///
-    /// # Errors
-    /// As [`HeightFile::read`], and E401 if there is no room on the disk.
     pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
         let HeightFile { input, file, georef, .. } = self;
         let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
@@ -214,9 +199,6 @@ pub(super) fn warn_of_units(input: &Input, crs: &Crs, warnings: &mut Vec<Warning
 }
 
 /// Checks that a grid can be that of a scene.
-///
-/// # Errors
-/// E310 if it is in degrees.
 pub(super) fn check_grid(input: &Input, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
     let Some(crs) = georef.crs() else { return Ok(()) };
     refuse_degrees(input, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;

@@ -15,9 +15,6 @@ pub(super) struct GridRequest {
 }
 
 /// The grid for `bounds`, those of what was read, without its CRS.
-///
-/// # Errors
-/// E112 and E114 for bad numbers, E308 if nothing says how large it is, E502 if it would be too large.
 pub(super) fn receivers_grid(
     input: &Input,
     request: GridRequest,

@@ -28,10 +28,6 @@ pub(super) struct Reprojection<'a> {
 impl<'a> Reprojection<'a> {
     /// Lays a grid over that of a file: of square cells of `cell_m` meters on whole multiples of them, or by default as
     /// many cells diagonally. `None` if the file is in the wanted system.
-    ///
-    /// # Errors
-    /// E310 if the file names no system, or there is no way from it to the wanted one; E112 for a cell size that is none;
-    /// E501 and E502 for huge grids.
     pub(super) fn plan(
         input: &'a Input,
         file: &GeoRef,
@@ -65,9 +61,6 @@ impl<'a> Reprojection<'a> {
     }
 
     /// The heights of a file on the grid if there is one, with a warning of what was done; else as they are.
-    ///
-    /// # Errors
-    /// As [`HeightFile::read`]; E310 if the grid is in degrees, E305 if no center of a cell lies over a height.
     pub(super) fn read(
         plan: Option<Reprojection<'_>>,
         file: HeightFile<'_>,

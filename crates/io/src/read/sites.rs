@@ -64,10 +64,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
 
 fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
     let document = read_document(input)?;
-    let crs = match named_crs(input, &document)? {
-        Some(crs) => crs,
-        None => crs::from_epsg(4326)?,
-    };
+    let crs = named_crs(input, &document)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
     let mut rows = Vec::new();
     for (number, feature) in features(input, document)?.iter().enumerate() {
         let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));

@@ -66,9 +66,6 @@ pub fn source_of(input: impl Into<Input>, always_hash: bool) -> Result<Source> {
 }
 
 /// The sources of a raster: its file, or its folder without a hash, and the tiles that it is made of.
-///
-/// # Errors
-/// If a file cannot be read.
 pub(super) fn sources_of_raster(
     input: &Input,
     raster: &RasterFile,

@@ -16,9 +16,6 @@ pub(super) struct Placed<'a, T> {
 }
 
 /// The way from the reference system of a scene to that of its terrain, where `projects` allows to go there.
-///
-/// # Errors
-/// E310 if there is none.
 pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) -> Result<Option<Transformation>> {
     match (grid.crs(), terrain.crs()) {
         (Some(from), Some(to)) if projects && !from.same_as(to) => {
@@ -32,9 +29,6 @@ pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) ->
 /// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
 /// one to its north-east where the center lies on an edge, to within a millionth of a cell); `way` leads from the system of
 /// the surface to that of the terrain, where they differ.
-///
-/// # Errors
-/// E311 if they differ and there is no way, E312 if no cell of the surface lies over a height.
 pub(super) fn terrain_on_grid(
     surface: Placed<'_, &GeoRef>,
     terrain: Placed<'_, Raster<i32>>,

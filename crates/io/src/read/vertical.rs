@@ -34,17 +34,17 @@ pub fn compare_vertical(
     said: SystemSaid,
     warnings: &mut Vec<Warning>,
 ) -> Result<()> {
+    let mut unnamed = |without: &dyn Display, with: &dyn Display, known: &VerticalCrs| {
+        let taken = format!("{} is taken, as {with} says", known.in_words());
+        let text = format!("{without} does not say what its heights are above; {taken}");
+        warnings.push(Warning::new(370, text));
+        Ok(())
+    };
     let (a, b) = match (a, b) {
         (Some(a), Some(b)) => (a, b),
         (None, None) => return Ok(()),
-        (Some(known), None) => {
-            warnings.push(unnamed(&b_path.to_string(), &a_path.to_string(), known));
-            return Ok(());
-        }
-        (None, Some(known)) => {
-            warnings.push(unnamed(&a_path.to_string(), &b_path.to_string(), known));
-            return Ok(());
-        }
+        (Some(known), None) => return unnamed(&b_path, &a_path, known),
+        (None, Some(known)) => return unnamed(&a_path, &b_path, known),
     };
     let both = format!("{a_path} with heights above {} and {b_path} with heights above {}", a.in_words(), b.in_words());
     match (a.difference(b), said) {
@@ -56,10 +56,4 @@ pub fn compare_vertical(
             Ok(())
         }
     }
-}
-
-fn unnamed(without: &str, with: &str, known: &VerticalCrs) -> Warning {
-    let text =
-        format!("{without} does not say what its heights are above; {} is taken, as {with} says", known.in_words());
-    Warning::new(370, text)
 }

@@ -78,9 +78,6 @@ impl GeoTiff {
 
     /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in the order of the file
     /// (which may begin in the south); no number is scaled.
-    ///
-    /// # Errors
-    /// If the file cannot be read or decoded, has changed since it was opened, or has no such band.
     pub(in crate::formats) fn for_each_stored(
         &self,
         band: usize,

@@ -14,35 +14,24 @@ use crate::input::{Input, Reader};
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
 pub(super) mod tag {
-    pub(crate) const NEW_SUBFILE_TYPE: u16 = 254;
-    pub(crate) const IMAGE_WIDTH: u16 = 256;
-    pub(crate) const IMAGE_LENGTH: u16 = 257;
-    pub(crate) const BITS_PER_SAMPLE: u16 = 258;
-    pub(crate) const COMPRESSION: u16 = 259;
-    pub(crate) const PHOTOMETRIC: u16 = 262;
-    pub(crate) const FILL_ORDER: u16 = 266;
-    pub(crate) const STRIP_OFFSETS: u16 = 273;
-    pub(crate) const SAMPLES_PER_PIXEL: u16 = 277;
-    pub(crate) const ROWS_PER_STRIP: u16 = 278;
-    pub(crate) const STRIP_BYTE_COUNTS: u16 = 279;
-    pub(crate) const PLANAR_CONFIGURATION: u16 = 284;
-    pub(crate) const PREDICTOR: u16 = 317;
-    pub(crate) const TILE_WIDTH: u16 = 322;
-    pub(crate) const TILE_LENGTH: u16 = 323;
-    pub(crate) const TILE_OFFSETS: u16 = 324;
-    pub(crate) const TILE_BYTE_COUNTS: u16 = 325;
-    pub(crate) const EXTRA_SAMPLES: u16 = 338;
-    pub(crate) const SAMPLE_FORMAT: u16 = 339;
-    pub(crate) const JPEG_TABLES: u16 = 347;
-    pub(crate) const MODEL_PIXEL_SCALE: u16 = 33550;
-    pub(crate) const MODEL_TIE_POINT: u16 = 33922;
-    pub(crate) const MODEL_TRANSFORMATION: u16 = 34264;
-    pub(crate) const GEO_KEY_DIRECTORY: u16 = 34735;
-    pub(crate) const GEO_DOUBLE_PARAMS: u16 = 34736;
-    pub(crate) const GEO_ASCII_PARAMS: u16 = 34737;
+    pub(crate) use geotiff_core::tags::{
+        TAG_GDAL_NODATA as GDAL_NODATA, TAG_GEO_ASCII_PARAMS as GEO_ASCII_PARAMS,
+        TAG_GEO_DOUBLE_PARAMS as GEO_DOUBLE_PARAMS, TAG_GEO_KEY_DIRECTORY as GEO_KEY_DIRECTORY,
+        TAG_MODEL_PIXEL_SCALE as MODEL_PIXEL_SCALE, TAG_MODEL_TIEPOINT as MODEL_TIE_POINT,
+        TAG_MODEL_TRANSFORMATION as MODEL_TRANSFORMATION,
+    };
+    pub(crate) use tiff_core::{
+        TAG_BITS_PER_SAMPLE as BITS_PER_SAMPLE, TAG_COMPRESSION as COMPRESSION, TAG_EXTRA_SAMPLES as EXTRA_SAMPLES,
+        TAG_FILL_ORDER as FILL_ORDER, TAG_IMAGE_LENGTH as IMAGE_LENGTH, TAG_IMAGE_WIDTH as IMAGE_WIDTH,
+        TAG_JPEG_TABLES as JPEG_TABLES, TAG_LERC_PARAMETERS as LERC_PARAMETERS,
+        TAG_NEW_SUBFILE_TYPE as NEW_SUBFILE_TYPE, TAG_PHOTOMETRIC_INTERPRETATION as PHOTOMETRIC,
+        TAG_PLANAR_CONFIGURATION as PLANAR_CONFIGURATION, TAG_PREDICTOR as PREDICTOR,
+        TAG_ROWS_PER_STRIP as ROWS_PER_STRIP, TAG_SAMPLE_FORMAT as SAMPLE_FORMAT,
+        TAG_SAMPLES_PER_PIXEL as SAMPLES_PER_PIXEL, TAG_STRIP_BYTE_COUNTS as STRIP_BYTE_COUNTS,
+        TAG_STRIP_OFFSETS as STRIP_OFFSETS, TAG_TILE_BYTE_COUNTS as TILE_BYTE_COUNTS, TAG_TILE_LENGTH as TILE_LENGTH,
+        TAG_TILE_OFFSETS as TILE_OFFSETS, TAG_TILE_WIDTH as TILE_WIDTH,
+    };
     pub(crate) const GDAL_METADATA: u16 = 42112;
-    pub(crate) const GDAL_NODATA: u16 = 42113;
-    pub(crate) const LERC_PARAMETERS: u16 = 50674;
 }
 
 /// Largest text that a tag may hold \[bytes\]; color tables, profiles and the like are never read.

@@ -110,15 +110,6 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_counted_once() {
-        assert_eq!(n_covered_cells(&[]), 0);
-        assert_eq!(n_covered_cells(&[window(2, 3, 4, 5)]), 20);
-        // Two that overlap in 2 × 1 cells, one inside of another, one far off.
-        let windows = [window(0, 0, 4, 4), window(2, 3, 4, 5), window(3, 4, 1, 1), window(1 << 30, 1 << 30, 10, 10)];
-        assert_eq!(n_covered_cells(&windows), 16 + 20 - 2 + 100);
-    }
-
-    #[test]
     fn counts_are_those_of_a_grid_of_marks() {
         // A linear congruential generator: any windows will do.
         let mut state = 1_u64;

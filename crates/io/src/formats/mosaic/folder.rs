@@ -16,10 +16,6 @@ const MAX_SHIFT_CELLS: f64 = 1e-3;
 impl Mosaic {
     /// Opens a folder of tiles and reads their headers, no cell.
     ///
-    /// # Errors
-    /// If the folder cannot be read or holds no raster, a tile cannot be opened, or two of them differ in cell size, grid,
-    /// reference system or unit of height: the error names them.
-    ///
     /// `open` reads the header of a tile of any format.
     pub(in crate::formats) fn open_folder(
         path: &Path,

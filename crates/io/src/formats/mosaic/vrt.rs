@@ -46,10 +46,6 @@ impl Mosaic {
     /// Opens a virtual raster and reads the headers of its tiles, no cell.
     ///
     /// `nesting` is that of the file.
-    ///
-    /// # Errors
-    /// If the file is no XML of a virtual raster, or one that resamples or computes; if a tile cannot be opened, is of
-    /// another size or in another reference system than the virtual raster says, or is the virtual raster itself.
     pub(in crate::formats) fn open_vrt(
         path: &Path,
         nesting: Nesting<'_>,

@@ -90,9 +90,6 @@ impl Source {
     }
 
     /// Checks what is said of the file.
-    ///
-    /// # Errors
-    /// E302 if the file is of another size, or has no such band.
     pub(super) fn check(&self, vrt: &Path, header: &Header) -> Result<()> {
         let Tile { path, n_rows, n_cols, .. } = &header.tile;
         let refuse = |said: String, found: String| {
@@ -113,9 +110,6 @@ impl Source {
     }
 
     /// Where the tile lies in a raster of `n_rows` × `n_cols`; `None` if nothing of it does.
-    ///
-    /// # Errors
-    /// E304 if the source is resampled.
     pub(super) fn place(&self, vrt: &Path, tile: &Tile, (n_rows, n_cols): (usize, usize)) -> Result<Option<Place>> {
         let from = self.from.unwrap_or([0.0, 0.0, tile.n_cols as f64, tile.n_rows as f64]);
         let to = self.to.unwrap_or([0.0, 0.0, n_cols as f64, n_rows as f64]);

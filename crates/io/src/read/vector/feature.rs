@@ -92,9 +92,6 @@ pub(super) fn malformed(input: &Input, found: &str, wanted: &str) -> Error {
 }
 
 /// The CRS that a text in a file describes.
-///
-/// # Errors
-/// E310 if it is not known.
 pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
     if text.trim().is_empty() {
         return Ok(None);

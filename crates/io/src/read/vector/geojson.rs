@@ -13,9 +13,6 @@ use crate::input::Input;
 use crate::raster::Crs;
 
 /// Parses a GeoJSON document.
-///
-/// # Errors
-/// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
 pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
     let text = input.text("GeoJSON text")?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -39,9 +36,6 @@ fn is_one_feature_a_line(text: &str) -> bool {
 }
 
 /// The features of a document: of a collection, of a single feature, or of a bare geometry.
-///
-/// # Errors
-/// If the document is none of these.
 pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Value>> {
     let wrong = |found: String| Error::malformed(input, format!("found {found}, wanted a GeoJSON FeatureCollection"));
     let Value::Object(mut object) = document else {
@@ -68,9 +62,6 @@ pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Va
 }
 
 /// The CRS that a document's `crs` member names, if it has one.
-///
-/// # Errors
-/// If it names one that is not known.
 pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {

@@ -54,10 +54,6 @@ impl VectorFormat {
 }
 
 /// Reads the features of a file.
-///
-/// # Errors
-/// File errors that name the file and, where there is one, the feature; `E304` for what the format allows but is not
-/// read.
 pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     match VectorFormat::of(input) {
         VectorFormat::Json => {
