@@ -19,7 +19,7 @@ pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, boun
 
 use crate::error::Result;
 #[cfg(not(feature = "geopackage"))]
-use crate::error::{Cause, Error, Result};
+use crate::error::{Cause, Error};
 use crate::input::Input;
 
 /// The format of a file of vector data.
