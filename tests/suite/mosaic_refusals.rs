@@ -186,7 +186,5 @@ fn tiles_that_do_not_belong_together_are_named() {
     }
     let folder = Folder::new();
     std::fs::create_dir(folder.join("empty")).unwrap();
-    assert!(
-        folder.type_in("info empty").refused(3)[0].starts_with("error[E308]: cannot read empty: a folder without")
-    );
+    assert!(folder.type_in("info empty").refused(3)[0].starts_with("error[E308]: cannot read empty: a folder without"));
 }

@@ -192,27 +192,22 @@ pub struct HeightsMissing {
 
 /// What a file of places was to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the variants say it")]
 pub enum PlacesIn {
-    /// Sites, in a table.
     SiteTable,
-    /// Sites, as features.
     SiteFeatures,
-    /// A track, in a table.
     TrackTable,
-    /// A track, as features.
     TrackFeatures,
 }
 
 /// What has a height.
 #[derive(Debug, Clone, PartialEq, Eq, Words)]
+#[expect(missing_docs, reason = "the names of the variants say it")]
 pub enum HeightOf {
-    /// A cell of a raster.
     #[error("a cell")]
     Cell,
-    /// A vertex of a mesh.
     #[error("a vertex")]
     Vertex,
-    /// A footprint, by its id.
     #[error("feature `{0}`")]
     Feature(String),
 }
@@ -323,19 +318,16 @@ pub enum CombineError {
     NoTerrainBelow(String, String),
 }
 
-/// What two files are that are combined.
+/// What two files are that are combined. Tiles are those of one raster, or a virtual raster and one of its sources; a map is
+/// that of an earlier run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the names of the variants say it")]
 pub enum Pair {
-    /// Footprints and the terrain below them.
     FootprintsTerrain,
-    /// A surface and the terrain below it.
     SurfaceTerrain,
-    /// Two tiles of one raster, or a virtual raster and one of its sources.
     Tiles,
-    /// A scene and a map of an earlier run.
     SceneMap,
-    /// Weights and a scene.
     WeightsScene,
 }
 
@@ -462,17 +454,14 @@ impl Error {
         Error::Read(Box::new(ReadError { name: name.to_string(), place: None, fault, cause: Cause::AsSaid }))
     }
 
-    /// E302.
     pub(crate) fn malformed(name: impl Display, what: impl Into<String>) -> Error {
         Error::read(name, ReadFault::Malformed(what.into()))
     }
 
-    /// E303.
     pub(crate) fn truncated(name: impl Display, what: impl Into<String>) -> Error {
         Error::read(name, ReadFault::Truncated(what.into()))
     }
 
-    /// E304.
     pub(crate) fn unsupported(name: impl Display, what: impl Into<String>) -> Error {
         Error::read(name, ReadFault::Unsupported(what.into()))
     }
@@ -482,12 +471,10 @@ impl Error {
         Error::Write(name.to_string(), fault)
     }
 
-    /// E402.
     pub(crate) fn encode(name: impl Display, why: impl Display) -> Error {
         Error::write(name, WriteFault::Encode(why.to_string()))
     }
 
-    /// E401.
     pub(crate) fn refused(name: impl Display, cause: &std::io::Error) -> Error {
         Error::write(name, WriteFault::Refused(io_words(cause)))
     }

@@ -231,10 +231,9 @@ fn of_output(fault: &WriteFault) -> Option<String> {
 
 /// What may be written.
 fn listed(allowed: &[Format]) -> String {
-    let (streams, files): (Vec<Format>, Vec<Format>) = allowed.iter().partition(|format| **format == Format::Stdout);
-    let files: Vec<&str> = files.into_iter().map(Format::extension).collect();
-    let streams = streams.first().map_or(String::new(), |format| format!(", and {}", format.extension()));
-    format!("wanted {}{streams}", files.join(" "))
+    let files: Vec<String> = allowed.iter().filter_map(|f| f.extension()).map(|e| format!(".{e}")).collect();
+    let stream = if allowed.contains(&Format::Stdout) { ", and `-` for standard output" } else { "" };
+    format!("wanted {}{stream}", files.join(" "))
 }
 
 /// Names in backticks, if there are any.

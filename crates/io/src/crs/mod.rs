@@ -397,24 +397,6 @@ mod tests {
         assert!(transform(&crs, &from_epsg(4326).unwrap(), (0.0, 0.0)).is_err());
     }
 
-    #[test]
-    fn nonsense_is_refused_in_one_line() {
-        for text in [
-            "",
-            "EPSG:",
-            "EPSG:99999",
-            "WGS 84",
-            "PROJCS",
-            "[",
-            "a[",
-            "VERT_CS[\"h\",UNIT[\"metre\",1]]",
-            "+proj=nowhere",
-        ] {
-            let error = parse(text).unwrap_err();
-            assert_eq!(error.code(), "E310", "{text}");
-        }
-    }
-
     type Pair = (f64, f64);
 
     /// EPSG code, point in degrees, and what PROJ 9.5.1 without grids makes of it

@@ -2,45 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::format::Format;
 use super::temporary::Hold;
 use crate::error::{Error, Result, WriteFault, io_words};
-
-/// A file format, told by the extension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// Picture, or one pixel per cell with `--bare`.
-    Png,
-    /// Picture as vectors.
-    Svg,
-    /// Picture as vectors on a page.
-    Pdf,
-    /// GeoTIFF.
-    GeoTiff,
-    /// OpenEXR.
-    Exr,
-    /// Esri ASCII grid.
-    AsciiGrid,
-    /// Raw numbers with a header.
-    Bil,
-    /// Numpy archive.
-    Npz,
-    /// Overlays for Google Earth.
-    Kmz,
-    /// Table.
-    Csv,
-    /// Document.
-    Json,
-    /// Features.
-    GeoJson,
-    /// Features with a spatial index.
-    FlatGeobuf,
-    /// Scene of Mitsuba, with its meshes.
-    Mitsuba,
-    /// Web page.
-    Html,
-    /// The document on standard output.
-    Stdout,
-}
 
 impl Format {
     /// The format of a path.
@@ -57,52 +21,12 @@ impl Format {
             return Ok(Format::Stdout);
         }
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        Ok(match extension.as_str() {
-            "png" => Format::Png,
-            "svg" => Format::Svg,
-            "pdf" => Format::Pdf,
-            "tif" | "tiff" => Format::GeoTiff,
-            "exr" => Format::Exr,
-            "asc" => Format::AsciiGrid,
-            "bil" => Format::Bil,
-            "npz" => Format::Npz,
-            "kmz" => Format::Kmz,
-            "csv" => Format::Csv,
-            "json" => Format::Json,
-            "geojson" => Format::GeoJson,
-            "fgb" => Format::FlatGeobuf,
-            "xml" => Format::Mitsuba,
-            "html" => Format::Html,
-            "" => return Err(Error::write(path.display(), WriteFault::NoExtension(allowed.to_vec()))),
-            _ => return Err(Error::write(path.display(), WriteFault::Extension(extension, allowed.to_vec()))),
-        })
-    }
-
-    /// Whether it holds a picture.
-    pub fn is_picture(self) -> bool {
-        matches!(self, Format::Png | Format::Svg | Format::Pdf)
-    }
-
-    /// The extension that stands for it.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Format::Png => ".png",
-            Format::Svg => ".svg",
-            Format::Pdf => ".pdf",
-            Format::GeoTiff => ".tif",
-            Format::Exr => ".exr",
-            Format::AsciiGrid => ".asc",
-            Format::Bil => ".bil",
-            Format::Npz => ".npz",
-            Format::Kmz => ".kmz",
-            Format::Csv => ".csv",
-            Format::Json => ".json",
-            Format::GeoJson => ".geojson",
-            Format::FlatGeobuf => ".fgb",
-            Format::Mitsuba => ".xml",
-            Format::Html => ".html",
-            Format::Stdout => "`-` for standard output",
-        }
+        let fault = match Format::of_extension(&extension) {
+            Some(format) => return Ok(format),
+            None if extension.is_empty() => WriteFault::NoExtension(allowed.to_vec()),
+            None => WriteFault::Extension(extension, allowed.to_vec()),
+        };
+        Err(Error::write(path.display(), fault))
     }
 }
 

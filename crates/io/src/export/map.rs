@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::Batch;
-use super::files::{Format, with_suffix};
+use super::files::with_suffix;
+use super::format::Format;
 use super::map_arrays::npz;
 use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite};
 use super::single_band::{ascii_grid, bil};

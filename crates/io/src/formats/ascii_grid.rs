@@ -6,11 +6,11 @@
 //! Numbers have a decimal point; decimal commas are refused, since they cannot be told from separators.
 //!
 //! The file is read as a stream of words, so that its size in memory is that of the cells asked for.
-//! Codes of errors and warnings are those of the GeoTIFF reader.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 
+use super::oddity::{Odd, Oddity, warned};
 use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
@@ -54,7 +54,10 @@ impl AsciiGrid {
     /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises more cells than the
     /// file can hold.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
-        let input = &input.into();
+        warned(warnings, |odd| AsciiGrid::open_told(&input.into(), odd))
+    }
+
+    pub(super) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<AsciiGrid> {
         let (file, len) = input.open()?;
         let mut words = Words::new(input, file, 0, 1);
         let header = Header::read(&mut words)?;
@@ -67,12 +70,9 @@ impl AsciiGrid {
             let what = format!("{left} bytes follow its header, too few for {cols} columns x {rows} rows");
             return Err(Error::truncated(input, what).because(Cause::TooFewCells));
         }
-        let crs = sidecar_crs(input, warnings);
+        let crs = sidecar_crs(input, odd);
         if crs.is_none() {
-            let text = format!(
-                "`{input}` has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed"
-            );
-            warnings.push(Warning::new(325, text));
+            odd.push(Oddity::new(input, Odd::NoPrj));
         }
         let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
         Ok(AsciiGrid { input: input.clone(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
@@ -88,17 +88,7 @@ impl AsciiGrid {
         format!("Esri ASCII grid, nodata {}", self.nodata)
     }
 
-    /// Reads a part of the grid; `convert` turns a height into what the raster holds.
-    ///
-    /// Cells that hold no height (nodata, NaN, infinite) arrive in `convert` as NaN. Rows south of the part are not
-    /// looked at.
-    ///
-    /// # Errors
-    /// If the part does not fit in memory, a value is no number, there are too few or too many values, or no cell of the
-    /// part holds a height.
-    ///
-    /// # Panics
-    /// If `window` is empty or reaches beyond the grid.
+    /// Reads a part as [`super::RasterFile::read`] does, row by row from the north.
     pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
@@ -346,7 +336,7 @@ impl<'a> Words<'a> {
 }
 
 /// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.
-fn sidecar_crs(input: &Input, warnings: &mut Vec<Warning>) -> Option<Crs> {
+fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
     let sidecar = input.beside("prj")?;
     let (file, _) = sidecar.open().ok()?;
     let mut text = String::new();
@@ -357,9 +347,7 @@ fn sidecar_crs(input: &Input, warnings: &mut Vec<Warning>) -> Option<Crs> {
     match parsed {
         Ok(crs) => Some(crs),
         Err(error) => {
-            let text =
-                format!("`{sidecar}` holds no coordinate reference system that is understood ({error}): ignored");
-            warnings.push(Warning::new(326, text));
+            odd.push(Oddity::new(sidecar, Odd::CrsIgnored(error)));
             None
         }
     }

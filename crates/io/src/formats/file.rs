@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
+use super::oddity::{Oddity, warned};
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
 use crate::error::{Cause, Error, Result, Warning};
@@ -29,29 +30,33 @@ impl RasterFile {
     /// # Errors
     /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        let input = &input.into();
+        warned(warnings, |odd| RasterFile::open_told(&input.into(), odd))
+    }
+
+    /// What is odd about its header comes as values.
+    pub(crate) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
         if input.is_folder() {
-            return Mosaic::open_folder(input.as_path(), read_header, warnings).map(RasterFile::Mosaic);
+            return Mosaic::open_folder(input.as_path(), read_header, odd).map(RasterFile::Mosaic);
         }
         RasterFile::open_within(
             input,
             Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0), open: read_header },
-            warnings,
+            odd,
         )
     }
 
     /// Opens a raster file that is part of virtual rasters.
-    fn open_within(input: &Input, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+    fn open_within(input: &Input, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
         let (mut file, len) = input.open()?;
         let mut head = Vec::new();
         file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
         match kind_of(&head) {
-            Kind::Tiff => GeoTiff::open(input, warnings).map(RasterFile::GeoTiff),
-            Kind::AsciiGrid => AsciiGrid::open(input, warnings).map(RasterFile::AsciiGrid),
+            Kind::Tiff => GeoTiff::open_told(input, odd).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid),
             Kind::VirtualRaster if input.is_held() => {
                 Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
             }
-            Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, warnings).map(RasterFile::Mosaic),
+            Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, odd).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
                 let what = format!(
                     "it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
@@ -90,10 +95,7 @@ impl RasterFile {
 
     /// The files that the raster is made of beside its own, in their order.
     pub fn tile_paths(&self) -> Vec<&Path> {
-        match self {
-            RasterFile::Mosaic(mosaic) => mosaic.tile_paths(),
-            RasterFile::GeoTiff(_) | RasterFile::AsciiGrid(_) => Vec::new(),
-        }
+        if let RasterFile::Mosaic(mosaic) = self { mosaic.tile_paths() } else { Vec::new() }
     }
 
     /// How the file is encoded, in a few words.
@@ -111,10 +113,7 @@ impl RasterFile {
     /// # Errors
     /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
     pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
-        match self {
-            RasterFile::GeoTiff(tiff) => tiff.read_plain_heights(warnings),
-            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => Ok(None),
-        }
+        if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(warnings) } else { Ok(None) }
     }
 
     /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
@@ -148,10 +147,7 @@ impl RasterFile {
 
     /// Bytes that reading takes beside the cells that are read: a strip or tile, unpacked.
     pub fn block_bytes(&self) -> u64 {
-        match self {
-            RasterFile::GeoTiff(tiff) => tiff.block_bytes(),
-            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => 0,
-        }
+        if let RasterFile::GeoTiff(tiff) = self { tiff.block_bytes() } else { 0 }
     }
 
     /// Whether the file stores no cell at all, whatever size it claims.
@@ -246,8 +242,8 @@ fn leading_text(head: &[u8]) -> Option<&str> {
 
 /// Reads the header of a tile.
 fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
-    let mut warnings = Vec::new();
-    let file = RasterFile::open_within(&Input::path(path), nesting, &mut warnings)?;
+    let mut odd = Vec::new();
+    let file = RasterFile::open_within(&Input::path(path), nesting, &mut odd)?;
     let georef = file.georef().clone();
     let meters_per_height_unit = file.meters_per_height_unit();
     let vertical = file.vertical().cloned();
@@ -263,5 +259,5 @@ fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
     };
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
     let tile = Tile { path: path.to_owned(), n_rows, n_cols, numbers, content };
-    Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, warnings })
+    Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, odd })
 }

@@ -12,6 +12,7 @@ mod lattice_rows;
 mod lonlat;
 mod mosaic;
 mod npz;
+mod oddity;
 mod origin;
 mod reserve;
 mod sample;
@@ -32,6 +33,7 @@ pub use geotiff::{
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
+pub(crate) use oddity::Odd;
 pub use origin::origin_of;
 pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};

@@ -1,6 +1,6 @@
 //! Areas from files of vector data.
 
-use super::sites::{check_placeable, in_scene, misplaced};
+use super::sites::{check_placeable, in_scene};
 use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
 use crate::crs;
@@ -40,7 +40,10 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
         let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| {
             let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
-            moved.map_err(|fault| misplaced(input, format!("{place}: {fault}"), false, false))
+            moved.map_err(|fault| {
+                let what = format!("{place}: {fault}");
+                Error::read(input, ReadFault::Misplaced { what, is_degrees: false, some_are_good: false })
+            })
         };
         for polygon in opened(feature.polygons).0 {
             let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();

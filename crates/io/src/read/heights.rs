@@ -8,7 +8,7 @@ use super::terrain::no_terrain_below;
 use crate::city::Source;
 use crate::crs::InputKind;
 use crate::error::{Error, HeightOf, ReadFault, Result, Warning};
-use crate::formats::{RasterFile, TileStore, TileStoreWriter};
+use crate::formats::{Odd, RasterFile, TileStore, TileStoreWriter};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
@@ -50,25 +50,27 @@ pub(super) struct StoredHeights {
 impl<'a> HeightFile<'a> {
     /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
     pub(super) fn open(input: &'a Input, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
-        let before = warnings.len();
-        let file = RasterFile::open(input, warnings)?;
+        let mut odd = Vec::new();
+        let file = RasterFile::open_told(input, &mut odd)?;
         let georef = file.georef().clone();
         let georef = match crs {
             None => {
                 // A system that is cut off may be one of feet: its cells are not taken for meters.
-                let said = warnings[before..].iter().find(|warning| warning.code() == "W326");
+                let said = odd.iter().find(|oddity| matches!(oddity.odd, Odd::CrsIgnored(_) | Odd::DamagedKeys(_)));
                 if let (Some(said), None) = (said, georef.crs()) {
-                    let said = said.text().trim_end_matches(": ignored").to_string();
-                    return Err(Error::read(input, ReadFault::CrsNotUnderstood(said)));
+                    return Err(Error::read(
+                        input,
+                        ReadFault::CrsNotUnderstood(said.text().trim_end_matches(": ignored").to_string()),
+                    ));
                 }
                 georef
             }
             Some(crs) => {
-                let said: Vec<Warning> = warnings.drain(before..).collect();
-                warnings.extend(said.into_iter().filter(|w| !["W325", "W326", "W331"].contains(&w.code().as_str())));
+                odd.retain(|oddity| !oddity.odd.is_of_crs());
                 georef.with_crs(Some(crs.clone()))
             }
         };
+        warnings.extend(odd.into_iter().map(Warning::from));
         Ok(HeightFile { input, window: georef.window(), file, georef })
     }
 

@@ -143,16 +143,12 @@ pub(super) fn bad_rows(input: &Input, of: PlacesIn, what: String, some_are_good:
     Error::read(input, ReadFault::Rows { what, of, some_are_good })
 }
 
-/// The error of rows that lie where they cannot.
-pub(super) fn misplaced(input: &Input, what: String, is_degrees: bool, some_are_good: bool) -> Error {
-    Error::read(input, ReadFault::Misplaced { what, is_degrees, some_are_good })
-}
-
-/// The error of bad rows of either kind.
+/// The error of rows or features that cannot be read, or lie where they cannot.
 pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees: bool) -> Error {
-    match told.first {
-        RowFault::Text(_) => bad_rows(input, of, told.text, told.some_are_good),
-        RowFault::Place(_) => misplaced(input, told.text, is_degrees, told.some_are_good),
+    let BadRowsTold { first, text: what, some_are_good } = told;
+    match first {
+        RowFault::Text(_) => bad_rows(input, of, what, some_are_good),
+        RowFault::Place(_) => Error::read(input, ReadFault::Misplaced { what, is_degrees, some_are_good }),
     }
 }
 

@@ -6,6 +6,7 @@ use super::placement::{Placement, meters_per_named_unit, read_placement};
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
+use crate::formats::oddity::{Odd, Oddity, warned};
 use crate::formats::sample::Sample;
 use crate::input::Input;
 use crate::raster::GeoRef;
@@ -37,60 +38,53 @@ impl GeoTiff {
     /// If the file cannot be opened, is no TIFF, is cut short, is encoded in a way that is not read, or lies on no
     /// north-up grid.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<GeoTiff> {
-        let input = &input.into();
+        warned(warnings, |odd| GeoTiff::open_told(&input.into(), odd))
+    }
+
+    pub(in crate::formats) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<GeoTiff> {
         let (mut source, first) = TiffSource::open(input)?;
         let directory = source.directory(first)?;
         let image = Image::parse(&mut source, &directory)?;
-        let placement = read_placement(&mut source, &directory, (image.n_rows, image.n_cols), warnings)?;
+        let placement = read_placement(&mut source, &directory, (image.n_rows, image.n_cols), odd)?;
         let nodata = match directory.text(&mut source, tag::GDAL_NODATA)? {
             None => None,
             Some(text) => {
                 let nodata = nodata_in(image.sample, &text);
                 if nodata.is_none() {
-                    let text = format!("`{}` declares nodata as `{text}`, which is no number: ignored", input);
-                    warnings.push(Warning::new(322, text));
+                    odd.push(Oddity::new(input, Odd::Nodata(text)));
                 }
                 nodata
             }
         };
         let metadata = directory.text(&mut source, tag::GDAL_METADATA)?.unwrap_or_default();
         let metadata = Metadata::parse(&metadata);
-        let mask = match find_mask(&mut source, &directory, &image, first, warnings) {
+        let mask = match find_mask(&mut source, &directory, &image, first, odd) {
             Some(image) => Some(Mask { image, band: 0 }),
             None => alpha_band(&mut source, &directory, image.n_bands)?.map(|band| Mask { image: image.clone(), band }),
         };
         let is_picture = directory.integer(&mut source, tag::PHOTOMETRIC)? == Some(2) && image.n_bands >= 3;
         let tiff =
             GeoTiff { input: input.clone(), len: source.len(), image, mask, placement, nodata, metadata, is_picture };
-        tiff.warn_of_encoding(warnings);
+        tiff.tell_of_encoding(odd);
         Ok(tiff)
     }
 
-    fn warn_of_encoding(&self, warnings: &mut Vec<Warning>) {
-        let input = &self.input;
-        if let Some(mask) = input.with_suffix(".msk") {
-            let text = format!("the mask `{mask}` beside `{input}` is not read: declare nodata instead");
-            warnings.push(Warning::new(324, text));
+    fn tell_of_encoding(&self, odd: &mut Vec<Oddity>) {
+        let mut tell = |what| odd.push(Oddity::new(&self.input, what));
+        if let Some(mask) = self.input.with_suffix(".msk") {
+            tell(Odd::Mask(mask.to_string()));
         }
         if self.image.codec == Codec::Jpeg {
-            let text = format!(
-                "`{input}` is JPEG-compressed: its heights are off by up to several units, and are used as they are"
-            );
-            warnings.push(Warning::new(334, text));
+            tell(Odd::Jpeg);
         }
+        let is_other = |a: f64, b: f64| (a - b).abs() > 1e-9;
         let of_band = self.metadata.unit.as_deref().and_then(meters_per_named_unit);
-        if let (Some(band), Some(system)) = (of_band, self.placement.meters_per_height_unit)
-            && (band - system).abs() > 1e-9
-        {
-            let text = format!(
-                "`{input}` gives its heights in units of {band} m by its band, of {system} m by its vertical system: the \
-                 band is believed"
-            );
-            warnings.push(Warning::new(372, text));
+        match (of_band, self.placement.meters_per_height_unit) {
+            (Some(band), Some(system)) if is_other(band, system) => tell(Odd::TwoUnits(band, system)),
+            _ => {}
         }
-        if let Some(size) = self.meters_per_height_unit().filter(|size| (size - 1.0).abs() > 1e-9) {
-            let text = format!("`{input}` gives its heights in units of {size} m; scenes convert them");
-            warnings.push(Warning::new(332, text));
+        if let Some(unit) = self.meters_per_height_unit().filter(|unit| is_other(*unit, 1.0)) {
+            tell(Odd::Unit(unit));
         }
     }
 
@@ -188,14 +182,12 @@ fn find_mask(
     first: &Directory,
     image: &Image,
     first_at: u64,
-    warnings: &mut Vec<Warning>,
+    odd: &mut Vec<Oddity>,
 ) -> Option<Image> {
     const REDUCED: u64 = 1;
     const MASK: u64 = 4;
-    let mut warn = |source: &TiffSource, text: &str| {
-        let text = format!("a later image in `{}` cannot be read and is ignored: {text}", source.input());
-        warnings.push(Warning::new(329, text));
-    };
+    let mut warn =
+        |source: &TiffSource, text: &str| odd.push(Oddity::new(source.input(), Odd::LaterImage(text.to_string())));
     let mut seen = vec![first_at];
     let mut next = first.next;
     while next != 0 && seen.len() < MAX_DIRECTORIES {

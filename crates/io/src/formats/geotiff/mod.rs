@@ -10,13 +10,8 @@
 //! The first image directory is parsed ([`tags`]) and checked against the length of the file ([`header`]) before a decoder
 //! sees a byte, since a header may promise what no file can hold.
 //!
-//! Codes of errors: E301 cannot be opened or read; E302 not a TIFF, or a header that makes no sense; E303 cut short, or
-//! a header that points beyond the file, or a block that does not decode; E304 an encoding that is not read; E305 no
-//! height at all; E306 rotated; E307 no regular grid; E501 more cells than fit in memory. Of warnings: W320 NaN or
-//! infinite cells, W321 missing blocks, W322 unreadable nodata value, W323 several bands, W324 a mask that is not used,
-//! W325 no CRS, W326 a CRS that is not known, W327 no place, W328 heights that look like nodata, W329 a later image
-//! that cannot be read, W330 rows turned over, W331 web Mercator, W332 heights not in meters, W333 scaled heights, W334
-//! lossy compression.
+//! What can be odd about a header is listed in [`super::oddity`]. Further warnings: W320 NaN or infinite cells, W321 missing
+//! blocks, W323 several bands, W328 heights that look like nodata, W333 scaled heights.
 
 mod class_pyramid;
 mod geo_tags;

@@ -9,7 +9,8 @@ use std::io::Read;
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
-use crate::error::{Cause, Error, ReadFault, Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result};
+use crate::formats::oddity::{Odd, Oddity};
 use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
@@ -51,24 +52,22 @@ pub(super) fn read_placement(
     source: &mut TiffSource,
     directory: &Directory,
     (n_rows, n_cols): (usize, usize),
-    warnings: &mut Vec<Warning>,
+    odd: &mut Vec<Oddity>,
 ) -> Result<Placement> {
-    let shown = source.input().to_string();
+    let name = source.input().clone();
+    let mut tell = |what| odd.push(Oddity::new(&name, what));
     let keys = GeoKeys::read(source, directory).unwrap_or_else(|error| {
-        warnings.push(Warning::new(326, format!("`{shown}` has damaged GeoKeys, which are ignored: {error}")));
+        tell(Odd::DamagedKeys(error.to_string()));
         GeoKeys::default()
     });
-    let mut affine = affine(source, directory, warnings)?;
+    let mut affine = affine(source, directory, &mut tell)?;
     if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
         // The tie point names the center of a cell.
         affine.c -= 0.5 * (affine.a + affine.b);
         affine.f -= 0.5 * (affine.d + affine.e);
     }
     let affine = affine.or_else(|| world_file(source.input())).unwrap_or_else(|| {
-        let text = format!(
-            "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
-        );
-        warnings.push(Warning::new(327, text));
+        tell(Odd::NoPlace);
         Affine { a: 1.0, b: 0.0, c: 0.0, d: 0.0, e: -1.0, f: n_rows as f64 }
     });
     let Affine { a, b, c, d, e, f } = affine;
@@ -92,10 +91,10 @@ pub(super) fn read_placement(
     }
     let south_up = e > 0.0;
     if south_up {
-        warnings.push(Warning::new(330, format!("`{shown}` has its southernmost row first: its rows are turned over")));
+        tell(Odd::SouthUp);
     }
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
-    let crs = crs(&keys, &shown, warnings);
+    let crs = crs(&keys, &mut tell);
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
     let vertical = vertical(&keys);
     // The unit of a system of the registry is part of it, and often not repeated.
@@ -105,15 +104,14 @@ pub(super) fn read_placement(
 }
 
 /// The affine map that the tags of the file give.
-fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<Warning>) -> Result<Option<Affine>> {
+fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(Odd)) -> Result<Option<Affine>> {
     let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
     let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
     let matrix = directory.floats(source, tag::MODEL_TRANSFORMATION)?;
     match (scale.as_deref(), tie_points.as_deref(), matrix.as_deref()) {
         (Some([width, height, ..]), Some([col, row, _, x, y, _, ..]), _) => {
             if *height < 0.0 {
-                let text = format!("`{}` has a negative cell height: read as positive, north up", source.input());
-                warnings.push(Warning::new(330, text));
+                tell(Odd::NegativeHeight);
             }
             let height = height.abs();
             Ok(Some(Affine { a: *width, b: 0.0, c: x - col * width, d: 0.0, e: -height, f: y + row * height }))
@@ -144,21 +142,16 @@ fn world_file(input: &Input) -> Option<Affine> {
 }
 
 /// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
-fn crs(keys: &GeoKeys, input: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
+fn crs(keys: &GeoKeys, tell: &mut impl FnMut(Odd)) -> Option<Crs> {
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
         (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
         (None, None, None) => {
-            let text =
-                format!("`{input}` names no coordinate reference system: local coordinates in meters are assumed");
-            warnings.push(Warning::new(325, text));
+            tell(Odd::NoCrs);
             return None;
         }
         (Some(model), _, _) => {
-            let text = format!(
-                "`{input}` has GeoTIFF model type `{model}`, neither projected nor geographic: local coordinates in meters are assumed"
-            );
-            warnings.push(Warning::new(325, text));
+            tell(Odd::ModelType(model));
             return None;
         }
     };
@@ -169,10 +162,7 @@ fn crs(keys: &GeoKeys, input: &str, warnings: &mut Vec<Warning>) -> Option<Crs> 
         Some(code) if code != USER_DEFINED && code != 0 => match crs::from_epsg(u32::from(code)) {
             Ok(crs) => Some(crs),
             Err(error) => {
-                let text = format!(
-                    "`{input}` names a coordinate reference system that is not known ({error}): used by its name only"
-                );
-                warnings.push(Warning::new(326, text));
+                tell(Odd::CrsByName(error.to_string()));
                 named(&format!("EPSG:{code}"))
             }
         },
@@ -184,10 +174,7 @@ fn crs(keys: &GeoKeys, input: &str, warnings: &mut Vec<Warning>) -> Option<Crs> 
         },
     };
     if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
-        let text = format!(
-            "`{input}` is in web Mercator (EPSG:3857), whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
-        );
-        warnings.push(Warning::new(331, text));
+        tell(Odd::WebMercator);
     }
     crs
 }

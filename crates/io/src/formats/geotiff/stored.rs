@@ -4,6 +4,7 @@ use super::geo_tiff::{GeoTiff, Mask};
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
 use crate::error::{Result, Warning};
+use crate::formats::oddity::{Odd, Oddity};
 use crate::formats::reserve::{check_cells, reserve_cells};
 use crate::formats::voids::{Stored, Voids};
 use crate::raster::{CellWindow, Raster};
@@ -28,10 +29,8 @@ impl GeoTiff {
     ) -> Result<Raster<T>> {
         let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
         if (1..self.n_bands()).any(|band| !is_alpha(band)) {
-            let input = &self.input;
-            let kind = if self.is_picture { "is a color picture of" } else { "has" };
-            let text = format!("`{input}` {kind} {} bands: the first is read as heights", self.n_bands());
-            warnings.push(Warning::new(323, text));
+            let of_all = if self.is_picture { Odd::Colors } else { Odd::Bands };
+            warnings.push(Oddity::new(&self.input, of_all(self.n_bands())).into());
         }
         self.read_band(0, window, warnings, convert)
     }
@@ -65,9 +64,7 @@ impl GeoTiff {
             cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
         })?;
         if (scale, offset) != (1.0, 0.0) {
-            let input = &self.input;
-            let text = format!("`{input}` stores its heights scaled: multiplied by {scale}, then {offset} added");
-            warnings.push(Warning::new(333, text));
+            warnings.push(Oddity::new(&self.input, Odd::Scaled(scale, offset)).into());
         }
         if self.placement.south_up {
             turn_over(&mut cells, window.n_cols);

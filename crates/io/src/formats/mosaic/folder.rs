@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicUsize;
 
 use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
-use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
-use crate::error::{Cause, Error, Pair, ReadFault, Result, Wanted, Warning, two_crs};
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
+use crate::error::{Cause, Error, Pair, ReadFault, Result, Wanted, two_crs};
+use crate::formats::oddity::{Odd, Oddity, each_once};
 use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
@@ -20,13 +21,13 @@ impl Mosaic {
     pub(in crate::formats) fn open_folder(
         path: &Path,
         open: fn(&Path, Nesting<'_>) -> Result<Header>,
-        warnings: &mut Vec<Warning>,
+        odd: &mut Vec<Oddity>,
     ) -> Result<Mosaic> {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
         let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened, open })?;
-        warnings.extend(told_once(headers.iter_mut(), &[]));
-        warn_of_bands(path, &headers, warnings);
+        odd.extend(each_once(headers.iter_mut().flat_map(|header| header.odd.drain(..))));
+        tell_of_bands(path, &headers, odd);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // What has no CRS is taken to be in that of the others.
         let named = headers.iter().find(|header| header.georef.crs().is_some());
@@ -162,24 +163,13 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     GeoRef::new((x_min, y_max), (width, height), shape, crs.cloned()).ok_or_else(too_far)
 }
 
-/// Warns of tiles with several bands, and of scaled ones, which are read as single files are.
-fn warn_of_bands(folder: &Path, headers: &[Header], warnings: &mut Vec<Warning>) {
+/// Tells of tiles with several bands, and of scaled ones, which are read as single files are.
+fn tell_of_bands(folder: &Path, headers: &[Header], odd: &mut Vec<Oddity>) {
+    let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
     if let Some(header) = headers.iter().find(|header| header.n_bands > 1) {
-        let text = format!(
-            "tiles of `{}` have several bands (`{}` has {}): the first is read as heights",
-            folder.display(),
-            header.tile.path.display(),
-            header.n_bands
-        );
-        warnings.push(Warning::new(323, text));
+        tell(Odd::TileBands(header.tile.path.display().to_string(), header.n_bands));
     }
     if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
-        let (scale, offset) = tile.numbers.scaling;
-        let text = format!(
-            "tiles of `{}` store their heights scaled (`{}`: multiplied by {scale}, then {offset} added)",
-            folder.display(),
-            tile.path.display()
-        );
-        warnings.push(Warning::new(333, text));
+        tell(Odd::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));
     }
 }

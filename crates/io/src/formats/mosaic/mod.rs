@@ -12,9 +12,8 @@
 //! Opening reads the headers of all tiles and keeps little of each; no file stays open. Reading a window opens the tiles
 //! that touch it, so that it costs what the window costs; several threads may read at once.
 //!
-//! Codes are those of the GeoTIFF reader, and: E308 a folder without rasters; E311 tiles in different reference systems;
-//! E307 tiles on different grids; W336 overlapping tiles that differ, W337 cells in no source of a virtual raster without
-//! a nodata value.
+//! Of its own it warns of overlapping tiles that differ (W336), and of cells in no source of a virtual raster without a
+//! nodata value (W337).
 //!
 //! # References
 //! GDAL, "VRT -- GDAL Virtual Format"; the rules of rounding are those of GDAL 3.6.

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::numbers::{Rule, TileNumbers};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Result, Warning};
+use crate::formats::oddity::{Odd, Oddity};
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};
@@ -130,16 +131,8 @@ impl Mosaic {
         paths
     }
 
-    /// Reads a part of the mosaic; `convert` turns a height into what the raster holds, row by row from the north.
-    ///
-    /// Cells that hold no height arrive in `convert` as NaN. Memory is that of the result and of one band of rows.
-    ///
-    /// # Errors
-    /// If the part does not fit in memory, a tile cannot be read or decoded (the error names it), or no cell of the part
-    /// holds a height.
-    ///
-    /// # Panics
-    /// If `window` is empty or reaches beyond the grid.
+    /// Reads a part as [`crate::formats::RasterFile::read`] does; an error names the tile. Memory is that of the result and
+    /// of one band of rows.
     pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
@@ -232,7 +225,7 @@ impl Mosaic {
     fn warn(&self, odd: &Oddities, warnings: &mut Vec<Warning>) {
         let path = self.path.display();
         if let Kind::VirtualRaster { n_bands: n_bands @ 2.., .. } = self.kind {
-            warnings.push(Warning::new(323, format!("`{path}` has {n_bands} bands: the first is read as heights")));
+            warnings.push(Oddity::new(&path, Odd::Bands(n_bands)).into());
         }
         if odd.n_differing > 0 {
             let heights = counted(odd.n_differing, "height lies", "heights lie");
@@ -255,9 +248,7 @@ impl Mosaic {
             warnings.push(Warning::new(337, text));
         }
         if self.scaling != (1.0, 0.0) {
-            let (scale, offset) = self.scaling;
-            let text = format!("`{path}` stores its heights scaled: multiplied by {scale}, then {offset} added");
-            warnings.push(Warning::new(333, text));
+            warnings.push(Oddity::new(path, Odd::Scaled(self.scaling.0, self.scaling.1)).into());
         }
     }
 }
@@ -288,7 +279,7 @@ pub(in crate::formats) struct Header {
     pub(in crate::formats) n_bands: usize,
     pub(in crate::formats) meters_per_height_unit: Option<f64>,
     pub(in crate::formats) vertical: Option<VerticalCrs>,
-    pub(in crate::formats) warnings: Vec<Warning>,
+    pub(in crate::formats) odd: Vec<Oddity>,
 }
 
 /// Reads the headers of all tiles, in parallel; the error is that of the first bad one.
@@ -343,26 +334,6 @@ impl Tile {
             Content::GeoTiff | Content::AsciiGrid(_) => Vec::new(),
         }
     }
-}
-
-/// The warnings of many tiles, each kind once; of kinds in `settled` the mosaic itself knows better.
-pub(super) fn told_once<'a>(headers: impl Iterator<Item = &'a mut Header>, settled: &[&str]) -> Vec<Warning> {
-    let mut kinds: Vec<(Warning, usize)> = Vec::new();
-    for warning in headers.flat_map(|header| header.warnings.drain(..)) {
-        if settled.contains(&warning.code().as_str()) {
-            continue;
-        }
-        match kinds.iter_mut().find(|(first, _)| first.code() == warning.code()) {
-            Some((_, n_more)) => *n_more += 1,
-            None => kinds.push((warning, 0)),
-        }
-    }
-    let told = |(warning, n_more): (Warning, usize)| match n_more {
-        0 => warning,
-        1 => warning.within("and likewise one more tile"),
-        n => warning.within(format!("and likewise {n} more tiles")),
-    };
-    kinds.into_iter().map(told).collect()
 }
 
 /// Whether a height is laid over another one; NaN is no height.

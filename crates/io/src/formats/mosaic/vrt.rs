@@ -11,13 +11,14 @@ use std::sync::atomic::Ordering;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::covered::n_covered_cells;
-use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers, told_once};
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
 use super::vrt_source::Source;
 use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
-use crate::error::{Cause, Error, Pair, ReadFault, Result, Warning, two_crs};
+use crate::error::{Cause, Error, Pair, ReadFault, Result, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
+use crate::formats::oddity::{Odd, Oddity, each_once};
 use crate::formats::sample::Sample;
 use crate::input::cannot_read;
 use crate::raster::GeoRef;
@@ -46,11 +47,7 @@ impl Mosaic {
     /// Opens a virtual raster and reads the headers of its tiles, no cell.
     ///
     /// `nesting` is that of the file.
-    pub(in crate::formats) fn open_vrt(
-        path: &Path,
-        nesting: Nesting<'_>,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Mosaic> {
+    pub(in crate::formats) fn open_vrt(path: &Path, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<Mosaic> {
         let this = std::fs::canonicalize(path).map_err(|e| cannot_read(&path.into(), &e))?;
         let Nesting { ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
@@ -62,7 +59,7 @@ impl Mosaic {
         }
         let ancestors: Vec<PathBuf> = ancestors.iter().cloned().chain([this]).collect();
         let xml = read_xml(path)?;
-        let described = describe(path, &xml, warnings)?;
+        let described = describe(path, &xml, odd)?;
         let (paths, tile_of) = distinct(&described.sources);
         // A file that many name which many name is opened for each.
         let is_nested = ancestors.len() > 1;
@@ -73,7 +70,8 @@ impl Mosaic {
         let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
-        warnings.extend(told_once(headers.iter_mut(), &["W325", "W326", "W327", "W331", "W332"]));
+        let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
+        odd.extend(each_once(of_tiles.filter(|oddity| !oddity.odd.is_of_place())));
         for header in &headers {
             refuse_other_crs(path, &described.georef, header)?;
         }
@@ -96,8 +94,7 @@ impl Mosaic {
         let of_tiles = || headers.iter().find_map(|header| header.meters_per_height_unit);
         let unit = described.meters_per_height_unit.or_else(of_tiles);
         if let Some(unit) = unit.filter(|unit| (unit - 1.0).abs() > 1e-9) {
-            let text = format!("`{}` gives its heights in units of {unit} m; scenes convert them", path.display());
-            warnings.push(Warning::new(332, text));
+            odd.push(Oddity::new(path.display(), Odd::Unit(unit)));
         }
         let vertical = headers.iter().find_map(|header| header.vertical.clone());
         Ok(Mosaic {
@@ -138,7 +135,7 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
 }
 
-fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Described> {
+fn describe(path: &Path, xml: &str, odd: &mut Vec<Oddity>) -> Result<Described> {
     refuse_crowds(path, xml)?;
     // Without document types there are no entities to blow up.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
@@ -167,7 +164,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     if let Some(mask) = child(band, "MaskBand") {
         return Err(vrt.unsupported(mask, "its band has a mask"));
     }
-    let georef = placement(vrt, root, warnings)?;
+    let georef = placement(vrt, root, odd)?;
     let type_name = attribute(band, "dataType").unwrap_or("Byte");
     let numbers = Sample::of_gdal(type_name).ok_or_else(|| {
         vrt.error(band, ReadFault::Unsupported(format!("numbers of type `{type_name}`, wanted integers or floats")))
@@ -196,7 +193,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
 }
 
 /// Where the cells lie.
-fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, warnings: &mut Vec<Warning>) -> Result<GeoRef> {
+fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<GeoRef> {
     let side = |name: &str| {
         let text = attribute(root, name).unwrap_or_default();
         let side = text.trim().parse::<u32>().ok().filter(|side| *side > 0 && f64::from(*side) <= MAX_SIDE);
@@ -204,36 +201,24 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, warnings: &mut Vec<Warning>) -> R
             .ok_or_else(|| vrt.malformed(root, format!("`{name}` is `{text}`, wanted a whole number above 0")))
     };
     let (n_rows, n_cols) = (side("rasterYSize")?, side("rasterXSize")?);
-    let shown = vrt.path.display();
-    let crs = match child(root, "SRS").map(|node| crs::parse(text_of(node))) {
-        Some(Ok(crs)) => Some(crs),
-        Some(Err(error)) => {
-            let text = format!("`{shown}` names a coordinate reference system that is not known ({error}): ignored");
-            warnings.push(Warning::new(326, text));
-            None
-        }
-        None => {
-            let text =
-                format!("`{shown}` names no coordinate reference system: local coordinates in meters are assumed");
-            warnings.push(Warning::new(325, text));
-            None
-        }
-    };
+    let mut tell = |what| odd.push(Oddity::new(vrt.path.display(), what));
+    let crs = child(root, "SRS").map(|node| crs::parse(text_of(node))).transpose();
+    let crs = crs.unwrap_or_else(|error| {
+        tell(Odd::CrsIgnored(error.to_string()));
+        None
+    });
+    if child(root, "SRS").is_none() {
+        tell(Odd::NoCrs);
+    }
     if crs.as_ref().is_some_and(is_web_mercator) {
-        let text = format!(
-            "`{shown}` is in web Mercator, whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
-        );
-        warnings.push(Warning::new(331, text));
+        tell(Odd::WebMercator);
     }
     let Some(node) = child(root, "GeoTransform") else {
         if let Some(list) = child(root, "GCPList") {
             let what = "it is placed by ground control points, wanted a regular grid";
             return Err(vrt.error(list, ReadFault::Irregular(what.into())).because(Cause::ControlPoints));
         }
-        let text = format!(
-            "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
-        );
-        warnings.push(Warning::new(327, text));
+        tell(Odd::NoPlace);
         return GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), crs)
             .ok_or_else(|| vrt.error(root, ReadFault::Irregular("its cells are no grid".into())));
     };

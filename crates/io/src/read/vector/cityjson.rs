@@ -247,14 +247,4 @@ mod tests {
         let area: f64 = set.features[0].polygons.iter().map(|p| doubled_area(&p[0]).abs() / 2.0).sum();
         assert!((area - 120.0).abs() < 1e-6, "{area}");
     }
-
-    #[test]
-    fn a_vertex_that_is_not_there_is_named() {
-        let mut document = house("2.0", "2".into(), true);
-        document["CityObjects"]["h"]["geometry"][0]["boundaries"][0][0][0][1] = 10.into();
-        let error = features(&"h.json".into(), &document).expect_err("no vertex 10");
-        assert!(error.to_string().contains("object `h`: vertex number 10, of 10 vertices"), "{error}");
-        document["version"] = "3.0".into();
-        assert!(features(&"h.json".into(), &document).is_err_and(|e| e.to_string().contains("version `3.0`")));
-    }
 }
