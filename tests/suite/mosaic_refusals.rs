@@ -63,7 +63,7 @@ fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
         ),
         ("nine/t0.tif", "nine/none.tif", "E301", &["none.tif: no such file (a source of `bad.vrt`)"]),
         ("nine/t0.tif", "nine/utm33.tif", "E311", &["bad.vrt", "EPSG:25832", "utm33.tif in EPSG:25833"]),
-        ("nine/t0.tif", "bad.vrt", "E302", &["`bad.vrt`: it is a source of itself", "(a source of `bad.vrt`)"]),
+        ("nine/t0.tif", "bad.vrt", "E302", &["bad.vrt: it is a source of itself", "(a source of `bad.vrt`)"]),
         ("nine/t0.tif", "", "E302", &["has no `SourceFilename`"]),
         ("nine/t0.tif", "nine", "E301", &["it is a folder"]),
         ("Float32\" band", "CFloat32\" band", "E304", &["numbers of type `CFloat32`"]),
