@@ -33,7 +33,7 @@ pub fn written(name: &str, bytes: &[u8]) -> PathBuf {
 
 /// The value, if there is one. A refusal must blame what was read, in words, and never the program itself.
 pub fn answered<T: Debug>(result: Result<T, impl Into<Error>>) -> Option<T> {
-    match result.map_err(Into::into) {
+    match result.map_err(Into::<Error>::into) {
         Ok(value) => Some(value),
         Err(error) => {
             assert_ne!(error.class(), ErrorClass::Internal, "{error}");
