@@ -9,7 +9,6 @@ use skyshed_core::error::one_line;
 pub use skyshed_core::error::{ErrorClass, MOST_FOUND, Warning, io_words, is_text, shortened};
 use thiserror::Error as Words;
 
-use crate::crs::InputKind;
 use crate::export::{Format, Layer};
 use crate::raster::Crs;
 
@@ -188,6 +187,15 @@ pub struct HeightsMissing {
     pub levels_field: String,
     /// The median of the known heights \[m\].
     pub median_m: Option<f64>,
+}
+
+/// Which kind of file is in degrees, and which program brings it out of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InputKind {
+    /// A raster: `gdalwarp`.
+    Raster,
+    /// Vectors: `ogr2ogr`.
+    Vector,
 }
 
 /// What a file of places was to hold.

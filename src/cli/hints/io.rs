@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use skyshed_io::Error;
-use skyshed_io::crs::{InputKind, utm_for};
+use skyshed_io::crs::utm_for;
 use skyshed_io::error::{
-    Cause, CombineError, CrsError, HeightOf, HeightsMissing, Pair, PlacesIn, ReadError, ReadFault, Wanted, WriteFault,
+    Cause, CombineError, CrsError, HeightOf, HeightsMissing, InputKind, Pair, PlacesIn, ReadError, ReadFault, Wanted,
+    WriteFault,
 };
 use skyshed_io::export::Format;
 use skyshed_io::read::METERS_PER_LEVEL;

@@ -18,15 +18,6 @@ pub fn utm_for(lon: f64, lat: f64) -> u32 {
     zone + if lat < 0.0 { 32_700 } else { 32_600 }
 }
 
-/// Which kind of file is to be brought into another reference system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InputKind {
-    /// A raster: `gdalwarp`.
-    Raster,
-    /// Vectors: `ogr2ogr`.
-    Vector,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

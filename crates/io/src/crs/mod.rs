@@ -9,7 +9,7 @@ mod degrees;
 mod vertical;
 mod wkt;
 
-pub use degrees::{InputKind, utm_for};
+pub use degrees::utm_for;
 pub use vertical::{VerticalCrs, VerticalDifference};
 
 use std::fmt;

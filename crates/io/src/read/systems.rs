@@ -2,8 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::crs::InputKind;
-use crate::error::{Error, Pair, ReadFault, Result, two_crs};
+use crate::error::{Error, InputKind, Pair, ReadFault, Result, two_crs};
 use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
 

@@ -16,8 +16,7 @@ use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::systems::refuse_degrees;
 use crate::city::City;
-use crate::crs::InputKind;
-use crate::error::{Error, ReadFault, Result, Wanted, Warning};
+use crate::error::{Error, InputKind, ReadFault, Result, Wanted, Warning};
 use crate::input::Input;
 use crate::quantity::{VOID, counted};
 
