@@ -128,11 +128,11 @@ const LIDAR: [Lidar; 2] = [
 fn measure_lidar(folder: &Path, lidar: &Lidar, n: usize) {
     eprintln!("{} {n}²", lidar.name);
     let options = SurfaceOptions {
-        terrain: Some(folder.join(lidar.terrain)),
+        terrain: Some(folder.join(lidar.terrain).into()),
         nodata_as: NodataAs::Clear,
         ..SurfaceOptions::default()
     };
-    let scene = read_surface(&folder.join(lidar.surface), &options, &mut Vec::new()).expect("the LiDAR data");
+    let scene = read_surface(folder.join(lidar.surface), &options, &mut Vec::new()).expect("the LiDAR data");
     let Solids::Raster { surface, ground: Ground::Terrain(terrain), .. } = scene.solids else {
         panic!("a surface over a terrain");
     };

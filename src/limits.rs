@@ -82,10 +82,11 @@ impl LimitsPlan {
         asked: &UavsAsked,
         command: Vec<String>,
     ) -> Result<Limits> {
-        for (what, value) in [("UAVs", self.uav_error_m), ("heights", self.height_error_m)] {
+        for (what, value) in
+            [("the error of the UAVs", self.uav_error_m), ("the error of the heights", self.height_error_m)]
+        {
             if !(0.0..=1000.0).contains(&value) {
-                let text = format!("{what} may be off by `{value}`, wanted 0 to 1000 m");
-                return Err(Error::usage(113, text));
+                return Err(Error::number(what, value, "0 to 1000 m"));
             }
         }
         let (start, mut warnings) = (Instant::now(), Vec::new());

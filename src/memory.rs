@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, LimitError, Result};
 use crate::raster::GeoRef;
 
 /// Bytes that the process may take; `u64::MAX` where nothing is known.
@@ -33,12 +33,7 @@ pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     let is_first = LIMIT.swap(limit, Ordering::AcqRel) == u64::MAX;
     TYPED.store(typed.unwrap_or(0), Ordering::Release);
     if resident > limit {
-        let text = format!(
-            "cannot start: the program alone takes {} of memory, more than {}",
-            memory_words(resident),
-            limit_words()
-        );
-        return Err(Error::limit(501, text).with_hint("allow more"));
+        return Err(LimitError::Program { resident: memory_words(resident), limit: limit_words() }.into());
     }
     if is_first && limit != u64::MAX {
         // Without a thread for it work is still refused beforehand.
@@ -54,16 +49,12 @@ fn watch(end: fn(&Error) -> !) {
     loop {
         let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { return };
         if resident > limit {
-            let text = format!("cannot go on: the run takes more memory than {}", limit_words());
-            end(&Error::limit(501, text).with_hint(REMEDY));
+            end(&LimitError::Exceeded(limit_words()).into());
         }
         let nanoseconds = (limit - resident).saturating_mul(1_000_000_000) / FASTEST;
         std::thread::sleep(Duration::from_nanos(nanoseconds.clamp(300_000, 50_000_000)));
     }
 }
-
-const REMEDY: &str =
-    "allow more, or choose larger cells, a smaller extent, or fewer sites and layers; `map --strips` for a raster";
 
 /// The limit in words that follow "more than".
 fn limit_words() -> String {
@@ -108,9 +99,8 @@ pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Re
     std::hint::black_box(&mut probe);
     let lack = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into())));
     let Some((needed, limit)) = lack else { return Ok(()) };
-    let needed = memory_words(needed);
-    let text = format!("cannot map {name}: {what} need {needed} of memory, more than {limit}");
-    Err(Error::limit(501, text).with_hint(REMEDY))
+    let (name, what) = (name.to_string(), what.to_string());
+    Err(LimitError::Memory { name, what, needed: memory_words(needed), limit }.into())
 }
 
 /// A number of bytes for reading.

@@ -83,5 +83,5 @@ pub(crate) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, heigh
 /// # Errors
 /// E403.
 pub(crate) fn drawn(picture: std::result::Result<Vec<u8>, String>) -> Result<Vec<u8>> {
-    picture.map_err(|cause| Error::internal(403, format!("cannot draw the picture: {cause}")))
+    picture.map_err(Error::Drawing)
 }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, Rows, RunFacts, Spent, document_of, feature, feature_collection, rows};
+use crate::answer::{Answer, Provenance, Rows, RunFacts, Spent, document_of, feature, feature_collection, rows};
 use crate::error::Result;
 use crate::export::{Batch, Format};
 use crate::picture::Look;
@@ -24,6 +24,15 @@ pub(crate) struct Repairs {
     repairs: Vec<Repair>,
     /// The layer of the file that was read.
     layer: String,
+}
+
+/// Where a list of repairs is from.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct RepairsDocument {
+    #[serde(flatten)]
+    provenance: Provenance,
+    /// How many there are.
+    repairs: usize,
 }
 
 /// A row of the list.
@@ -69,9 +78,10 @@ impl Repairs {
 
 impl Answer for Repairs {
     fn document(&self, _: Option<Spent>) -> Value {
-        let mut document = self.facts.provenance("skyshed/repairs/1");
-        document["repairs"] = self.repairs.len().into();
-        document
+        document_of(&RepairsDocument {
+            provenance: self.facts.provenance("skyshed/repairs/1"),
+            repairs: self.repairs.len(),
+        })
     }
 
     fn table(&self) -> Rows {

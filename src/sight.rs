@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, RequestError, Result, Warning};
 use crate::height_field::HeightField;
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
@@ -70,9 +70,7 @@ impl Receivers {
     /// E117.
     pub(crate) fn check(self, is_surface_only: bool) -> Result<()> {
         if is_surface_only && (self == Receivers::Roof || self.zone().is_some()) {
-            let what = if self == Receivers::Roof { "roof" } else { "zone" };
-            let text = format!("receivers `{}` with a surface model alone: no {what} is known", self.name());
-            return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
+            return Err(RequestError::NoReceivers(self).into());
         }
         Ok(())
     }
@@ -118,15 +116,21 @@ impl AskedSight {
     /// E113.
     pub(crate) fn checked(self) -> Result<Sight> {
         let AskedSight { receivers, rx_height_m, radius_m, method } = self;
-        let refuse = |text: String| Error::usage(113, text);
-        let rx_height = height_steps(rx_height_m).filter(|h| *h >= 0);
-        let rx_height = rx_height
-            .ok_or_else(|| refuse(format!("the receivers' height is `{rx_height_m}`, wanted 0 m to 32768 m")))?;
+        let rx_height = receivers_height(rx_height_m)?;
         match radius_m {
-            Some(r) if r <= 0.0 => Err(refuse(format!("the radius is `{r}`, wanted above 0 m"))),
+            Some(r) if r <= 0.0 => Err(Error::number("the radius", r, "above 0 m")),
             _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, method }),
         }
     }
+}
+
+/// The receivers' height on the lattice.
+///
+/// # Errors
+/// E113.
+pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
+    let steps = height_steps(height_m).filter(|h| *h >= 0);
+    steps.ok_or_else(|| Error::number("the receivers' height", height_m, "0 m to 32768 m"))
 }
 
 /// How line of sight is asked for, checked.

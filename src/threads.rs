@@ -1,6 +1,6 @@
 //! How many threads work takes.
 
-use crate::error::{Error, Result};
+use crate::error::{LimitError, Result};
 
 /// Threads for each core beyond which more are of no use.
 const MOST_PER_CORE: usize = 4;
@@ -15,9 +15,9 @@ pub(crate) fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + 
     let of_environment = || std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok().filter(|n| *n > 0);
     let wanted = threads.map(usize::from).or_else(of_environment).unwrap_or(cores);
     let n_threads = wanted.min(MOST_PER_CORE * cores);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| {
-        let text = format!("cannot start {n_threads} threads: {e}");
-        Error::limit(503, text).with_hint("fewer with `-j N`, or allow this user more processes (`ulimit -u`)")
-    })?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads)
+        .build()
+        .map_err(|e| LimitError::Threads { n: n_threads, why: e.to_string() })?;
     Ok(pool.install(work))
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Site;
 use crate::coverage::{Stretch, Track, TrackPoint, TrackState, along_track};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, LimitError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::link::{EndFacts, check_extent};
 use crate::los::Method;
@@ -53,8 +53,7 @@ impl TrackPlan {
     /// E113.
     pub(crate) fn check(&self) -> Result<()> {
         if self.every_m <= 0.0 {
-            let text = format!("the step along a track is `{}`, wanted above 0 m", self.every_m);
-            return Err(Error::usage(113, text));
+            return Err(Error::number("the step along a track", self.every_m, "above 0 m"));
         }
         Ok(())
     }
@@ -73,8 +72,7 @@ impl TrackPlan {
         let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
         let unit = scene.grid().meters_per_unit();
         if length * unit / self.every_m > MOST_PLACES {
-            let text = format!("cannot walk {} m of track in steps of {} m", tidy(length * unit), self.every_m);
-            return Err(Error::limit(502, text).with_hint("choose longer steps: `--every M`"));
+            return Err(LimitError::Track { length: tidy(length * unit), every_m: self.every_m }.into());
         }
         let mut reach = 1.0_f64;
         for place in &places {

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 use crate::city::{GivenSite, Site, Source};
-use crate::error::{Error, Result, Warning};
+use crate::error::{PlacesError, Result, Warning};
 use crate::quantity::Height;
 use crate::raster::GeoRef;
 use crate::read::{BadRows, read_sites, source_of};
@@ -92,7 +92,7 @@ impl UavsFound {
     pub(crate) fn checked(self) -> Result<UavsFound> {
         let mut seen = HashSet::new();
         match self.sites.iter().find(|site| !seen.insert(site.id.as_str())) {
-            Some(twice) => Err(Error::site(207, format!("two sites are named `{}`, wanted different ids", twice.id))),
+            Some(twice) => Err(PlacesError::Twice { what: "sites", id: twice.id.clone() }.into()),
             None => Ok(self),
         }
     }

@@ -10,7 +10,7 @@ use crate::answer::{
     Answer, Head, RunFacts, Spent, WarningFacts, closed_rings, document_of, feature, feature_collection, warnings_of,
 };
 use crate::coverage::class;
-use crate::error::{Error, Result, Warning};
+use crate::error::{RequestError, Result, Warning};
 use crate::export::{Batch, Format, add_zones};
 use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
 use crate::quantity::{counted, tidy};
@@ -70,8 +70,7 @@ impl ZoneFiles {
     /// E117 for a surface model alone, of which no building is known.
     pub(crate) fn of(scene: Scene, command: Vec<String>) -> Result<ZoneFiles> {
         let Some(zones) = scene.zones() else {
-            return Err(Error::usage(117, "zones of a surface model alone: no building is known, so no zone is")
-                .with_hint("give `--terrain FILE` or `--ground Z`"));
+            return Err(RequestError::NoZones.into());
         };
         Ok(ZoneFiles { facts: RunFacts { command, ..scene.facts(None) }, scene, zones })
     }

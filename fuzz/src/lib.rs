@@ -9,7 +9,8 @@ use skyshed_core::height_field::HeightField;
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
 use skyshed_core::city::City;
-use skyshed_core::{ErrorClass, Result};
+use skyshed_io::Error;
+use skyshed_io::error::ErrorClass;
 
 /// A folder of this process on a memory disk, if the machine has one.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -31,8 +32,8 @@ pub fn written(name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// The value, if there is one. A refusal must blame what was read, in words, and never the program itself.
-pub fn answered<T: Debug>(result: Result<T>) -> Option<T> {
-    match result {
+pub fn answered<T: Debug>(result: Result<T, impl Into<Error>>) -> Option<T> {
+    match result.map_err(Into::<Error>::into) {
         Ok(value) => Some(value),
         Err(error) => {
             assert_ne!(error.class(), ErrorClass::Internal, "{error}");

@@ -77,8 +77,8 @@ impl RunFacts {
     }
 
     /// Where a result comes from, for answers whose document is no more than that.
-    pub(crate) fn provenance(&self, schema: &'static str) -> Value {
-        document_of(&Provenance { head: self.head(schema), warnings: warnings_of(&self.warnings) })
+    pub(crate) fn provenance(&self, schema: &'static str) -> Provenance {
+        Provenance { head: self.head(schema), warnings: warnings_of(&self.warnings) }
     }
 }
 
@@ -160,12 +160,12 @@ pub(crate) fn warnings_of(warnings: &[Warning]) -> Vec<WarningFacts> {
 }
 
 /// A document that says no more than where something is from.
-#[derive(Serialize, JsonSchema)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct Provenance {
     #[serde(flatten)]
-    head: Head,
+    pub(crate) head: Head,
     /// What was odd.
-    warnings: Vec<WarningFacts>,
+    pub(crate) warnings: Vec<WarningFacts>,
 }
 
 /// Seconds spent.

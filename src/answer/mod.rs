@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 pub(crate) use document::{
-    Head, RunFacts, Share, SourceFacts, Timing, WarningFacts, digest_words, document_of, version, warnings_of,
+    Head, Provenance, RunFacts, Share, SourceFacts, Timing, WarningFacts, digest_words, document_of, version,
+    warnings_of,
 };
 pub(crate) use features::{closed_rings, feature, feature_collection};
 pub(crate) use position::{Position, PositionFields};

@@ -15,7 +15,9 @@ use serde_json::Value;
 
 pub(crate) use plos::PlosChartPlan;
 use plos_report::PlosChartReport;
+pub(crate) use plos_report::{PlosChartDocument, PlosChartTableRow};
 use report::ChartReport;
+pub(crate) use report::{ChartDocument, ChartTableRow};
 
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Error, Result, Warning};
@@ -72,7 +74,7 @@ fn check_time(time_s: f64) -> Result<()> {
     if (0.0..=LONGEST_S).contains(&time_s) {
         return Ok(());
     }
-    Err(Error::usage(113, format!("the time of a contestant is `{time_s}`, wanted 0 s to {LONGEST_S} s")))
+    Err(Error::number("the time of a contestant", time_s, format!("0 s to {LONGEST_S} s")))
 }
 
 /// Runs `work`, which has a turn for each of `n` contestants, on the threads of the timed runs.
@@ -135,4 +137,13 @@ impl Answer for Chart {
         };
         Ok(batch.add(path, &picture.draw(&look.form(format), &picture_provenance(&self.provenance()))?)?)
     }
+}
+
+/// A chart of maps or of P_LoS, told apart by `kind`.
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "a type of its schema alone")]
+pub(crate) enum AnyChartDocument {
+    Maps(ChartDocument),
+    PLos(PlosChartDocument),
 }

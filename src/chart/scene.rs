@@ -7,7 +7,7 @@ use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
 use crate::answer::RunFacts;
 use crate::coverage::{MapOptions, Uav};
-use crate::error::{Error, Result, Warning};
+use crate::error::{RequestError, Result, Warning};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
@@ -35,8 +35,7 @@ impl ChartPlan {
         self.check()?;
         let receivers = self.sight.receivers();
         if receivers.zone().is_some() {
-            let text = format!("receivers `{}` have no meaning here: coarser cells have other zones", receivers.name());
-            return Err(Error::usage(116, text).with_hint("wanted ground, roof or all"));
+            return Err(RequestError::CoarseZones(receivers).into());
         }
         let uavs = scene.place(found, None, &self.sight)?;
         check_memory(&scene.word, scene.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;

@@ -7,7 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use super::say;
-use crate::error::{Error, ErrorClass, Result};
+use crate::cli::refusal::refusal;
+use crate::error::{Error, Result};
 use crate::export::abandon_files;
 use crate::progress::Progress;
 use crate::quantity::counted;
@@ -35,17 +36,17 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// UAVs whose files are complete, in a run that writes them one by one.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
-fn interrupted() -> skyshed_core::Error {
+fn interrupted() -> Error {
     let text = match WRITTEN.load(Ordering::Acquire) {
         0 => "interrupted; nothing was written".to_string(),
         n => format!("interrupted; the files of {} are written", counted(n, "UAV", "UAVs")),
     };
-    skyshed_core::Error::new(ErrorClass::Interrupted, 130, text)
+    refusal(130, text)
 }
 
 /// Some files of a run may have their names already.
 fn while_writing() -> Error {
-    Error::new(ErrorClass::Interrupted, 130, "interrupted; what was written is whole, the rest is not there")
+    refusal(130, "interrupted; what was written is whole, the rest is not there")
 }
 
 fn enter(phase: Phase) {
@@ -66,13 +67,13 @@ pub(super) fn listen() {
                 after_grace(|| {
                     let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
                     if *phase == Phase::InPieces {
-                        end(&interrupted().into());
+                        end(&interrupted());
                     }
                 });
             }
             Phase::Writing if is_first => after_grace(|| end(&while_writing())),
             Phase::Writing => end(&while_writing()),
-            Phase::Working | Phase::InPieces => end(&interrupted().into()),
+            Phase::Working | Phase::InPieces => end(&interrupted()),
         }
     };
     // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
@@ -138,7 +139,12 @@ pub(super) fn begin_writing() {
 /// # Errors
 /// If the user interrupted it.
 pub(super) fn check() -> skyshed_core::Result<()> {
-    if wants_to_stop() { Err(interrupted()) } else { Ok(()) }
+    if wants_to_stop() { Err(skyshed_core::Error::Interrupted) } else { Ok(()) }
+}
+
+/// An error in the words of the run: an interrupt says what was written.
+pub(super) fn in_words(error: Error) -> Error {
+    if matches!(error, Error::Core(skyshed_core::Error::Interrupted)) { interrupted() } else { error }
 }
 
 /// A run that tells what it does, and is asked whether to go on.

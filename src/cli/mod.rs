@@ -36,6 +36,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
+            let error = interrupt::in_words(error);
             say::error(&error);
             ExitCode::from(error.class().exit_code())
         }

@@ -14,7 +14,8 @@ use super::commands::{
     SampleArgs, StressArgs, TrackArgs, ZonesArgs,
 };
 use super::run::Run;
-use crate::error::{Error, Result};
+use crate::cli::refusal::refusal;
+use crate::error::Result;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
 #[derive(Debug, Parser)]
@@ -115,7 +116,7 @@ impl Typed {
         // Groups of arguments have names too, which begin with a capital.
         let is_flag = |name: &&String| name.starts_with(char::is_lowercase);
         match self.names.iter().filter(is_flag).find(|name| is_refused(name)) {
-            Some(name) => Err(Error::usage(116, format!("`--{}` has no meaning {why}", name.replace('_', "-")))),
+            Some(name) => Err(refusal(116, format!("`--{}` has no meaning {why}", name.replace('_', "-")))),
             None => Ok(()),
         }
     }

@@ -3,7 +3,7 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use super::say;
-use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::error::{Error, ErrorClass, MOST_FOUND, Result, shortened};
 
 /// Answers for help and version, on standard output; gives back any other error.
 ///
@@ -23,7 +23,7 @@ pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let text = "no command, wanted one such as `map`, `link`, `info`, `plos` or `place`";
-            Err(Error::usage(101, text).with_hint("skyshed --help"))
+            Err(refusal_with(101, text, "skyshed --help"))
         }
         _ => Err(in_words(text.strip_prefix("error: ").unwrap_or(&text))),
     }
@@ -33,7 +33,6 @@ fn in_words(text: &str) -> Error {
     let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
     // Missing arguments are listed on lines of their own; an error is one line.
     let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
-    let error = Error::usage(101, first);
     // Of the parser's tips only those that name what was probably meant; its usage line names the command.
     let similar = rest.lines().map(str::trim).find(|l| l.starts_with("tip: a similar"));
     let command = rest.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
@@ -42,5 +41,27 @@ fn in_words(text: &str) -> Error {
         format!("{} --help", words.join(" "))
     });
     let hints: Vec<String> = [similar.map(|tip| tip.replace("tip: ", "")), help].into_iter().flatten().collect();
-    if hints.is_empty() { error } else { error.with_hint(hints.join("; ")) }
+    if hints.is_empty() { refusal(101, first) } else { refusal_with(101, first, hints.join("; ")) }
+}
+
+/// What the command line says of its own words, under a stable code.
+pub(super) fn refusal(code: u16, text: impl Into<String>) -> Error {
+    let class = match code {
+        130 => ErrorClass::Interrupted,
+        402 => ErrorClass::Internal,
+        200..300 => ErrorClass::Site,
+        300..500 => ErrorClass::File,
+        _ => ErrorClass::Usage,
+    };
+    Error::CommandLine { class, code, text: text.into(), hint: None }
+}
+
+/// The same with a remedy.
+pub(super) fn refusal_with(code: u16, text: impl Into<String>, remedy: impl Into<String>) -> Error {
+    match refusal(code, text) {
+        Error::CommandLine { class, code, text, .. } => {
+            Error::CommandLine { class, code, text, hint: Some(remedy.into()) }
+        }
+        error => error,
+    }
 }

@@ -9,7 +9,8 @@ use super::args::scene::ReadingArgs;
 use super::program::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
-use crate::error::{Error, ErrorClass, Result};
+use crate::cli::refusal::{refusal, refusal_with};
+use crate::error::Result;
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::Look;
 use crate::progress::Progress;
@@ -58,7 +59,7 @@ impl Run {
             say::answer(&answer.text(look)?)?;
         }
         match answer.interrupted() {
-            Some(what) => Err(Error::new(ErrorClass::Interrupted, 130, format!("interrupted; {what} were written"))),
+            Some(what) => Err(refusal(130, format!("interrupted; {what} were written"))),
             None => Ok(()),
         }
     }
@@ -97,7 +98,7 @@ pub(super) fn check_scenes(scenes: &[&OsString]) -> Result<()> {
         let word = format!("itu:{}", scene.display());
         if matches!(built_up(word.as_ref()), Some(Ok(_))) && !Path::new(scene).exists() {
             let text = format!("cannot read {}: no such file", scene.display());
-            return Err(Error::file(301, text).with_hint(format!("`{word}` is a generated city")));
+            return Err(refusal_with(301, text, format!("`{word}` is a generated city")));
         }
     }
     Ok(())
@@ -129,7 +130,7 @@ impl<'a> RepairsFile<'a> {
             VectorFormat::of_extension(&extension).is_some()
         };
         let Some(scene) = scenes.first().filter(is_footprints) else {
-            return Err(Error::usage(116, "`--repairs` has no meaning for a scene that is no file of footprints"));
+            return Err(refusal(116, "`--repairs` has no meaning for a scene that is no file of footprints"));
         };
         let rules = OutputRules {
             allowed: &REPAIRS_FORMATS,
@@ -140,7 +141,7 @@ impl<'a> RepairsFile<'a> {
         let output = check_outputs(std::slice::from_ref(path), rules)?.pop();
         if let Some(other) = typed.files.iter().find(|other| is_same_file(path, other)) {
             let text = format!("cannot write {}: it is {}, which this run needs too", path.display(), other.display());
-            return Err(Error::usage(105, text).with_hint("give the repairs a name of their own"));
+            return Err(refusal_with(105, text, "give the repairs a name of their own"));
         }
         Ok(output.map(|output| RepairsFile { scene, reading, out, output }))
     }
@@ -151,7 +152,7 @@ impl<'a> RepairsFile<'a> {
     /// E116 if no footprints were read; E106, E401 if the file cannot be written.
     pub(super) fn write(&self, run: &Run) -> Result<()> {
         let Some(found) = self.reading.found_repairs.get() else {
-            return Err(Error::usage(116, "`--repairs` has no meaning here: no footprints were read"));
+            return Err(refusal(116, "`--repairs` has no meaning here: no footprints were read"));
         };
         let repairs = Repairs::of(found, self.reading.layer_of(self.scene), run.words());
         let outputs = [self.output.clone()];
@@ -180,7 +181,7 @@ pub(super) fn check_text(out: &OutputArgs, repairs: Option<&RepairsFile<'_>>) ->
     let has_table = out.output.iter().chain(repairs.map(|file| &file.output.0)).any(|path| is_table(path));
     // Without files the answer may be a table.
     if out.csv_text && !has_table && (out.json || !out.output.is_empty()) {
-        return Err(Error::usage(116, "`--csv-text` has no meaning without a table"));
+        return Err(refusal(116, "`--csv-text` has no meaning without a table"));
     }
     Ok(())
 }

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::hints;
-use crate::error::{Error, Result, Warning, escaped, io_words, is_text};
+use crate::cli::refusal::refusal;
+use crate::error::{Error, RequestError, Result, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 
 /// A line on standard error; a closed pipe there is nobody's concern.
@@ -18,7 +19,7 @@ fn say(text: &str) {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 21] = [
+const FLAGS: [(&str, &str); 30] = [
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),
@@ -40,7 +41,28 @@ const FLAGS: [(&str, &str); 21] = [
     ("project", "--project"),
     ("size_m", "--size"),
     ("nodata_as", "--nodata-as"),
+    ("bare", "--bare"),
+    ("tif_layout", "--tif-layout"),
+    ("gdal_values", "--gdal-values"),
+    ("polygons", "--polygons"),
+    ("simplify_m", "--simplify"),
+    ("resume", "--resume"),
+    ("strips", "--strips"),
+    ("area", "--area FILE"),
+    ("weights", "--weights FILE"),
 ];
+
+/// Whether an error names an option of the library.
+fn names_option(error: &Error) -> bool {
+    use RequestError as R;
+    match error {
+        Error::Request(error) => {
+            matches!(error, R::Idle { .. } | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. })
+        }
+        Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
+        _ => false,
+    }
+}
 
 /// Whether a stream is a terminal whose user wants colors (<https://no-color.org>).
 pub(super) fn has_colors(stream: &impl IsTerminal) -> bool {
@@ -62,7 +84,7 @@ fn say_labelled(label: &str, color: u8, text: &str) {
 pub(super) fn error(error: &Error) {
     const RED: u8 = 31;
     let mut text = error.to_string();
-    if error.code() == "E116" {
+    if names_option(error) {
         for (option, flag) in FLAGS {
             text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
         }
@@ -163,7 +185,7 @@ pub(super) fn plain_answer(text: &[u8]) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::file(401, format!("cannot write to standard output: {}", io_words(&e))))
+            Err(refusal(401, format!("cannot write to standard output: {}", io_words(&e))))
         }
         _ => Ok(()),
     }

@@ -6,11 +6,12 @@ use serde_json::Value;
 
 use crate::answer::Position;
 use crate::coverage::class;
-use crate::error::{Error, Result, Warning};
+use crate::error::{InputError, Result, Warning};
 use crate::formats::RasterFile;
 use crate::raster::{GeoRef, LargeVec};
 use crate::read::refuse_two_crs;
 use crate::sight::Sight;
+use skyshed_io::error::Pair;
 
 /// A mask of an earlier run.
 #[derive(Debug)]
@@ -43,18 +44,12 @@ pub(super) struct Setting<'a> {
 pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
     let Setting { scene, grid, .. } = *setting;
     let file = RasterFile::open(path, warnings)?;
-    refuse_two_crs((scene, grid.crs()), (path, file.georef().crs()), |wanted, _| {
-        format!("make the map again from a scene in {}", wanted.label())
-    })?;
+    refuse_two_crs((scene.display(), grid.crs()), (path.display(), file.georef().crs()), Pair::SceneMap)?;
     if !file.georef().same_grid(grid) {
-        let text = format!(
-            "cannot compare {} ({}) with maps of {} ({}): wanted the same grid",
-            path.display(),
-            file.georef().description(),
-            scene.display(),
-            grid.description()
+        let mask = format!("{} ({})", path.display(), file.georef().description());
+        return Err(
+            InputError::OtherGrid { mask, scene: format!("{} ({})", scene.display(), grid.description()) }.into()
         );
-        return Err(Error::file(312, text).with_hint("make the map again with the scene flags of this comparison"));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let shown = path.display().to_string();
@@ -75,12 +70,8 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
         }
     };
     if sites.is_empty() {
-        let text = format!(
-            "cannot use {} as a mask: none of its {} bands is called `SITE.los`, as `skyshed map` does",
-            path.display(),
-            tiff.n_bands()
-        );
-        return Err(Error::file(302, text));
+        let why = format!("none of its {} bands is called `SITE.los`, as `skyshed map` does", tiff.n_bands());
+        return Err(InputError::Mask { name: shown, why }.into());
     }
     let document: Value = tiff.provenance().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
     warn_of_other_receivers(path, &document, setting, warnings);
@@ -143,11 +134,10 @@ impl Classes {
     fn check(&self, path: &Path, grid: &GeoRef, band: &str) -> Result<()> {
         let Some((cell, value)) = self.wrong else { return Ok(()) };
         let (row, col) = (cell / grid.n_cols(), cell % grid.n_cols());
-        let text = format!(
-            "cannot use {} as a mask: {band}row {row}, column {col} holds {value}, wanted 0 (NLoS), 1 (LoS), 2 (not a \
-             receiver), 3 (out of range) or 255 (nodata)",
-            path.display()
+        let why = format!(
+            "{band}row {row}, column {col} holds {value}, wanted 0 (NLoS), 1 (LoS), 2 (not a receiver), 3 (out of range) or \
+             255 (nodata)"
         );
-        Err(Error::file(302, text).with_hint("`skyshed map SCENE --uav X,Y,H -o FILE.tif` writes such a mask"))
+        Err(InputError::Mask { name: path.display().to_string(), why }.into())
     }
 }

@@ -6,6 +6,8 @@ mod masks;
 mod report;
 mod tables;
 
+pub(crate) use document::{CompareDocument, CompareRow};
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -18,7 +20,7 @@ use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, class, count_sets};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
@@ -91,12 +93,8 @@ struct Placed {
 /// E108, E502.
 pub(crate) fn check_number(n: usize) -> Result<()> {
     match n {
-        0 | 1 => Err(Error::usage(108, format!("cannot compare: found {n} placements, wanted at least 2"))
-            .with_hint("repeat `--uav X,Y,H`, or give `--uavs FILE` or `--mask FILE`")),
-        n if n > MOST_PLACEMENTS => {
-            let text = format!("cannot compare {n} placements, wanted at most {MOST_PLACEMENTS}");
-            Err(Error::limit(502, text).with_hint("`skyshed map` makes maps and tables of any number"))
-        }
+        0 | 1 => Err(RequestError::TooFewToCompare(n).into()),
+        n if n > MOST_PLACEMENTS => Err(LimitError::Placements { n, most: MOST_PLACEMENTS }.into()),
         _ => Ok(()),
     }
 }
@@ -108,7 +106,7 @@ impl ComparisonPlan {
     /// E113.
     pub(crate) fn check(&self) -> Result<()> {
         if self.block_m <= 0.0 {
-            return Err(Error::usage(113, format!("the edge of blocks is `{}`, wanted above 0 m", self.block_m)));
+            return Err(Error::number("the edge of blocks", self.block_m, "above 0 m"));
         }
         Ok(())
     }
@@ -129,9 +127,7 @@ impl ComparisonPlan {
         let grid = scene.grid().clone();
         let blocks = CellBlocks::new(&grid, grid.meters_per_unit(), self.block_m);
         if blocks.count() > MOST_BLOCKS {
-            let (n, edge) = (blocks.count(), self.block_m);
-            let text = format!("cannot resample {n} blocks of {edge} m, wanted at most {MOST_BLOCKS}");
-            return Err(Error::limit(502, text).with_hint("choose larger blocks: `--block M`"));
+            return Err(LimitError::Blocks { n: blocks.count(), edge_m: self.block_m, most: MOST_BLOCKS }.into());
         }
         let n_bands = if self.draws_pairs { pairs_of(uavs.len()).len() + 1 } else { 0 };
         check_memory(&scene.word, &grid, uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL)?;
@@ -238,7 +234,7 @@ impl ComparisonPlan {
 fn check_ids(placed: &[Placed]) -> Result<()> {
     let mut seen = std::collections::HashSet::new();
     match placed.iter().find(|p| !seen.insert(&p.id)) {
-        Some(twice) => Err(Error::site(207, format!("two placements are named `{}`, wanted different ids", twice.id))),
+        Some(twice) => Err(PlacesError::Twice { what: "placements", id: twice.id.clone() }.into()),
         None => Ok(()),
     }
 }

@@ -2,17 +2,18 @@
 
 mod features;
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Instant;
 
-use std::ffi::OsStr;
-
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, RunFacts, Spent};
+use crate::answer::{Answer, Provenance, RunFacts, Spent, document_of};
 use crate::city::{Footprint, Solids};
 use crate::crs::wkt_of;
-use crate::error::{Error, Result, Warning};
+use crate::error::{RequestError, Result, Warning};
 use crate::export::{
     Batch, CityMesh, Format, MitsubaScene, add_mitsuba, city_mesh, encode_table, ns3_boxes, with_suffix,
 };
@@ -85,9 +86,7 @@ impl Conversion {
 
     /// The footprints and their lattice, where there are some.
     fn vectors(&self, path: &Path) -> Result<&(Vec<Footprint>, Frame)> {
-        self.footprints.as_ref().ok_or_else(|| {
-            Error::usage(109, format!("cannot write {}: a raster scene has no footprints", path.display()))
-        })
+        self.footprints.as_ref().ok_or_else(|| RequestError::NoFootprints(path.display().to_string()).into())
     }
 
     /// Adds a scene of Mitsuba and its meshes to a batch.
@@ -109,10 +108,17 @@ impl Conversion {
             grid.y_min(),
             crs_words(grid)
         );
-        let mut provenance = self.provenance();
-        provenance["mesh"] = serde_json::json!({"origin": [grid.x_min(), grid.y_min()], "unit": "m"});
-        let scene =
-            MitsubaScene { ground: &ground, buildings: &buildings, origin: &origin, provenance: &pretty(&provenance) };
+        let facts = self.facts.provenance(SCHEMA);
+        let provenance = CityDocument {
+            provenance: facts,
+            mesh: Some(MeshFacts { origin: [grid.x_min(), grid.y_min()], unit: "m" }),
+        };
+        let scene = MitsubaScene {
+            ground: &ground,
+            buildings: &buildings,
+            origin: &origin,
+            provenance: &pretty(&document_of(&provenance)),
+        };
         Ok(add_mitsuba(batch, &scene, path)?)
     }
 
@@ -181,8 +187,10 @@ impl Conversion {
     fn add_ascii_grid(&self, batch: &mut Batch, path: &Path) -> Result<()> {
         let (mut bytes, heights) = (Vec::new(), self.heights());
         let mut values = heights.iter().map(|z| f64::from(*z));
-        write_ascii_grid(&mut bytes, self.scene.grid(), f64::from(NODATA), &mut values, None)
-            .map_err(|e| Error::internal(402, format!("cannot encode {}: {e}", path.display())))?;
+        write_ascii_grid(&mut bytes, self.scene.grid(), f64::from(NODATA), &mut values, None).map_err(|e| {
+            let fault = skyshed_io::error::WriteFault::Encode(e.to_string());
+            skyshed_io::Error::Write(path.display().to_string(), fault)
+        })?;
         batch.add(path, &bytes)?;
         if let Some(wkt) = self.scene.grid().crs().and_then(wkt_of) {
             batch.add(&path.with_extension("prj"), wkt.as_bytes())?;
@@ -191,9 +199,30 @@ impl Conversion {
     }
 }
 
+const SCHEMA: &str = "skyshed/city/1";
+
+/// Where a city is from.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct CityDocument {
+    #[serde(flatten)]
+    provenance: Provenance,
+    /// What the coordinates of a mesh are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh: Option<MeshFacts>,
+}
+
+/// What the coordinates of a mesh are.
+#[derive(Serialize, JsonSchema)]
+struct MeshFacts {
+    /// Where its x and y are 0, east and north [units of the scene's reference system].
+    origin: [f64; 2],
+    /// Unit of its coordinates.
+    unit: &'static str,
+}
+
 impl Answer for Conversion {
     fn document(&self, _: Option<Spent>) -> Value {
-        self.facts.provenance("skyshed/city/1")
+        document_of(&CityDocument { provenance: self.facts.provenance(SCHEMA), mesh: None })
     }
 
     fn warnings(&self) -> &[Warning] {

@@ -7,16 +7,17 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
+use skyshed_core::error::UavError;
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
 use crate::city::Site;
-use crate::coverage;
-use crate::error::{Error, Result, Warning};
+use crate::coverage::{self, height_over};
+use crate::error::{PlacesError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
 use crate::los::{LeastHeight, Method, Obstruction, link_least_receiver_heights};
 use crate::picture::Look;
-use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters, tidy};
+use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, meters, tidy};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
@@ -224,60 +225,30 @@ impl Answer for Link {
 pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Result<()> {
     let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
     for frame in frames.into_iter().flatten() {
-        let extent = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
-        if extent > MAX_EXTENT_UNITS {
-            let text = format!(
-                "cannot decide the link from ({}, {}) to ({x}, {y}): it spans {extent:.0} units, wanted at most \
-                 {MAX_EXTENT_UNITS}",
-                site.x, site.y
-            );
-            return Err(Error::site(203, text).with_hint("check the coordinate reference systems of both ends"));
+        let span = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
+        if span > MAX_EXTENT_UNITS {
+            return Err(PlacesError::LongLink { from: (site.x, site.y), to: (x, y), span }.into());
         }
     }
     Ok(())
 }
 
 /// The receiver's end: on ground or roof that is there, not inside a building.
-fn place_receiver(scene: &Scene, (x, y): (f64, f64), height: Height) -> Result<Station> {
+fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Station> {
     let field = &scene.field;
-    let place = field.place(x, y);
-    let what = format!("cannot place the receiver at ({x}, {y}) with height {height}");
+    let place = field.place(at.0, at.1);
     let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
-    let base = match height {
-        Height::AboveDatum(_) => 0,
-        Height::AboveGround(_) if ground == VOID => {
-            return Err(Error::site(204, format!("{what}: no ground is known there"))
-                .with_hint(format!("give the height above the datum: `{}amsl`", height.value())));
-        }
-        Height::AboveGround(_) => ground,
-        Height::AboveRoof(_) if field.is_surface_only() => {
-            return Err(Error::site(204, format!("{what}: with a surface model alone no roof is known")));
-        }
-        Height::AboveRoof(_) => roof.ok_or_else(|| Error::site(204, format!("{what}: no building is there")))?,
-    };
-    let z = height_steps(height.value())
-        .and_then(|h| base.checked_add(h))
-        .ok_or_else(|| Error::site(205, format!("{what}: wanted within ±32768 m of the datum")))?;
     // Over footprints a point on a free wall is outdoors, although the roof to its north-east is its roof.
     let inside = if field.prisms().is_some() { field.inside_prisms_below(&place) } else { roof.unwrap_or(VOID) };
-    if z < inside {
-        return Err(Error::site(
-            201,
-            format!(
-                "{what}: {} m above the datum is inside a building with its roof at {} m",
-                tidy(meters(z)),
-                tidy(meters(inside))
-            ),
-        )
-        .with_hint(format!("on the roof it is `{}roof`", height.value().max(0.0))));
-    }
-    if ground != VOID && z < ground {
-        return Err(Error::site(
-            202,
-            format!("{what}: {} m above the datum is below the ground at {} m", meters(z), meters(ground)),
-        ));
-    }
-    Ok(Station { place, z: i64::from(z) })
+    let ground_m = (ground != VOID).then(|| meters(ground));
+    let above = height_over(field, &place, height).and_then(|z| match meters(z) {
+        amsl_m if z < inside => Err(UavError::InsideBuilding { amsl_m, roof_m: meters(inside), ground_m }),
+        amsl_m if ground != VOID && z < ground => {
+            Err(UavError::BelowGround { amsl_m, surface_m: meters(ground), ground_m })
+        }
+        _ => Ok(Station { place, z: i64::from(z) }),
+    });
+    Ok(above.map_err(|why| PlacesError::Receiver { at, height, why })?)
 }
 
 /// Decides a link, and finds what stands in its way.

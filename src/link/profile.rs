@@ -3,7 +3,7 @@
 use super::Link;
 use crate::answer::Answer;
 use crate::coverage::Uav;
-use crate::error::{Error, Result};
+use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::height_field::Station;
 use crate::los::{columns_crossed, prisms_crossed};
@@ -20,7 +20,7 @@ use crate::words::title_of;
 pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> {
     let (scene, found) = (&link.scene, &link.found);
     if found.distance_m <= 0.0 {
-        return Err(Error::usage(109, "cannot draw the side view of a vertical link"));
+        return Err(RequestError::VerticalLink.into());
     }
     let steps = profile(scene, &link.uav, &link.receiver, found.distance_m);
     let (uav_m, receiver_m) = (found.uav.height_amsl_m, found.receiver.height_amsl_m);

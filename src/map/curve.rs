@@ -9,7 +9,7 @@ use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::HeightCurve;
-use crate::error::{Error, Result, Warning};
+use crate::error::{RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
 use crate::progress::Progress;
@@ -46,10 +46,8 @@ impl CurvePlan {
         // No file may be an output of both kinds.
         let all: Vec<PathBuf> = others.iter().chain(&self.outputs).cloned().collect();
         check_outputs(&all, OutputRules { bare: false, ..rules })?;
-        if let Some([from, to, step]) = self.heights {
-            let refuse = |wanted: &str| {
-                Err(Error::usage(113, format!("the heights of the curve are `{from}:{to}:{step}`, wanted {wanted}")))
-            };
+        if let Some(heights @ [from, to, step]) = self.heights {
+            let refuse = |wanted| Err(RequestError::CurveHeights { heights, wanted }.into());
             if from > to {
                 return refuse("A:B:S with A not above B");
             }

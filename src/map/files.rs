@@ -130,7 +130,7 @@ impl Writer<'_> {
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.of.scene.field.grid();
         let Some(classes) = self.options.polygons.map(PolygonClasses::classes) else {
-            return Err(Error::internal(902, "polygons were not asked for"));
+            return Err(Error::Fault("polygons were not asked for"));
         };
         let options =
             PolygonOptions { classes, simplify_m: self.options.simplify_m, meters_per_unit: grid.meters_per_unit() };
@@ -190,7 +190,7 @@ pub(crate) fn written_at_once<'a>(outputs: &'a [Output], layers: &[Layer], optio
 pub(crate) struct MaskFile<'a> {
     path: &'a Path,
     values: MaskValues,
-    strips: Option<skyshed_core::Result<MaskStrips>>,
+    strips: Option<Result<MaskStrips>>,
 }
 
 impl<'a> MaskFile<'a> {
@@ -202,10 +202,10 @@ impl<'a> MaskFile<'a> {
     pub(crate) fn push(&mut self, batch: &mut Batch, grid: &GeoRef, cells: &[u8], progress: &Progress) {
         let strips = self.strips.get_or_insert_with(|| {
             (progress.begin_writing)();
-            MaskStrips::begin(batch, self.path, grid, self.values)
+            Ok(MaskStrips::begin(batch, self.path, grid, self.values)?)
         });
         if let Ok(open) = strips
-            && let Err(error) = (progress.check)().and_then(|()| open.push(cells))
+            && let Err(error) = (progress.check)().map_err(Error::from).and_then(|()| Ok(open.push(cells)?))
         {
             *strips = Err(error);
         }
@@ -216,6 +216,6 @@ impl<'a> MaskFile<'a> {
 
     /// The file with all parts.
     pub(crate) fn written(self) -> Result<Option<MaskStrips>> {
-        Ok(self.strips.transpose()?)
+        self.strips.transpose()
     }
 }

@@ -15,7 +15,7 @@ use super::strips::{StripsRun, reason_for_strips};
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, PlacesError, Result, Warning};
 use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::los::Method;
 use crate::picture::Look;
@@ -261,14 +261,11 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[Output], overwrite: bool) ->
         for site in sites {
             let name = bare_name(path, &site.id);
             if let Some(other) = names.insert(name.clone(), &site.id) {
-                return Err(Error::site(
-                    207,
-                    format!("sites `{other}` and `{}` would share the file {}", site.id, name.display()),
-                ));
+                let file = format!("the file {}", name.display());
+                return Err(PlacesError::SharedFile { a: (*other).clone(), b: site.id.clone(), file }.into());
             }
             if !overwrite && name.exists() {
-                return Err(Error::usage(106, format!("cannot write {}: it exists", name.display()))
-                    .with_hint("`--overwrite` replaces it"));
+                return Err(Error::exists(&name));
             }
         }
     }

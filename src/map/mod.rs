@@ -19,11 +19,12 @@ mod tolerance;
 
 pub use coverages::{Coverage, Coverages};
 pub(crate) use curve::CurvePlan;
+pub(crate) use curve_report::{CurveRow, HeightCurveDocument};
 pub(crate) use drawing::MapDrawing;
 pub(crate) use job::{Done, Given, MapJob};
 pub(crate) use plan::{Held, MapPlan};
 pub use report::SiteFacts;
-pub(crate) use report::{IdleDocument, MapDocument, MapReport, MaskDigest};
+pub(crate) use report::{IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};
 pub use request::CoverageRequest;
 pub use save::{PolygonClasses, SaveOptions};
 pub(crate) use sites::{Outcome, SITE, SiteRuns};

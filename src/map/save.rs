@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::answer::Output;
 use crate::coverage::class;
-use crate::error::{Error, Result};
+use crate::error::{Error, RequestError, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::formats::TiffLayout;
 use crate::picture::Look;
@@ -85,10 +85,10 @@ impl SaveOptions {
     pub(crate) fn check_formats(&self, outputs: &[Output]) -> Result<()> {
         let has = |wanted: Format| outputs.iter().any(|(_, format)| *format == wanted);
         if self.bare && !has(Format::Png) {
-            return Err(Error::usage(116, "`--bare` has no meaning without a .png output"));
+            return Err(Error::idle("bare", "without a .png output"));
         }
         if self.tif_layout.is_some() && !has(Format::GeoTiff) {
-            return Err(Error::usage(116, "`--tif-layout` has no meaning without a .tif output"));
+            return Err(Error::idle("tif_layout", "without a .tif output"));
         }
         Ok(())
     }
@@ -99,23 +99,20 @@ impl SaveOptions {
     /// E109, E113, E116.
     pub(crate) fn check(&self, scene: &Scene, outputs: &[Output]) -> Result<()> {
         let has = |wanted: &[Format]| outputs.iter().any(|(_, format)| wanted.contains(format));
-        let has_no_meaning = |flag: &str, wanted: &str| {
-            Err(Error::usage(116, format!("`{flag}` has no meaning without a {wanted} output")))
-        };
+        let has_no_meaning = |option, wanted| Err(Error::idle(option, format!("without a {wanted} output")));
         if self.mask_values == MaskValues::Gdal && !has(&[Format::GeoTiff, Format::Bil]) {
-            return has_no_meaning("--gdal-values", ".tif or .bil");
+            return has_no_meaning("gdal_values", ".tif or .bil");
         }
         if self.polygons.is_some() && !has(&[Format::GeoJson, Format::FlatGeobuf]) {
-            return has_no_meaning("--polygons", ".geojson or .fgb");
+            return has_no_meaning("polygons", ".geojson or .fgb");
         }
         if let Some(tolerance) = self.simplify_m.filter(|m| *m <= 0.0) {
-            return Err(Error::usage(113, format!("`--simplify` is `{tolerance}`, wanted above 0 m")));
+            return Err(Error::number("`simplify_m`", tolerance, "above 0 m"));
         }
         for (path, format) in outputs {
             match format {
                 Format::FlatGeobuf if self.polygons.is_none() => {
-                    let text = format!("cannot write {}: it holds polygons", path.display());
-                    return Err(Error::usage(116, text).with_hint("`--polygons los` makes them"));
+                    return Err(RequestError::NoPolygons(path.display().to_string()).into());
                 }
                 Format::Kmz if scene.grid().crs().is_none() => return Err(no_crs(path)),
                 _ => {}
@@ -133,20 +130,12 @@ impl SaveOptions {
             return Ok(());
         }
         let names: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
-        let text = format!(
-            "`--gdal-values` writes line of sight of one UAV, found `--layers {}` of {}",
-            names.join(","),
-            counted(n_sites as u64, "UAV", "UAVs")
-        );
-        Err(Error::usage(107, text).with_hint("choose one UAV and `--layers los`"))
+        let (layers, uavs) = (names.join(","), counted(n_sites as u64, "UAV", "UAVs"));
+        Err(RequestError::GdalValues { layers, uavs }.into())
     }
 }
 
 /// The error of an overlay of a scene that is nowhere on the globe.
 pub(crate) fn no_crs(path: &Path) -> Error {
-    let text = format!(
-        "cannot write {}: the scene has no coordinate reference system, wanted one that leads to longitude and latitude",
-        path.display()
-    );
-    Error::usage(109, text).with_hint("`--crs EPSG:N` names that of a file; a generated city has none")
+    RequestError::NoCrs(path.display().to_string()).into()
 }

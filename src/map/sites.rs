@@ -16,9 +16,9 @@ use super::strips::{check_strips, on_disk, reason_for_strips};
 use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
-use crate::error::{Error, ErrorClass, Result, Warning};
+use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
-use crate::formats::{RasterFile, cannot_read, origin_of};
+use crate::formats::{RasterFile, origin_of};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::os_words::split;
 use crate::progress::Progress;
@@ -26,6 +26,7 @@ use crate::raster::GeoRef;
 use crate::read::{StreamedSurface, SurfaceOptions, read_surface, source_of, surface_grid};
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::UavsFound;
+use skyshed_io::error::WriteFault;
 
 /// What stands for the name of a UAV in the name of a file.
 pub(crate) const SITE: &str = "{site}";
@@ -88,15 +89,13 @@ impl<'a> SiteRuns<'a> {
             return Ok(None);
         }
         if files.is_empty() {
-            return Err(Error::usage(116, "`--resume` has no meaning without files to leave alone")
-                .with_hint("`-o FILE` names one"));
+            return Err(Error::idle("resume", "without files to leave alone"));
         }
         // Those in folders named after UAVs are checked with each of them.
         let folders_are_shared = |path: &&&PathBuf| !path.parent().is_some_and(names);
         files.iter().filter(folders_are_shared).try_for_each(|path| check_folder(path))?;
         if let Some(other) = files.iter().find(|path| n_named > 0 && !names(path)) {
-            let text = format!("cannot write {}: other files of this run are named after each UAV", other.display());
-            return Err(Error::usage(105, text).with_hint(format!("write `{SITE}` into every name, or into none")));
+            return Err(RequestError::NotNamedAfterUavs(other.display().to_string()).into());
         }
         Ok(Some(SiteRuns { job, progress }))
     }
@@ -177,9 +176,8 @@ impl<'a> SiteRuns<'a> {
         let mut warnings = Vec::new();
         if job.plan.sight.radius_m().is_some() && is_raster_scene(&job.word) && job.scene.project.is_none() {
             if job.strips {
-                let text =
-                    "`--strips` has no meaning with `--radius` and a file for each UAV: only what is in range is read";
-                return Err(Error::usage(116, text));
+                let why = "with a radius and a file for each UAV: only what is in range is read";
+                return Err(Error::idle("strips", why));
             }
             let files = std::iter::once(job.path()).chain(job.scene.terrain.as_deref());
             for file in files {
@@ -205,8 +203,8 @@ impl<'a> SiteRuns<'a> {
         for site in sites {
             let name = site_in_names(&site.id);
             if let Some(other) = names.insert(name.clone(), &site.id) {
-                let text = format!("sites `{other}` and `{}` would share the files of `{name}`", site.id);
-                return Err(Error::site(207, text));
+                let file = format!("the files of `{name}`");
+                return Err(PlacesError::SharedFile { a: (*other).clone(), b: site.id.clone(), file }.into());
             }
             let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
                 paths.iter().map(|path| split(path.as_os_str(), SITE).join(OsStr::new(&name)).into()).collect()
@@ -249,7 +247,11 @@ impl<'a> SiteRuns<'a> {
         let given = Given { uavs: Some(own), scene, grid: Some(grid), unit: Some(unit.to_string()) };
         match job.run(given, self.progress) {
             // Another process was faster.
-            Err(error) if job.resume && error.code() == "E106" && found(&job, unit)? == Found::All => Ok(None),
+            Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
+                if job.resume && found(&job, unit)? == Found::All =>
+            {
+                Ok(None)
+            }
             done => done.map(Some),
         }
     }
@@ -303,7 +305,7 @@ impl<'a> SiteRuns<'a> {
         };
         files.extend(table);
         for file in files.iter().filter(|file| file.exists()).flat_map(|file| parts_of(file)) {
-            let metadata = std::fs::metadata(&file).map_err(|e| cannot_read(&file, &e))?;
+            let metadata = std::fs::metadata(&file).map_err(|e| skyshed_io::cannot_read(&file.as_path().into(), &e))?;
             text += &format!("{} {} {:?};", file.display(), metadata.len(), metadata.modified().ok());
         }
         Ok(text)
@@ -327,10 +329,7 @@ fn found(job: &MapJob, unit: &str) -> Result<Found> {
     };
     match other {
         Some(_) if job.save.overwrite => Ok(Found::Nothing),
-        Some(other) => {
-            let text = format!("cannot write {}: it exists, made by another run", other.display());
-            Err(Error::usage(106, text).with_hint("`--overwrite` replaces it"))
-        }
+        Some(other) => Err(RequestError::OfAnotherRun(other.display().to_string()).into()),
         None if there.len() == files.len() => Ok(Found::All),
         None if !there.is_empty() || files.iter().any(|file| is_left_alone(file)) => Ok(Found::Some),
         None => Ok(Found::Nothing),

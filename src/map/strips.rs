@@ -10,7 +10,7 @@ use super::report::{MapReport, MaskDigest, SiteFacts};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
-use crate::error::{Error, Result, Warning};
+use crate::error::{LimitError, RequestError, Result, Warning};
 use crate::export::{Batch, Format, Layer, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
@@ -85,8 +85,7 @@ impl Shown {
 pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
     let scratch = job.scratch.clone().unwrap_or_else(std::env::temp_dir);
     if !scratch.is_dir() {
-        let text = format!("cannot use {} for a copy of the raster: it is no folder", scratch.display());
-        return Err(Error::usage(105, text).with_hint("it holds 4 bytes a cell while the map is made"));
+        return Err(RequestError::Scratch(scratch.display().to_string()).into());
     }
     let options = job.scene.of_raster()?;
     let files = terrain_file(job)?.into_iter().chain([RasterFile::open(job.path(), &mut Vec::new())?]);
@@ -101,10 +100,7 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
 
 /// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
 pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
-    let refuse = |what: String| {
-        let text = format!("cannot map {} strip by strip: {what}", job.word.display());
-        Err(Error::limit(501, text).with_hint("write .tif, .png, .csv and .json of one UAV, or cut out a part"))
-    };
+    let refuse = |what| Err(LimitError::Strips { word: job.word.display().to_string(), what }.into());
     for path in &job.outputs {
         let format = Format::of(path)?;
         let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
@@ -141,12 +137,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     let grid = file.georef();
     let (n_rows, n_cols, n_cells) = (grid.n_rows(), grid.n_cols(), grid.n_cells() as u64);
     if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
-        let text = format!(
-            "cannot map {}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side",
-            job.word.display()
-        );
-        return Err(Error::limit(501, text)
-            .with_hint("with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read"));
+        return Err(LimitError::LargeRaster { word: job.word.display().to_string(), n_cols, n_rows }.into());
     }
     let n_kinds = if job.plan.sight.receivers() == Receivers::All { 2 } else { 1 };
     let n_sets = n_kinds * if job.plan.sight.radius_m().is_some() { 3 } else { 2 };
@@ -229,7 +220,7 @@ impl StripsRun<'_> {
             if let Some(shown) = &mut shown {
                 shown.add(mask);
             }
-            if has_tif { pyramid.push(&mask_values.of(mask)) } else { Ok(()) }
+            if has_tif { Ok(pyramid.push(&mask_values.of(mask))?) } else { Ok(()) }
         })?;
         progress.end();
         timing.los = before_los.elapsed().as_secs_f64();
@@ -273,12 +264,7 @@ impl StripsRun<'_> {
     /// The one UAV of the run.
     fn uav(&self, scene: &StreamedSurface, sites: &[GivenSite], radius: Option<f64>) -> Result<Uav> {
         let [site] = sites else {
-            let text = format!(
-                "cannot map {}: strip by strip one UAV is mapped at a time, found {}",
-                self.job.word.display(),
-                sites.len()
-            );
-            return Err(Error::limit(501, text).with_hint("a file for each: `-o NAME-{site}.tif`"));
+            return Err(LimitError::StripsOfMany { word: self.job.word.display().to_string(), n: sites.len() }.into());
         };
         Ok(Uav::place_streamed(site, scene, radius)?)
     }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::accuracy::{CONFIDENCE, Choice, Measured, Question, Simpler, Tried, coarsest_within};
 use crate::coverage::Uav;
-use crate::error::{Error, Result};
+use crate::error::{Error, RequestError, Result};
 use crate::height_field::HeightField;
 use crate::los::MethodChoice;
 use crate::quantity::tidy;
@@ -21,12 +21,10 @@ use crate::zones::ZoneMap;
 pub(crate) fn check_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<()> {
     let Some(tolerance) = tolerance else { return Ok(()) };
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        let text = format!("the tolerance is `{tolerance}`, wanted a P_LoS above 0 and below 1");
-        return Err(Error::usage(113, text).with_hint("`--tolerance 0.005` is half a percentage point"));
+        return Err(Error::number("the tolerance", tolerance, "a P_LoS above 0 and below 1"));
     }
     if matches!(method, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
-        let text = "a tolerance has no meaning beside an approximate method: it chooses itself";
-        return Err(Error::usage(116, text).with_hint("leave `--method` out"));
+        return Err(RequestError::ToleranceOfApproximate.into());
     }
     Ok(())
 }

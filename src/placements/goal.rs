@@ -1,6 +1,6 @@
 //! What a search makes large, and the heights that it tries.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, RequestError, Result};
 use crate::quantity::{Height, MAX_HEIGHT_M, parse_meters, parse_number};
 use crate::sight::Receivers;
 use crate::zones::Zone;
@@ -44,11 +44,7 @@ impl Goal {
     /// # Errors
     /// E101.
     pub(crate) fn parse(text: &str) -> Result<Goal> {
-        let wrong = |found: &str| {
-            Error::usage(101, format!("cannot read the goal `{text}`: {found}")).with_hint(
-                "wanted p_los or margin, alone or with (street), (crossroad), (courtyard), (rooftop), (area), or p_los(weights)",
-            )
-        };
+        let wrong = |found: &str| Error::from(RequestError::Goal { text: text.to_string(), found: found.to_string() });
         let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let (subject, share) = match plain.split_once(">=") {
             Some((subject, share)) => {
@@ -100,7 +96,7 @@ const MOST_HEIGHTS: f64 = 1000.0;
 
 /// Heights as typed: a list, or A:B:S; the lowest first where all are above the same.
 pub(crate) fn heights(text: &str) -> Result<Vec<Height>> {
-    let refuse = |found: String| Error::usage(113, format!("the heights are `{text}`: {found}"));
+    let refuse = |found: String| Error::from(RequestError::Heights { text: text.to_string(), found });
     let mut heights: Vec<Height> = match text.split(':').collect::<Vec<_>>()[..] {
         [from, to, step] => {
             one_unit(text).map_err(refuse)?;

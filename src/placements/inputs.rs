@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::goal::Whom;
 use super::{CandidatesFrom, SearchPlan};
 use crate::city::{Area, GivenSite, Source};
-use crate::error::{Error, Result, Warning};
+use crate::error::{InputError, LimitError, PlacesError, Result, Warning};
 use crate::formats::RasterFile;
 use crate::height_field::HeightField;
 use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
@@ -16,6 +16,7 @@ use crate::read::{refuse_two_crs, source_of};
 use crate::scene::Scene;
 use crate::uav::bad_rows;
 use crate::zones::{Zone, ZoneMap};
+use skyshed_io::error::Pair;
 
 /// More candidates than this are refused.
 const MOST_CANDIDATES: usize = 10_000_000;
@@ -41,10 +42,7 @@ impl Inputs {
     pub(super) fn read(plan: &SearchPlan, scene: &Scene, warnings: &mut Vec<Warning>) -> Result<Inputs> {
         let (grid, heights) = (scene.grid(), plan.heights.clone());
         let area = |path: &Option<PathBuf>| path.as_deref().map(|path| read_area(path, grid)).transpose();
-        let refuse_many = |n: usize| {
-            let text = format!("cannot search {n} candidates, wanted at most {MOST_CANDIDATES}");
-            Error::limit(502, text).with_hint("choose a longer `--step`, or fewer heights")
-        };
+        let refuse_many = |n: usize| LimitError::Candidates { n, most: MOST_CANDIDATES };
         let mut sites: Vec<GivenSite> = Vec::new();
         let (places, spots) = match &plan.from {
             CandidatesFrom::File { path, skips_bad } => {
@@ -70,7 +68,7 @@ impl Inputs {
                 let places = PlaceGrid::over(grid, step).ok_or_else(|| refuse_many(usize::MAX))?;
                 let n = places.grid.n_cells().saturating_mul(heights.len());
                 if n > MOST_CANDIDATES {
-                    return Err(refuse_many(n));
+                    return Err(refuse_many(n).into());
                 }
                 let spots = places.spots(&heights);
                 (Some(places), spots)
@@ -107,8 +105,8 @@ impl Inputs {
         if candidates.kept.is_empty() {
             let reasons: Vec<String> =
                 candidates.skipped.reasons().iter().filter(|r| r.1 > 0).map(|(why, n)| format!("{n} {why}")).collect();
-            let text = format!("no candidate is left of {}: {}", candidates.skipped.total(), reasons.join(", "));
-            return Err(Error::site(209, text).with_hint("ask for higher `--height`, or fewer constraints"));
+            let (total, reasons) = (candidates.skipped.total(), reasons.join(", "));
+            return Err(PlacesError::NoCandidate { total, reasons }.into());
         }
         Ok(candidates)
     }
@@ -117,22 +115,13 @@ impl Inputs {
 /// What each receiver counts: the value of the cell of a raster that holds it; 0 outside and where there is none.
 fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<Weights> {
     let file = RasterFile::open(path, warnings)?;
-    let remedy = |from: &crate::raster::Crs, to: &crate::raster::Crs| {
-        format!("gdalwarp -s_srs {} -t_srs {} {} weights.tif", from.label(), to.label(), path.display())
-    };
-    let scene = std::path::Path::new("the scene");
-    refuse_two_crs((path, file.georef().crs()), (scene, grid.crs()), remedy)?;
+    refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), Pair::WeightsScene)?;
     let raster = file.read(file.georef().window(), warnings, |v| v)?;
     if let Some(at) = raster.cells().iter().position(|w| *w < 0.0) {
         let (n_cols, value) = (raster.georef().n_cols(), raster.cells()[at]);
-        let text = format!(
-            "cannot use {} as weights: row {}, column {} holds `{}`, wanted 0 or more",
-            path.display(),
-            at / n_cols + 1,
-            at % n_cols + 1,
-            tidy(value)
-        );
-        return Err(Error::file(302, text));
+        let (row, col) = (at / n_cols + 1, at % n_cols + 1);
+        let why = format!("row {row}, column {col} holds `{}`, wanted 0 or more", tidy(value));
+        return Err(InputError::Weights { name: path.display().to_string(), why }.into());
     }
     let from = raster.georef();
     let weight_at = |cell: usize| {
@@ -147,8 +136,5 @@ fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -
         if value.is_finite() { value } else { 0.0 }
     };
     let of_cells: Vec<f64> = (0..grid.n_cells()).map(weight_at).collect();
-    Weights::new(&of_cells, grid.n_cols()).ok_or_else(|| {
-        let text = format!("cannot use {} as weights: it holds none above 0 in the scene", path.display());
-        Error::site(208, text).with_hint("check its extent and its CRS")
-    })
+    Weights::new(&of_cells, grid.n_cols()).ok_or_else(|| PlacesError::NoWeights(path.display().to_string()).into())
 }

@@ -17,12 +17,13 @@ use serde_json::Value;
 pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
 use report::{PlaceReport, place_digest};
+pub(crate) use report::{PlaceRow, SearchDocument};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
 use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Uav, UavGrid};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, RequestError, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
@@ -142,11 +143,11 @@ impl SearchPlan {
     /// # Errors
     /// E108, E113, E116.
     pub(crate) fn check(&self) -> Result<()> {
-        let needs = |what: &str| Err(Error::usage(108, format!("the goal `{}` needs {what}", self.goal.text)));
-        let idle = |name: &str, why: &str| Err(Error::usage(116, format!("`{name}` has no meaning {why}")));
+        let needs = |option| Err(RequestError::GoalNeeds { goal: self.goal.text.clone(), option }.into());
+        let idle = |option, why: &str| Err(Error::idle(option, why));
         match (self.goal.whom, &self.area, &self.weights) {
-            (Whom::Area, None, _) => return needs("`--area FILE`"),
-            (Whom::Weights, _, None) => return needs("`--weights FILE`"),
+            (Whom::Area, None, _) => return needs("area"),
+            (Whom::Weights, _, None) => return needs("weights"),
             (whom, Some(_), _) if whom != Whom::Area => {
                 return idle("area", "without the goal p_los(area) or margin(area)");
             }
@@ -162,12 +163,11 @@ impl SearchPlan {
         if let CandidatesFrom::Grid { step_m } = self.from
             && step_m <= 0.0
         {
-            return Err(Error::usage(113, format!("the step between places is `{step_m}`, wanted above 0 m")));
+            return Err(Error::number("the step between places", step_m, "above 0 m"));
         }
         let compares = !self.heights.is_empty() && have_one_reference(&self.heights);
         if self.goal.at_least.is_some() && !compares {
-            let text = "the least height is one of several that are tried: wanted all above the same";
-            return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
+            return Err(RequestError::MixedHeights.into());
         }
         self.clearance().map(|_| ())
     }
@@ -176,7 +176,7 @@ impl SearchPlan {
     fn clearance(&self) -> Result<i32> {
         height_steps(self.clearance_m)
             .filter(|c| *c >= 0)
-            .ok_or_else(|| Error::usage(113, format!("the clearance is `{}`, wanted 0 m to 32768 m", self.clearance_m)))
+            .ok_or_else(|| Error::number("the clearance", self.clearance_m, "0 m to 32768 m"))
     }
 
     /// Searches.
@@ -188,8 +188,7 @@ impl SearchPlan {
         let asked = self.sight.receivers();
         let needs_zones = !self.over.is_empty() || matches!(self.goal.whom, Whom::Zone(_)) || asked.zone().is_some();
         if scene.field.is_surface_only() && needs_zones {
-            let text = "zones of a surface model alone: no building is known, so no zone is";
-            return Err(Error::usage(117, text).with_hint("give `--terrain FILE` or `--ground Z`"));
+            return Err(RequestError::NoZones.into());
         }
         asked.check(scene.field.is_surface_only())?;
         let zones = scene.zones();
@@ -324,7 +323,7 @@ impl Answer for Placements {
         }
         match (format, &self.places) {
             (Format::GeoJson, _) => Ok(batch.add(path, pretty(&self.report.geojson()).as_bytes())?),
-            (_, None) => Err(Error::usage(109, "only candidates on a grid make a picture or a raster")),
+            (_, None) => Err(RequestError::NoGrid.into()),
             (Format::GeoTiff, Some(places)) => Ok(batch.add(path, &self.raster(places)?)?),
             (_, Some(places)) => Ok(batch.add(path, &heat_map::draw(self, places, format, look)?)?),
         }

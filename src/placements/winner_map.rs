@@ -6,7 +6,7 @@ use super::Placements;
 use super::goal::Whom;
 use crate::answer::Answer;
 use crate::coverage::{ManyMaps, Overlay, Tally};
-use crate::error::{Error, Result};
+use crate::error::{PlacesError, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::formats::TiffLayout;
 use crate::map::SiteFacts;
@@ -20,8 +20,7 @@ use crate::words::unbreakable;
 /// E209 without a winner.
 pub(super) fn add(job: &Placements, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
     let Some(maps) = &job.winner_maps else {
-        let text = format!("cannot write {}: there is no winner to map", path.display());
-        return Err(Error::site(209, text).with_hint("without `--map` the other results are written"));
+        return Err(PlacesError::NoWinner(path.display().to_string()).into());
     };
     if format != Format::GeoTiff {
         return Ok(batch.add(path, &picture(job, maps, format, look)?)?);

@@ -1,6 +1,6 @@
 //! Curves of P_LoS in tables.
 
-use crate::error::Result;
+use crate::error::{Error, InputError, Result};
 use crate::los_probability::models::{CurveAxis, UserCurve};
 use crate::quantity::counted;
 use crate::read::{BadRows, RowFault, Table, readable};
@@ -12,18 +12,15 @@ use crate::read::{BadRows, RowFault, Table, readable};
 /// # Errors
 /// File error E313 that names the lines, what was found there and what was wanted.
 pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<UserCurve> {
-    let refuse = |found: String| {
-        skyshed_core::Error::file(313, format!("cannot read the curve {name}: {found}")).with_hint(
-            "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, semicolons \
-             or tabs",
-        )
-    };
+    let refuse_rows =
+        |found, some_are_good| Error::Input(InputError::Curve { name: name.to_string(), found, some_are_good });
+    let refuse = |found: String| refuse_rows(found, false);
     let table = Table::parse(text).map_err(refuse)?;
     let column = |name: &str| table.column(&[name]);
     let axis = [CurveAxis::Theta, CurveAxis::Distance].into_iter().find_map(|a| Some(a).zip(column(a.column())));
     let (Some((axis, axis_column)), Some(p_column)) = (axis, column("p_los")) else {
         let found = table.found();
-        return Err(refuse(format!("found columns `{found}`, wanted `p_los` and `theta_deg` or `distance_m`")).into());
+        return Err(refuse(format!("found columns `{found}`, wanted `p_los` and `theta_deg` or `distance_m`")));
     };
     let axis_wanted = match axis {
         CurveAxis::Theta => "0 to 90",
@@ -40,19 +37,19 @@ pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<Use
         let at = number(axis_column, axis.column(), axis.range(), axis_wanted)?;
         Ok((at, number(p_column, "p_los", 0.0..=1.0, "0 to 1")?, row.line()))
     });
-    let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |_, text| refuse(text))?;
+    let mut rows: Vec<(f64, f64, u64)> = readable(name, rows, bad, |told| refuse_rows(told.text, told.some_are_good))?;
     if rows.len() < 2 {
         let rows = counted(rows.len() as u64, "row", "rows");
-        return Err(refuse(format!("found {rows} of values, wanted at least 2")).into());
+        return Err(refuse(format!("found {rows} of values, wanted at least 2")));
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
     if let Some([first, second]) = rows.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
         let (column, at) = (axis.column(), first.0);
         let lines = format!("line {}: `{column}` is `{at}`, as on line {}", second.2, first.2);
-        return Err(refuse(format!("{lines}, wanted each value once")).into());
+        return Err(refuse(format!("{lines}, wanted each value once")));
     }
     let points = rows.into_iter().map(|(at, p, _)| (at, p)).collect();
-    UserCurve::new(name, axis, points).ok_or_else(|| refuse("found no curve".into()).into())
+    UserCurve::new(name, axis, points).ok_or_else(|| refuse("found no curve".into()))
 }
 
 #[cfg(test)]

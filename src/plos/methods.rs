@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::PlosPlan;
 use super::curve_file::read_curve;
 use super::report::MethodFacts;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, RequestError, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};
 use crate::los_probability::study::Estimator;
@@ -60,11 +60,7 @@ impl Ways {
             };
             for way in found {
                 if matches!(way, Way::Maps(_)) && !is_real {
-                    return Err(Error::usage(
-                        121,
-                        format!("method `{word}` has no meaning for a generated city: it maps a city in a file"),
-                    )
-                    .with_hint("`--method city` draws whole cities; `skyshed map` maps one"));
+                    return Err(RequestError::MapsOfGenerated(word.to_string()).into());
                 }
                 if !ways.contains(&way) {
                     ways.push(way);
@@ -85,13 +81,7 @@ fn all_models(plan: &PlosPlan, leave_out: &mut bool) -> Vec<Way> {
 }
 
 fn unknown(word: &str) -> Error {
-    let ids: Vec<&str> = Model::ALL.iter().map(|m| m.id()).collect();
-    let error = Error::usage(121, format!("unknown method `{word}`, wanted product, city, geometry, maps or a model"));
-    if word.starts_with("icc") || word.starts_with("mohammed2021") {
-        return error
-            .with_hint("the formula of that model is not public; give its curve as a table: --curve NAME=FILE.csv");
-    }
-    error.with_hint(format!("models are {}", ids.join(", ")))
+    RequestError::UnknownMethod(word.to_string()).into()
 }
 
 /// The curves of the user's own, and the files that they are from.
@@ -106,14 +96,14 @@ pub(crate) fn read_curves(
     let mut curves: Vec<(UserCurve, PathBuf)> = Vec::new();
     for word in words {
         let Some((name, path)) = named_file(word) else {
-            return Err(Error::usage(123, format!("cannot read the curve `{}`: wanted NAME=FILE.csv", word.display())));
+            return Err(RequestError::CurveWord(word.display().to_string()).into());
         };
         let name = name.as_str();
         let is_taken = Model::from_id(name).is_some()
             || ["product", "city", "geometry", "maps"].contains(&name)
             || curves.iter().any(|(c, _)| c.name() == name);
         if is_taken {
-            return Err(Error::usage(123, format!("cannot name a curve `{name}`: another method has that name")));
+            return Err(RequestError::CurveNameTaken(name.to_string()).into());
         }
         let text = read_text(&path)?;
         curves.push((read_curve(name, &text, bad_rows(skips_bad, warnings))?, path));

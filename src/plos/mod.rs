@@ -19,6 +19,7 @@ use serde_json::Value;
 pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
 use real::Real;
+pub(crate) use report::{PlosDocument, PlosTableRow};
 use report::{PlosReport, PlosRow, PlosValue};
 pub use request::{PLos, PLosRequest, PLosValue};
 pub(crate) use sweep::{Far, Sweeps};
@@ -26,7 +27,7 @@ pub(crate) use sweep::{Far, Sweeps};
 use crate::accuracy::CONFIDENCE;
 use crate::answer::{Answer, Rows, Spent};
 use crate::city::BuiltUp;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, OfGenerated, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::formats::{NpyArray, write_npz};
 use crate::los::MethodChoice;
@@ -37,7 +38,7 @@ use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, Estimator, estimate_all};
 use crate::map::check_tolerance;
 use crate::picture::Look;
-use crate::quantity::{counted, height_steps, tidy};
+use crate::quantity::{counted, tidy};
 use crate::read::source_of;
 use crate::scene::{SceneOptions, built_up};
 
@@ -118,8 +119,7 @@ impl PlosPlan {
     /// E113, E116, E120.
     pub(crate) fn check(&self) -> Result<()> {
         if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            let text = format!("the confidence is `{}`, wanted above 0 and below 1", self.confidence);
-            return Err(Error::usage(120, text));
+            return Err(Error::number("the confidence", self.confidence, "above 0 and below 1"));
         }
         // Each height must be possible with the receivers', whatever the sweep.
         for height in &self.sweeps.heights {
@@ -128,17 +128,9 @@ impl PlosPlan {
         check_tolerance(self.tolerance, MethodChoice::Auto)?;
         let has_bound = |m: &String| ["auto", "product", "maps", "sweep", "shadow", "ray"].contains(&m.trim());
         if self.tolerance.is_some() && !self.methods.iter().all(has_bound) {
-            let text = "a tolerance has no meaning beside methods other than product and maps: the others have no bound \
-                        on their error";
-            return Err(Error::usage(116, text));
+            return Err(RequestError::ToleranceWithoutBound.into());
         }
         Ok(())
-    }
-
-    /// The receivers' height on the lattice.
-    fn rx_height(&self) -> Result<i32> {
-        let text = || format!("the receivers' height is `{}`, wanted 0 m to 32768 m", self.rx_height_m);
-        height_steps(self.rx_height_m).filter(|h| *h >= 0).ok_or_else(|| Error::usage(113, text()))
     }
 
     /// Finds P_LoS of every city by every method.
@@ -216,9 +208,8 @@ impl PlosPlan {
                 Ok(Vec::new())
             }
             (_, _, None) => {
-                let text = format!("cannot use method `{}` over {word}: {UNKNOWN_CITY}", way.id());
-                Err(Error::usage(122, text)
-                    .with_hint("`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it"))
+                let method = way.id().to_string();
+                Err(RequestError::UnknownCity { method, word: word.to_string(), why: UNKNOWN_CITY }.into())
             }
             (_, _, Some(built_up)) => statistical_rows(self, &self.sweeps, (word, built_up), way, leave_out, cautions),
         }
@@ -240,18 +231,16 @@ impl PlosPlan {
     }
 
     fn refuse_for_real_city(&self, word: &str) -> Result<()> {
-        let refuse = |what: &str, hint: &str| {
-            Err(Error::usage(116, format!("{what} has no meaning over {word}, a real city")).with_hint(hint))
-        };
+        let refuse = |what| Err(RequestError::RealCity { what, word: word.to_string() }.into());
         if self.sweeps.vary_the_city() {
-            return refuse("a sweep of α, β or γ", "sweep a generated city: itu:α,β,γ");
+            return refuse(OfGenerated::Sweep);
         }
         if self.sweeps.phis != [None] {
-            return refuse("an azimuth", "its streets have no common direction");
+            return refuse(OfGenerated::Azimuth);
         }
         let centers = [Placement::StreetCenter, Placement::CrossroadCenter, Placement::RooftopCenter];
         if self.sweeps.placements.iter().any(|p| centers.contains(p)) {
-            return refuse("a placement over a middle", "wanted anywhere, street, crossroad or rooftop");
+            return refuse(OfGenerated::Middle);
         }
         Ok(())
     }
@@ -361,8 +350,7 @@ fn model_rows(
     if reasons.len() == rows.len() {
         let reason = reasons.first().cloned().unwrap_or_default();
         if !leave_out {
-            let text = format!("cannot use model `{id}` over {word}: {reason}");
-            return Err(Error::usage(122, text).with_hint("`--method models` takes all that apply"));
+            return Err(RequestError::OutsideModel { id: id.to_string(), word: word.to_string(), reason }.into());
         }
         cautions.add(210, format!("model `{id}` is left out: {reason}"), word);
         return Ok(Vec::new());

@@ -7,7 +7,7 @@ use super::plot_words::{
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use super::{PlosStudy, PlotKind};
-use crate::error::{Error, Result};
+use crate::error::{Error, RequestError, Result};
 use crate::export::Format;
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
@@ -44,8 +44,7 @@ pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec
     let is_heat = match plan.plot {
         PlotKind::Curves => false,
         PlotKind::Heat if varying.len() != 2 => {
-            let text = format!("cannot draw a heat map: {} quantities are swept, wanted two", varying.len());
-            return Err(Error::usage(124, text).with_hint("--plot curves"));
+            return Err(RequestError::HeatAxes(varying.len()).into());
         }
         PlotKind::Heat => true,
         PlotKind::Auto => {
@@ -222,9 +221,8 @@ fn panel_sets(report: &PlosReport, others: &[(Quantity, Vec<f64>)], has_methods:
     groups(report, &|row| PanelSet { city: city(row), others: None })
 }
 
-pub(super) fn too_many(n: usize, what: &str, most: usize) -> Error {
-    Error::usage(124, format!("cannot draw {n} {what}, wanted at most {most}"))
-        .with_hint("sweep less in one run, or write the table alone: -o table.csv")
+pub(super) fn too_many(n: usize, what: &'static str, most: usize) -> Error {
+    RequestError::TooManyDrawn { n, what, most }.into()
 }
 
 fn axis_ends(quantity: Quantity, values: &[f64]) -> [f64; 2] {

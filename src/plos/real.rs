@@ -9,7 +9,7 @@ use super::coarser::coarsest_within;
 use super::report::{PlosRow, PlosValue, RealCityFacts};
 use super::sweep::{Far, Sweeps};
 use crate::city::{BuiltUp, Source};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
 use crate::height_field::{Built, HeightField, Place, Station};
 use crate::los::{Method, MethodChoice, WrongMethod};
 use crate::los_probability::estimate::{Count, Estimate};
@@ -23,6 +23,7 @@ use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::scene::SceneOptions;
 use crate::scene::limits::{limits_in_words, warn_of_drop_across};
+use crate::sight::receivers_height;
 use crate::zones::{Zone, ZoneMap};
 
 /// Values that share their UAV positions and their users.
@@ -131,17 +132,15 @@ impl Real {
         let grid = self.field.grid();
         let unit = grid.meters_per_unit();
         for frame in [self.field.prisms_frame(), self.field.columns_frame()].into_iter().flatten() {
-            let extent =
-                ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
-            if extent > MAX_EXTENT_UNITS {
-                let text = format!("cannot map {}: it spans {extent:.0} units, wanted at most 65536", self.word);
-                return Err(Error::limit(502, text).with_hint("choose a part of it with `--extent`"));
+            let span = ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
+            if span > MAX_EXTENT_UNITS {
+                return Err(LimitError::Extent { word: self.word.to_string(), span }.into());
             }
         }
         let size = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
         let block_m = plan.block_m.unwrap_or((size / 8.0).max(100.0));
         if block_m <= 0.0 {
-            return Err(Error::usage(113, format!("the edge of blocks is `{block_m}`, wanted above 0 m")));
+            return Err(Error::number("the edge of blocks", block_m, "above 0 m"));
         }
         let theta_band = checked_theta_band(plan)?;
         let sight = View { choice, block_m, bands: bands(&sweeps.far, theta_band) };
@@ -207,7 +206,7 @@ impl Real {
         users: Users,
         sight: &View,
     ) -> Result<RealCity<'a>> {
-        let rx_height = plan.rx_height()?;
+        let rx_height = receivers_height(plan.rx_height_m)?;
         let city = RealCity::new(field, sight.choice, rx_height, field.grid().meters_per_unit(), sight.block_m)
             .map_err(|wrong| self.refuse(wrong))?;
         Ok(match self.cells_of(users, zones)? {
@@ -217,8 +216,8 @@ impl Real {
     }
 
     fn refuse(&self, wrong: WrongMethod) -> Error {
-        Error::usage(118, format!("the method that was asked for cannot decide {}: {}", self.word, wrong.why))
-            .with_hint(format!("`--method maps` takes `{}` here", wrong.instead.name()))
+        let (word, instead) = (self.word.to_string(), wrong.instead.name().into());
+        RequestError::Engine { word, why: wrong.why, instead }.into()
     }
 
     /// The cells that users of a zone stand on; `None` for all open ground.
@@ -229,9 +228,7 @@ impl Real {
             Users::Crossroad => Zone::Crossroad,
         };
         let cells = zones.map(|zones| zones.cells(zone)).filter(|cells| cells.count() > 0);
-        cells.map(Some).ok_or_else(|| {
-            Error::site(204, format!("cannot place users on a {0} of {1}: it has no {0} cell", zone.name(), self.word))
-        })
+        cells.map(Some).ok_or_else(|| PlacesError::NoUsers { zone: zone.name(), word: self.word.to_string() }.into())
     }
 
     fn row(
@@ -269,8 +266,7 @@ impl Real {
     pub(super) fn positions(&self, plan: &PlosPlan, far: &[Far], group: &Group) -> Result<(Vec<Station>, usize)> {
         let Group { placement, height, .. } = *group;
         let grid = self.field.grid();
-        let above = height_steps(height)
-            .ok_or_else(|| Error::usage(113, format!("the height is `{height}`, wanted within 32768 m")))?;
+        let above = height_steps(height).ok_or_else(|| Error::number("the height", height, "within 32768 m"))?;
         let zone_below = |x: f64, y: f64, place: &Place| {
             self.zones.as_ref().and_then(|zones| zones.over(x, y, self.field.roof_at(place).is_some()))
         };
@@ -310,11 +306,10 @@ impl Real {
             }
         }
         if found.is_empty() && n_cut > 0 {
-            let text = format!("cannot place UAVs over {}: no disc of the largest radius lies in its data", self.word);
-            return Err(Error::site(216, text).with_hint("a smaller `--radius`, or a larger `--extent`"));
+            return Err(PlacesError::NoDisc(self.word.to_string()).into());
         }
         if found.is_empty() {
-            return Err(Error::site(204, format!("cannot place UAVs over {}: there is no such place", self.word)));
+            return Err(PlacesError::NoPlace(self.word.to_string()).into());
         }
         Ok((found, n_cut))
     }
@@ -326,7 +321,7 @@ fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
     if band > 0.0 && band <= 45.0 {
         return Ok(band);
     }
-    Err(Error::usage(113, format!("the band of elevation angles is `{band}`, wanted above 0° and at most 45°")))
+    Err(Error::number("the band of elevation angles", band, "above 0° and at most 45°"))
 }
 
 /// A band for each angle, distance or radius, which depends on no other: θ ± the half width, 5 % (at least 0.5 m) to both

@@ -3,7 +3,7 @@
 use super::PlosPlan;
 use super::report::PlosRow;
 use crate::city::BuiltUp;
-use crate::error::{Error, Result};
+use crate::error::{LimitError, Result};
 use crate::los_probability::setting::{Placement, Reach, Setting, Users};
 
 /// More values than this are refused.
@@ -111,9 +111,7 @@ impl Sweeps {
         ];
         let n = n.into_iter().fold(1_usize, usize::saturating_mul);
         if n > MOST_VALUES {
-            let text =
-                format!("cannot compute P_LoS for {n} combinations of what was swept, wanted at most {MOST_VALUES}");
-            return Err(Error::limit(502, text));
+            return Err(LimitError::Combinations { n, most: MOST_VALUES }.into());
         }
         Ok(sweeps)
     }

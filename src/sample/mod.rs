@@ -7,13 +7,16 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use serde_json::Value;
+use skyshed_core::Error as CoreError;
+use skyshed_core::error::UavError;
 
+pub(crate) use report::{SampleDocument, SampleRow};
 use report::{SampledReport, SampledRow};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
 use crate::coverage::{Mapper, Uav};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, PlacesError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
@@ -83,16 +86,15 @@ impl SamplePlan {
     /// # Errors
     /// E113.
     pub(crate) fn check(&self) -> Result<()> {
-        let refuse = |text: String| Err(Error::usage(113, text));
         if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            return refuse(format!("the confidence is `{}`, wanted above 0 and below 1", self.confidence));
+            return Err(Error::number("the confidence", self.confidence, "above 0 and below 1"));
         }
         if let Some(block) = self.block_m.filter(|block| *block <= 0.0) {
-            return refuse(format!("the edge of blocks is `{block}`, wanted above 0 m"));
+            return Err(Error::number("the edge of blocks", block, "above 0 m"));
         }
         let zones: Vec<Zone> = self.zones.iter().map(|(zone, _)| *zone).collect();
         match zones.iter().enumerate().find(|(k, zone)| zones[..*k].contains(zone)) {
-            Some((_, zone)) => refuse(format!("{} is named twice, wanted each zone once", zone.name())),
+            Some((_, zone)) => Err(RequestError::ZoneTwice(zone.name()).into()),
             None => Ok(()),
         }
     }
@@ -109,8 +111,7 @@ impl SamplePlan {
         let mut first = open(self.seed)?;
         if first.built_up.is_none() && (self.n_cities > 1 || self.is_centered) {
             let what = if self.is_centered { "centers of zones" } else { "several cities" };
-            let text = format!("{what} have no meaning for a city in a file: it is one, and its streets form no grid");
-            return Err(Error::usage(116, text).with_hint("generate cities: itu:urban, itu:α,β,γ"));
+            return Err(RequestError::OneCity(what).into());
         }
         self.sight.receivers().check(first.field.is_surface_only())?;
         let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
@@ -156,8 +157,7 @@ impl SamplePlan {
         let field = &scene.field;
         let size = self.size_m;
         let Some(zones) = scene.zones() else {
-            return Err(Error::usage(117, "zones of a surface model alone: no zone is known")
-                .with_hint("give `--terrain FILE` or `--ground Z`"));
+            return Err(RequestError::NoZones.into());
         };
         let options = self.sight.options(scene.grid(), Some(&zones));
         let radius = options.radius;
@@ -188,9 +188,9 @@ impl SamplePlan {
                     let site = Site { id: (k + 1).to_string(), x: *x, y: *y, height: Height::AboveGround(height) };
                     match Uav::place(&site, field, radius) {
                         Ok(uav) => uavs.push(uav),
-                        Err(e) if e.code() == "E201" => {}
+                        Err(CoreError::Uav { why: UavError::InsideBuilding { .. }, .. }) => {}
                         // Over a building that stands where the terrain has no height.
-                        Err(e) if e.code() == "E204" => n_without_ground += 1,
+                        Err(CoreError::Uav { why: UavError::NoGround, .. }) => n_without_ground += 1,
                         Err(e) => return Err(e.into()),
                     }
                 }
@@ -212,14 +212,8 @@ impl SamplePlan {
             city.of.iter().any(|of| of.n_placements > 0) || city.n_inside.iter().any(|n_inside| *n_inside > 0)
         });
         let Some(radius_m) = self.sight.radius_m().filter(|_| n_cut > 0 && !is_left) else { return Ok(()) };
-        let text = format!(
-            "cannot sample {}: of no placement tried lies the whole disc of {} m in the data, wanted P_LoS over whole discs",
-            self.word.display(),
-            tidy(radius_m)
-        );
-        Err(Error::site(216, text).with_hint(
-            "a smaller `--radius`, a larger `--extent`, or, if the ground between is known, `--data-area all` or a polygon of it",
-        ))
+        let (word, radius_m) = (self.word.display().to_string(), tidy(radius_m));
+        Err(PlacesError::NoSampledDisc { word, radius_m }.into())
     }
 
     /// One row per placement zone, height and part of the receivers.

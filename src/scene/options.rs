@@ -265,7 +265,12 @@ impl SceneOptions {
         let Some(terrain) = &self.terrain else { return Ok(()) };
         let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
         let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
-        Ok(compare_vertical((path, of_scene.as_ref()), (terrain, of_terrain.as_ref()), said, warnings)?)
+        Ok(compare_vertical(
+            (path.display(), of_scene.as_ref()),
+            (terrain.display(), of_terrain.as_ref()),
+            said,
+            warnings,
+        )?)
     }
 
     /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is
@@ -311,7 +316,7 @@ impl SceneOptions {
             self.refuse("a surface without `terrain` or `ground_m`", &threshold)?;
         }
         Ok(SurfaceOptions {
-            terrain: self.terrain.clone(),
+            terrain: self.terrain.clone().map(Into::into),
             ground_m: self.ground_m,
             building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
             nodata_as: self.nodata_as.unwrap_or_default(),
@@ -345,7 +350,7 @@ impl SceneOptions {
                 MissingHeight::default()
             }),
             layer: self.layer.clone(),
-            terrain: self.terrain.clone(),
+            terrain: self.terrain.clone().map(Into::into),
             ground_m: self.ground_m,
             extent: self.extent,
             cell_m: self.cell_m,
@@ -375,7 +380,7 @@ impl SceneOptions {
     /// An ignored input is an error, never silence.
     fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
         match without_meaning.iter().find(|(_, is_set)| *is_set) {
-            Some((name, _)) => Err(Error::usage(116, format!("`{name}` has no meaning for {what}"))),
+            Some((name, _)) => Err(Error::idle(name, format!("for {what}"))),
             None => Ok(()),
         }
     }

@@ -5,6 +5,7 @@ mod report;
 mod scene;
 
 pub(crate) use families::Stress;
+pub(crate) use report::{StressDocument, StressRow, StressSceneDocument, StressSceneRow};
 pub(crate) use scene::StressScene;
 
 use crate::export::Format;

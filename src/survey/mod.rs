@@ -12,11 +12,14 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-pub(crate) use output::Output;
-pub(crate) use places::Places;
+pub(crate) use output::{Output, OutputInfo};
+pub(crate) use places::{Places, PlacesInfo};
+pub(crate) use tiles::TileRow;
 use tiles::{Tiles, TilesDocument};
 
-use crate::answer::{Answer, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, version, warnings_of};
+use crate::answer::{
+    Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, version, warnings_of,
+};
 use crate::city::{BuiltUp, Footprint, FootprintFaults, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
@@ -213,11 +216,13 @@ impl Answer for Survey {
     }
 
     fn provenance(&self) -> Value {
-        let mut provenance = self.facts.provenance(if self.tiles.is_some() { "skyshed/tiles/1" } else { INFO_SCHEMA });
-        if let Some(tiles) = &self.tiles {
-            provenance["tiles"] = document_of(&tiles.document());
+        match &self.tiles {
+            Some(tiles) => document_of(&TilesProvenance {
+                provenance: self.facts.provenance("skyshed/tiles/1"),
+                tiles: tiles.document(),
+            }),
+            None => document_of(&self.facts.provenance(INFO_SCHEMA)),
         }
-        provenance
     }
 
     fn table(&self) -> Rows {
@@ -292,6 +297,26 @@ impl Counts {
 
 /// The schema of all that `skyshed info` tells.
 const INFO_SCHEMA: &str = "skyshed/info/1";
+
+/// Any of them, told apart by `kind`; a document that stands beside a picture has none.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "a type of its schema alone")]
+pub(crate) enum InfoDocument<'a> {
+    Scene(SceneInfo),
+    Places(PlacesInfo),
+    Output(OutputInfo<'a>),
+    Provenance(Provenance),
+}
+
+/// Where tiles are from.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct TilesProvenance {
+    #[serde(flatten)]
+    provenance: Provenance,
+    /// Tiles, and what holds for all of them together.
+    tiles: TilesDocument,
+}
 
 /// What a scene is.
 #[derive(Debug, Serialize, JsonSchema)]

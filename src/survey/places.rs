@@ -11,6 +11,8 @@ use serde_json::Value;
 
 use super::INFO_SCHEMA;
 use crate::answer::{Answer, Spent, document_of, version};
+use skyshed_io::error::ReadFault;
+
 use crate::city::GivenSite;
 use crate::crs;
 use crate::error::{Error, Result};
@@ -56,7 +58,7 @@ impl Places {
         let places = |what, crs| Places { command: command.to_vec(), path: path.to_path_buf(), what, crs };
         let found = match read(path, looks, crs.clone()) {
             // Degrees without a scene to bring them into stay degrees.
-            Err(error) if error.code() == "E206" && crs.is_none() => {
+            Err(Error::Io(skyshed_io::Error::Read(error))) if matches!(error.fault, ReadFault::NoSceneCrs(_)) => {
                 let degrees = Some(crs::from_epsg(4326)?);
                 places(read(path, looks, degrees.clone())?, degrees)
             }
@@ -239,8 +241,8 @@ fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
         return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
     }
     // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
-    let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs)
-        .ok_or_else(|| Error::internal(901, "a grid of one cell is valid"))?;
+    let grid =
+        GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or_else(|| Error::Fault("a grid of one cell is valid"))?;
     Ok(What::Uavs(read_sites(path, &grid, 1, BadRows::Refuse)?))
 }
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::answer::{Rows, rows};
 use crate::city::Footprint;
-use crate::error::{Error, Result};
+use crate::error::{Error, LimitError, RequestError, Result};
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::los_probability::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
@@ -34,13 +34,11 @@ pub(super) fn checked_size(edge_m: f64, grid: &GeoRef, word: &OsStr) -> Result<T
     let meters_per_unit = grid.meters_per_unit();
     let cell_m = grid.cell_width().max(grid.cell_height()) * meters_per_unit;
     if edge_m < cell_m {
-        let text = format!("the edge of tiles is `{edge_m}`, wanted at least a cell of {} m", tidy(cell_m));
-        return Err(Error::usage(113, text));
+        return Err(Error::number("the edge of tiles", edge_m, format!("at least a cell of {} m", tidy(cell_m))));
     }
     let size = TileSize { edge: edge_m / meters_per_unit, meters_per_unit };
     if size.shape(grid).is_none() {
-        let text = format!("cannot cut {} into tiles of {edge_m} m: more than {MOST_TILES}", word.display());
-        return Err(Error::limit(502, text).with_hint("choose a larger `--tile`"));
+        return Err(LimitError::Tiles { word: word.display().to_string(), edge_m, most: MOST_TILES }.into());
     }
     Ok(size)
 }
@@ -56,14 +54,13 @@ impl Tiles {
         size: TileSize,
     ) -> Result<Tiles> {
         if field.is_surface_only() {
-            return Err(Error::usage(117, "tiles of a surface model alone: no building is known")
-                .with_hint("give `--terrain FILE` or `--ground Z`"));
+            return Err(RequestError::NoTiles.into());
         }
         let tiles = match footprints {
             Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size),
             None => BuiltUpTiles::of_cells(field, size),
         };
-        let tiles = tiles.ok_or_else(|| Error::internal(901, "a checked scene has tiles"))?;
+        let tiles = tiles.ok_or_else(|| Error::Fault("a checked scene has tiles"))?;
         Ok(Tiles { tiles, edge_m: size.edge * size.meters_per_unit })
     }
 

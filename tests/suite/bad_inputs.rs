@@ -239,37 +239,37 @@ fn a_refusal_says_what_where_and_what_to_do() {
     let cases: [(&str, &str, &str); 16] = [
         (
             "raster/truncated_half.tif",
-            "error[E303]: cannot read `raster/truncated_half.tif`: strip 0 (8192 bytes at byte 368) ends beyond the file of 8376 bytes",
+            "error[E303]: cannot read raster/truncated_half.tif: strip 0 (8192 bytes at byte 368) ends beyond the file of 8376 bytes",
             fetch_again,
         ),
         (
             "raster/header_only_6b.tif",
-            "error[E303]: cannot read `raster/header_only_6b.tif`: the file has 6 bytes, a TIFF header has at least 8",
+            "error[E303]: cannot read raster/header_only_6b.tif: the file has 6 bytes, a TIFF header has at least 8",
             "",
         ),
         (
             "raster/text.tif",
-            "error[E302]: cannot read `raster/text.tif`: line 3: `this` is no key of the header, wanted ncols, nrows, xllcorner, yllcorner, cellsize, dx, dy or NODATA_value",
+            "error[E302]: cannot read raster/text.tif: line 3: `this` is no key of the header, wanted ncols, nrows, xllcorner, yllcorner, cellsize, dx, dy or NODATA_value",
             "",
         ),
         (
             "raster/compression_unknown_999.tif",
-            "error[E304]: cannot read `raster/compression_unknown_999.tif`: unsupported compression `999` (unknown), wanted none, LZW, deflate, PackBits, Zstandard, LERC or JPEG",
+            "error[E304]: cannot read raster/compression_unknown_999.tif: unsupported compression `999` (unknown), wanted none, LZW, deflate, PackBits, Zstandard, LERC or JPEG",
             "hint: rewrite it with `gdal_translate -co COMPRESS=DEFLATE IN OUT`",
         ),
         (
             "raster/complex64.tif",
-            "error[E304]: cannot read `raster/complex64.tif`: 64-bit complex samples, wanted integers of 8 to 64 bits or floats of 16 to 64 bits",
+            "error[E304]: cannot read raster/complex64.tif: 64-bit complex samples, wanted integers of 8 to 64 bits or floats of 16 to 64 bits",
             "hint: rewrite it with `gdal_translate -ot Float32 IN OUT`",
         ),
         (
             "raster/all_nodata.tif",
-            "error[E305]: cannot use `raster/all_nodata.tif`: none of the 4096 cells read holds a height, wanted at least one",
+            "error[E305]: cannot use raster/all_nodata.tif: none of the 4096 cells read holds a height, wanted at least one",
             "hint: look at the nodata value and the band with `gdalinfo -stats`",
         ),
         (
             "raster/rotated.tif",
-            "error[E306]: cannot read `raster/rotated.tif`: its rows run -15.0 degrees off east, wanted a north-up raster",
+            "error[E306]: cannot read raster/rotated.tif: its rows run -15.0 degrees off east, wanted a north-up raster",
             "hint: resample it with `gdalwarp IN OUT`, which makes it north-up",
         ),
         (

@@ -131,7 +131,7 @@ fn a_uav_inside_a_building_that_grew_has_no_numbers_but_a_reason() {
 
 /// The classes of a saved map, row by row.
 pub(crate) fn classes(folder: &Folder, file: &str) -> Vec<u8> {
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(&folder.join(file), &mut Vec::new()).unwrap() else {
+    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join(file), &mut Vec::new()).unwrap() else {
         panic!("a GeoTIFF")
     };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes are small whole numbers")]

@@ -171,7 +171,7 @@ fn every_format_holds_the_same_numbers() {
 
     let wide: Vec<u32> = mask.iter().map(|class| u32::from(*class)).collect();
     assert_eq!(channels(&folder, "m.exr"), [("1.los".to_string(), FlatSamples::U32(wide))]);
-    let asc = RasterFile::open(&folder.join("m.asc"), &mut Vec::new()).unwrap();
+    let asc = RasterFile::open(folder.join("m.asc"), &mut Vec::new()).unwrap();
     assert_eq!(asc.georef().crs().and_then(skyshed_core::raster::Crs::epsg), Some(25832), "from m.prj");
     let cells = asc.read(asc.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
     assert!(cells.iter().zip(&mask).all(|(a, b)| (a - f64::from(*b)).abs() < 1e-9));
@@ -274,7 +274,7 @@ fn layers_become_bands_named_after_their_site() {
     assert!(header.contains("'<f4'") && header.contains("(2, 40, 60)"), "{header}");
     let first: Vec<u8> = margin.iter().flat_map(|v| v.to_le_bytes()).collect();
     assert_eq!(bytes[..first.len()], first);
-    let asc = RasterFile::open(&folder.join("least.asc"), &mut Vec::new()).unwrap();
+    let asc = RasterFile::open(folder.join("least.asc"), &mut Vec::new()).unwrap();
     let cells = asc.read(asc.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
     assert!(cells.iter().zip(&ceiling).all(|(a, b)| (a - f64::from(*b)).abs() < 1e-4));
     let alone: Vec<f32> = tif(&folder, "margin.tif").read_raster::<f32>().unwrap().into_iter().collect();

@@ -112,7 +112,7 @@ fn a_difference_turned_round_changes_its_sign_alone() {
 fn bands_hold_masks_differences_and_the_count() {
     let folder = folder();
     folder.type_in(&format!("compare {BY_HAND} -o out.tif")).done();
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(&folder.join("out.tif"), &mut Vec::new()).unwrap() else {
+    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join("out.tif"), &mut Vec::new()).unwrap() else {
         panic!("a GeoTIFF")
     };
     let names = ["first.los", "second.los", "first-second.difference", "count"].map(Some);
@@ -225,7 +225,7 @@ fn margins_are_those_of_the_layer() {
     let line = "city.geojson --uav 10,10,40 --uav 75,75,60";
     let document = document(&folder, line);
     folder.type_in(&format!("map {line} --layers margin -o margin.tif")).done();
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(&folder.join("margin.tif"), &mut Vec::new()).unwrap() else {
+    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join("margin.tif"), &mut Vec::new()).unwrap() else {
         panic!("a GeoTIFF")
     };
     for band in 0..2 {

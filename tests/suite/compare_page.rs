@@ -131,7 +131,7 @@ fn a_large_grid_is_thinned_to_the_middles_of_squares() {
     assert!(pictures.iter().all(|p| p.dimensions() == (1050, 1050)));
     let mut warnings = Vec::new();
     let skyshed_io::formats::RasterFile::GeoTiff(tiff) =
-        skyshed_io::formats::RasterFile::open(&folder.join("c.tif"), &mut warnings).unwrap()
+        skyshed_io::formats::RasterFile::open(folder.join("c.tif"), &mut warnings).unwrap()
     else {
         panic!("a GeoTIFF")
     };

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use skyshed_core::raster::CellWindow;
-use skyshed_core::{Error, ErrorClass, Warning};
+use skyshed_core::{ErrorClass, Warning};
+use skyshed_io::Error;
 use skyshed_io::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
 
 use crate::plain_tiff::{Cells, PlainTiff};
@@ -136,7 +137,7 @@ fn a_window_of_a_raster_is_the_same_as_the_part_of_the_whole() {
     let Some(folder) = truth().map(|folder| folder.join("bad/raster")) else { return };
     for name in ["enc_lzw_pred2_int16.tif", "cog_overviews.tif", "internal_mask.tif", "enc_bigtiff.tif"] {
         let mut warnings = Vec::new();
-        let file = GeoTiff::open(&folder.join(name), &mut warnings).expect(name);
+        let file = GeoTiff::open(folder.join(name), &mut warnings).expect(name);
         let whole = file.read(file.georef().window(), &mut warnings, |h| h).expect(name);
         for window in [
             CellWindow { row: 0, col: 0, n_rows: 1, n_cols: 1 },
@@ -281,7 +282,8 @@ fn each_bad_ascii_grid_is_refused_with_its_line() {
     }
     let commas = scratch.file("commas.asc", format!("{HEADER}1 2 3\n4 5,5 6\n"));
     let error = read(&commas).err().expect("decimal commas are refused");
-    assert_eq!(error.hint(), Some("replace the decimal commas by points"));
+    let Error::Read(error) = error else { panic!("{error}") };
+    assert_eq!(error.cause, skyshed_io::error::Cause::DecimalCommas);
 }
 
 #[test]

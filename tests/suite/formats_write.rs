@@ -372,7 +372,7 @@ fn a_band_that_says_how_opaque_cells_are_hides_those_that_are_not() {
     let read = |name: &str, bytes: &[u8]| {
         std::fs::write(folder.join(name), bytes).unwrap();
         let mut warnings = Vec::new();
-        let file = GeoTiff::open(&folder.join(name), &mut warnings).unwrap();
+        let file = GeoTiff::open(folder.join(name), &mut warnings).unwrap();
         let cells = file.read(file.georef().window(), &mut warnings, |height| height).unwrap().cells().to_vec();
         (cells, warnings.iter().map(skyshed::Warning::code).collect::<Vec<_>>())
     };

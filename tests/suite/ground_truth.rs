@@ -171,11 +171,11 @@ fn a_footprint_stands_on_the_lowest_column_that_its_area_overlaps() {
                 .collect();
             folder.write("city.geojson", &city(&features));
             let options = FootprintOptions {
-                terrain: Some(folder.join("terrain.asc")),
+                terrain: Some(folder.join("terrain.asc").into()),
                 data_area: DataAreaChoice::All,
                 ..FootprintOptions::default()
             };
-            let read = read_footprints(&folder.join("city.geojson"), &options, &mut Vec::new()).unwrap();
+            let read = read_footprints(folder.join("city.geojson"), &options, &mut Vec::new()).unwrap();
             let Solids::Vector { footprints, .. } = read.solids else { panic!("footprints") };
             let found = |k: usize| footprints.iter().find(|f| f.id == k.to_string()).map(|f| meters(f.base.unwrap()));
             for (k, rings) in turned.iter().enumerate().filter(|(_, rings)| rings[0].len() >= 3) {

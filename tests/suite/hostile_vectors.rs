@@ -41,10 +41,10 @@ fn read(path: &Path) -> skyshed_core::Result<City> {
     let is_mesh = path.extension().is_some_and(|e| e == "obj" || e == "ply");
     let warnings = &mut Vec::new();
     if is_mesh {
-        read_mesh(path, &MeshOptions { extent: Some([0.0, 0.0, 20.0, 10.0]), ..MeshOptions::default() }, warnings)
+        Ok(read_mesh(path, &MeshOptions { extent: Some([0.0, 0.0, 20.0, 10.0]), ..MeshOptions::default() }, warnings)?)
     } else {
         let extent = Some([EAST, NORTH, EAST + 80.0, NORTH + 80.0]);
-        read_footprints(path, &FootprintOptions { extent, ..FootprintOptions::default() }, warnings)
+        Ok(read_footprints(path, &FootprintOptions { extent, ..FootprintOptions::default() }, warnings)?)
     }
 }
 

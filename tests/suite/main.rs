@@ -47,6 +47,7 @@ mod wild; // bad input as it is seen in the wild, row by row
 mod fuzz; // damaged files of every kind, and footprints at random
 mod vectors; // one city in every vector format is one scene; policies of heights; refusals
 mod repairs; // what was mended or left out, thing by thing
+mod held_bytes; // readers given bytes with their sidecars: the city of the file
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod front_door; // the library answers what the program does
 mod cli; // the program from outside: words, exit codes, flags
@@ -84,6 +85,7 @@ mod regressions; // one test per bug
 mod program; // runs the program from outside
 mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
+mod schemas; // documents against their JSON Schemas, columns and their meanings
 mod recorder; // digests of all masks, for two builds side by side
 mod referee; // one link by an engine and by the oracle
 mod shapes; // small scenes with many ties

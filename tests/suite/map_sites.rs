@@ -21,7 +21,7 @@ fn write_scene(folder: &Folder, n_sites: usize) {
 }
 
 fn digest(folder: &Folder, name: &str) -> String {
-    let file = GeoTiff::open(&folder.join(name), &mut Vec::new()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let file = GeoTiff::open(folder.join(name), &mut Vec::new()).unwrap_or_else(|e| panic!("{name}: {e}"));
     // Every cell is read, so that a file cut short would be found.
     file.read(file.georef().window(), &mut Vec::new(), |_| ()).unwrap_or_else(|e| panic!("{name}: {e}"));
     let provenance: Value = serde_json::from_str(file.provenance().expect("provenance")).expect("JSON");
@@ -66,7 +66,7 @@ fn with_a_radius_only_what_is_in_range_is_read() {
         assert!(own["scene"]["cols"].as_u64() < Some(200), "{}", own["scene"]);
         // The cells in range are those of the whole map.
         let read = |name: &str| {
-            let file = GeoTiff::open(&folder.join(name), &mut Vec::new()).expect("a GeoTIFF");
+            let file = GeoTiff::open(folder.join(name), &mut Vec::new()).expect("a GeoTIFF");
             let band = if name == "all.tif" { k } else { 0 };
             let window = file.georef().window();
             file.read_band(band, window, &mut Vec::new(), class_of).expect("cells")

@@ -126,7 +126,7 @@ fn mapped(folder: &Folder, scene: &str, name: &str) -> Option<(Vec<u8>, serde_js
         return None;
     }
     let document = answer.done().json();
-    let file = RasterFile::open(&folder.join(&format!("{name}.tif")), &mut Vec::new()).unwrap();
+    let file = RasterFile::open(folder.join(&format!("{name}.tif")), &mut Vec::new()).unwrap();
     let mask = file.read(file.georef().window(), &mut Vec::new(), |v| if v.is_nan() { 255.0 } else { v }).unwrap();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes")]
     Some((mask.cells().iter().map(|v| *v as u8).collect(), document["digest"].clone()))
@@ -276,7 +276,7 @@ fn a_virtual_raster_is_what_its_sources_paint_and_what_gdal_makes_of_it() {
         let covered = painted((n_rows, n_cols), f64::NAN, &tiles, |_, _, _| Some(0.0));
         let n_gaps = covered.iter().filter(|v| v.is_nan()).count();
         assert_eq!(codes(&warnings).contains(&"W337".into()), nodata.is_none() && n_gaps > 0, "seed {seed}");
-        let file = RasterFile::open(&folder.join("city.vrt"), &mut Vec::new()).unwrap();
+        let file = RasterFile::open(folder.join("city.vrt"), &mut Vec::new()).unwrap();
         let said = file.description();
         assert_eq!(said.contains("in no tile"), n_gaps > 0, "{said}");
         assert!(n_gaps == 0 || said.contains(&format!("{n_gaps} cell")), "{said}, wanted {n_gaps}");
@@ -388,7 +388,7 @@ pub(crate) fn nine_tiles() -> Folder {
 fn a_window_costs_the_tiles_that_it_touches_in_any_number_of_threads() {
     let folder = nine_tiles();
     for name in ["nine", "nine.vrt"] {
-        let file = RasterFile::open(&folder.join(name), &mut Vec::new()).unwrap();
+        let file = RasterFile::open(folder.join(name), &mut Vec::new()).unwrap();
         std::thread::scope(|scope| {
             for seed in 0..4 {
                 let file = &file;

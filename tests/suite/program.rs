@@ -4,11 +4,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::Value;
 
 use crate::recorder::record;
+use crate::schemas;
 use crate::support::slow;
 
 /// Address space that every run may take [KiB]: what cannot be mapped cannot be used, so no run peaks above 1 GB.
@@ -160,12 +161,14 @@ pub(crate) fn program(folder: &Path, words: &[&str]) -> Command {
 
 /// Runs the program in `folder` and waits for it, but not for long.
 pub(crate) fn run_in(folder: &Path, words: &[&str]) -> Answer {
-    let start = Instant::now();
+    let (start, began) = (Instant::now(), SystemTime::now());
     let child = program(folder, words).spawn().expect("the program starts");
     let answer = wait(child);
     let seconds = start.elapsed().as_secs_f64();
     assert!(seconds < most_seconds(), "{words:?} took {seconds} s: {answer:?}");
     record(folder, words, &answer.out);
+    schemas::check(&answer.out, &words.join(" "));
+    schemas::check_files(folder, began);
     answer
 }
 

@@ -44,7 +44,7 @@ fn link_and_map_agree_on_the_margin_of_a_receiver_on_a_roof() {
     let map = "map small.asc --ground 0 --uav 4.5,2.5,40 --layers margin --rx-height 5 --receivers all -o m.tif";
     folder.type_in(map).done();
     let mut warnings = Vec::new();
-    let file = GeoTiff::open(&folder.join("m.tif"), &mut warnings).unwrap();
+    let file = GeoTiff::open(folder.join("m.tif"), &mut warnings).unwrap();
     let margins = file.read(file.georef().window(), &mut warnings, |v| v).unwrap();
     for (x, y, height) in [(1.5, 2.5, "5roof"), (0.5, 2.5, "5"), (2.5, 4.5, "5")] {
         let link = folder.type_in(&format!("link small.asc --ground 0 --uav 4.5,2.5,40 --rx {x},{y},{height} --json"));
@@ -69,7 +69,7 @@ fn nodata_that_blocks_everything_has_no_height() {
 
     folder.type_in(&format!("map {scene} --uav 4.5,2.5,20 --layers ceiling,margin -o c.tif")).done();
     let mut warnings = Vec::new();
-    let file = GeoTiff::open(&folder.join("c.tif"), &mut warnings).unwrap();
+    let file = GeoTiff::open(folder.join("c.tif"), &mut warnings).unwrap();
     for band in 0..2 {
         let values = file.read_band(band, file.georef().window(), &mut warnings, |v| v).unwrap();
         let finite: Vec<f64> = values.cells().iter().copied().filter(|v| !v.is_nan()).collect();

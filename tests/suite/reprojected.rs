@@ -38,7 +38,7 @@ fn write(folder: &Folder, name: &str, georef: &GeoRef, heights: &[f32]) {
 fn projected(folder: &Folder, name: &str, options: SurfaceOptions) -> Result<(City, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let options = SurfaceOptions { project: Some(Projection::Auto), ..options };
-    read_surface(&folder.join(name), &options, &mut warnings).map(|scene| (scene, warnings))
+    Ok(read_surface(folder.join(name), &options, &mut warnings).map(|scene| (scene, warnings))?)
 }
 
 fn surface(scene: &City) -> (&Raster<i32>, &Ground) {
@@ -127,7 +127,7 @@ fn gdalwarp_finds_the_same_cells() {
         .output()
         .unwrap();
     assert!(done.status.success(), "{done:?}");
-    let file = RasterFile::open(&folder.join("warped.tif"), &mut Vec::new()).unwrap();
+    let file = RasterFile::open(folder.join("warped.tif"), &mut Vec::new()).unwrap();
     assert_eq!((file.georef().n_rows(), file.georef().n_cols()), (grid.n_rows(), grid.n_cols()));
     let warped = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap();
     let way =
@@ -165,7 +165,7 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
     let utm = crs::from_epsg(32632).unwrap();
     let grid = GeoRef::new((691_230.0, 5_335_000.0), (2.0, 2.0), (40, 50), Some(utm)).unwrap();
     write(&folder, "utm.tif", &grid, &[1500.0; 2000]);
-    let options = SurfaceOptions { terrain: Some(folder.join("ground.tif")), ..SurfaceOptions::default() };
+    let options = SurfaceOptions { terrain: Some(folder.join("ground.tif").into()), ..SurfaceOptions::default() };
     let (scene, warnings) = projected(&folder, "utm.tif", options.clone()).unwrap();
     let Ground::Terrain(terrain) = surface(&scene).1 else { panic!("no terrain") };
     assert_eq!(terrain.georef(), &grid);

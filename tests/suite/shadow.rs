@@ -378,7 +378,7 @@ fn munich(terrain: bool) -> HeightField {
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
-        terrain: terrain.then(|| maps.join("munich_terrain.tif")),
+        terrain: terrain.then(|| maps.join("munich_terrain.tif").into()),
         ground_m: (!terrain).then_some(0.0),
         ..FootprintOptions::default()
     };

@@ -189,7 +189,7 @@ fn fifty_thousand_cells_a_side_take_two_gigabytes() {
     measured(&format!("map part.tif {near} -o a.tif"));
     measured(&format!("map all.tif {near} -o b.tif --max-memory 2G"));
     let part = cells(&folder.join("a.tif"));
-    let all = GeoTiff::open(&folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
+    let all = GeoTiff::open(folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
     let window = skyshed_core::raster::CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };
     let all = all.read(window, &mut Vec::new(), class_of).expect("its cells");
     assert!(part == all.cells());

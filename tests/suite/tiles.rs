@@ -132,7 +132,7 @@ fn estimates_are_over_the_buildings_of_the_extent() {
 
 /// The bands of `tiles.tif` are the columns of the table, nodata where these are empty.
 fn raster_holds_the_table(folder: &Folder, tiles: &[Tile]) {
-    let tiff = GeoTiff::open(&folder.join("tiles.tif"), &mut Vec::new()).unwrap();
+    let tiff = GeoTiff::open(folder.join("tiles.tif"), &mut Vec::new()).unwrap();
     assert_eq!(tiff.band_names(), ["alpha", "beta_per_km2", "gamma_m", "buildings"].map(Some));
     for band in 0..4 {
         let read = tiff.read_band(band, tiff.georef().window(), &mut Vec::new(), |v| v);

@@ -165,7 +165,7 @@ fn a_count_is_null_where_nobody_receives() {
         None => found.is_nan(),
     };
     assert!(found.iter().zip(&wanted).all(is_it));
-    let file = RasterFile::open(&folder.join("c.asc"), &mut Vec::new()).unwrap();
+    let file = RasterFile::open(folder.join("c.asc"), &mut Vec::new()).unwrap();
     let of_asc = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
     assert!(
         of_asc.iter().zip(&wanted).all(|(v, wanted)| wanted.map_or(v.is_nan(), |n| v.total_cmp(&n.into()).is_eq()))

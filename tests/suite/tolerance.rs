@@ -32,7 +32,7 @@ fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
 
 fn raster(dsm: &Path, terrain: &Path) -> HeightField {
     let options = SurfaceOptions {
-        terrain: Some(terrain.to_path_buf()),
+        terrain: Some(terrain.into()),
         ground_m: None,
         building_threshold_m: 0.5,
         nodata_as: NodataAs::Clear,
@@ -44,7 +44,7 @@ fn raster(dsm: &Path, terrain: &Path) -> HeightField {
 }
 
 fn footprints(buildings: &Path, terrain: &Path) -> HeightField {
-    let options = FootprintOptions { terrain: Some(terrain.to_path_buf()), ..FootprintOptions::default() };
+    let options = FootprintOptions { terrain: Some(terrain.into()), ..FootprintOptions::default() };
     built(read_footprints(buildings, &options, &mut Vec::new()).unwrap())
 }
 

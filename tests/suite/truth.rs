@@ -39,7 +39,7 @@ fn maps() -> PathBuf {
 
 fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> City {
     let options = SurfaceOptions {
-        terrain: Some(terrain.to_path_buf()),
+        terrain: Some(terrain.into()),
         ground_m: None,
         building_threshold_m,
         nodata_as: NodataAs::Clear,
@@ -55,7 +55,7 @@ fn footprint_scene(buildings: &Path, terrain: &Path) -> City {
         top_field: Some("z_top".into()),
         missing: MissingHeight::Fail,
         data_area: DataAreaChoice::All,
-        terrain: Some(terrain.to_path_buf()),
+        terrain: Some(terrain.into()),
         ..FootprintOptions::default()
     };
     read_footprints(buildings, &options, &mut Vec::new()).unwrap()

@@ -118,7 +118,7 @@ fn one_table_of_several_is_read_when_it_is_named() {
     write_geopackage(&folder.join("two.gpkg"), &[("old town", &city[..1]), ("new", &city)]);
     let refused = folder.type_in("info two.gpkg");
     let lines = refused.refused(2);
-    assert_eq!(lines[0], "error[E108]: cannot choose a layer of two.gpkg: it has `old town`, `new`");
+    assert!(lines[0].starts_with("error[E108]") && lines[0].contains("`old town`, `new`"), "{lines:?}");
     assert_eq!(lines[1], "hint: `--layer NAME` says which");
     let buildings = |layer: &str| {
         folder.run(&["info", "two.gpkg", "--layer", layer, "--json", "-q"]).done().json()["buildings"].clone()
@@ -238,7 +238,7 @@ fn a_mesh_is_a_surface_as_high_as_its_highest_face() {
     for name in ["a.obj", "b.ply", "c.ply", "d.ply"] {
         let mut options = MeshOptions::default();
         options.surface.ground_m = Some(2.0);
-        let scene = read_mesh(&folder.join(name), &options, &mut Vec::new()).unwrap();
+        let scene = read_mesh(folder.join(name), &options, &mut Vec::new()).unwrap();
         assert_eq!((scene.grid.n_cols(), scene.grid.n_rows(), scene.grid.crs()), (20, 10, None));
         let Solids::Raster { surface, .. } = &scene.solids else { panic!("{name} is no surface") };
         for (k, z) in surface.cells().iter().enumerate() {

@@ -351,7 +351,7 @@ fn a_laser_scan_of_a_city_has_crossroads_and_courtyards() {
     let Some(folder) = truth() else { return };
     let path = |name: &str| folder.join("lidar/bilbao").join(name);
     let options = SurfaceOptions {
-        terrain: Some(path("terrain_2.5m.tif")),
+        terrain: Some(path("terrain_2.5m.tif").into()),
         ground_m: None,
         building_threshold_m: 2.0,
         nodata_as: NodataAs::Clear,
@@ -359,7 +359,7 @@ fn a_laser_scan_of_a_city_has_crossroads_and_courtyards() {
         always_hash: false,
         ..SurfaceOptions::default()
     };
-    let scene = read_surface(&path("dsm_2.5m.tif"), &options, &mut Vec::new()).unwrap();
+    let scene = read_surface(path("dsm_2.5m.tif"), &options, &mut Vec::new()).unwrap();
     let field = build(&scene);
     let map = ZoneMap::of(&field, None);
     check_cells(&field, &map);

@@ -2,8 +2,13 @@
 
 pub mod crs;
 pub mod digest;
+pub mod error;
 pub mod export;
 pub mod formats;
+mod input;
 pub mod read;
 
-use skyshed_core::{city, coverage, error, height_field, outlines, overlay, quantity, raster, zones};
+pub use error::{Error, Result};
+pub use input::{Input, cannot_read};
+
+use skyshed_core::{city, coverage, height_field, outlines, overlay, quantity, raster, zones};

@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::words::memory_size;
 use crate::answer::Output;
-use crate::error::{Error, Result};
+use crate::cli::refusal::{refusal, refusal_with};
+use crate::error::Result;
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::picture::Look;
 
@@ -58,7 +59,7 @@ impl OutputArgs {
     ) -> Result<Vec<Output>> {
         if let Some(path) = csv.filter(|path| !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))) {
             let text = format!("cannot write {}: `--csv` writes a table", path.display());
-            return Err(Error::usage(105, text).with_hint("give it a name that ends in .csv"));
+            return Err(refusal_with(105, text, "give it a name that ends in .csv"));
         }
         let all: Vec<PathBuf> = self.output.iter().chain(csv).cloned().collect();
         Ok(check_outputs(&all, OutputRules { allowed, inputs, overwrite: self.overwrite, bare: false })?)
@@ -107,7 +108,7 @@ impl PictureArgs {
         match lost_words.chain(sizes.iter().filter(|_| !has_picture)).find(|(_, is_typed)| *is_typed) {
             Some((flag, _)) => {
                 let text = format!("`{flag}` has no meaning without a .png, .svg or .pdf output");
-                Err(Error::usage(116, text))
+                Err(refusal(116, text))
             }
             None => Ok(Look {
                 title: self.title.clone(),

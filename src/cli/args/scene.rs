@@ -8,8 +8,9 @@ use clap::Args;
 
 use super::words::{Words, extent, number, one_of, projection};
 use crate::city::NodataAs;
+use crate::cli::refusal::refusal;
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
 
@@ -145,7 +146,7 @@ impl ReadingArgs {
         let data_area = self.data_area.as_ref().map(|word| match word.to_str() {
             Some("auto") => DataAreaChoice::Auto,
             Some("all") => DataAreaChoice::All,
-            _ => DataAreaChoice::Within(word.clone()),
+            _ => DataAreaChoice::Within(word.clone().into()),
         });
         Ok(SceneOptions {
             terrain: self.terrain.clone(),
@@ -175,7 +176,7 @@ impl ReadingArgs {
 
     /// The reference system that was typed.
     pub(crate) fn crs(&self) -> Result<Option<crate::raster::Crs>> {
-        self.crs.as_deref().map(crs::parse).transpose().map_err(|e| Error::usage(115, format!("`--crs`: {e}")))
+        self.crs.as_deref().map(crs::parse).transpose().map_err(|e| refusal(115, format!("`--crs`: {e}")))
     }
 
     /// The files that a scene names, for the refusal to overwrite them.

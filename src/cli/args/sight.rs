@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::words::{RECEIVERS, length, number, one_of};
 use crate::city::Site;
-use crate::error::{Error, Result};
+use crate::cli::refusal::{refusal, refusal_with};
+use crate::error::Result;
 use crate::los::MethodChoice;
 use crate::quantity::{Height, parse_number};
 use crate::sight::{AskedSight, Receivers, Sight};
@@ -38,10 +39,11 @@ impl UavsArgs {
         Ok(UavsAsked { typed, table: self.uavs.clone(), skips_bad: self.skip_bad, hash })
     }
 
-    /// Where they are told, of which there must be some.
-    pub(crate) fn some(&self, hash: bool) -> Result<UavsAsked> {
+    /// Where they are told, of which there must be some; `without` says how the command does without.
+    pub(crate) fn some(&self, hash: bool, without: Option<&str>) -> Result<UavsAsked> {
         if self.uav.is_empty() && self.uavs.is_none() {
-            return Err(Error::usage(108, "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`"));
+            let text = "no UAV: wanted `--uav X,Y,H` or `--uavs FILE`";
+            return Err(without.map_or_else(|| refusal(108, text), |remedy| refusal_with(108, text, remedy)));
         }
         self.asked(hash)
     }
@@ -50,8 +52,11 @@ impl UavsArgs {
 /// A UAV as typed: `X,Y,H`.
 pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
     let wrong = |found: String| {
-        Error::usage(102, format!("cannot read `--uav {text}`: {found}"))
-            .with_hint("write X,Y,H, for example 500,500,100 or 691549.7,5334762.2,30roof")
+        refusal_with(
+            102,
+            format!("cannot read `--uav {text}`: {found}"),
+            "write X,Y,H, for example 500,500,100 or 691549.7,5334762.2,30roof",
+        )
     };
     let parts: Vec<&str> = text.split(',').collect();
     let [x, y, h] = parts[..] else { return Err(wrong(format!("found {} values, wanted X,Y,H", parts.len()))) };
@@ -63,8 +68,11 @@ pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
 /// A receiver as typed: `X,Y[,H]`.
 pub(crate) fn parse_receiver(text: &str, rx_height_m: f64) -> Result<((f64, f64), Height)> {
     let wrong = |found: String| {
-        Error::usage(103, format!("cannot read `--rx {text}`: {found}"))
-            .with_hint("write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof")
+        refusal_with(
+            103,
+            format!("cannot read `--rx {text}`: {found}"),
+            "write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof",
+        )
     };
     let parts: Vec<&str> = text.split(',').collect();
     let (x, y, h) = match parts[..] {

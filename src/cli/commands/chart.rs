@@ -9,8 +9,9 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::args::words::{length, number};
+use crate::cli::refusal::refusal_with;
 use crate::cli::run::Run;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::scene::built_up;
 
 #[derive(Debug, Args)]
@@ -86,9 +87,8 @@ impl ChartArgs {
                 let (sight, peers, time_s) = (self.sight.checked()?, self.peers, self.time);
                 let plan = ChartPlan { sight, peers, time_s, threads };
                 plan.check()?;
-                let asked = self.uavs.some(self.scene.reading.hash).map_err(|error| {
-                    error.with_hint("`--plos` charts the P_LoS methods of a generated city without one")
-                })?;
+                let without = "`--plos` charts the P_LoS methods of a generated city without one";
+                let asked = self.uavs.some(self.scene.reading.hash, Some(without))?;
                 let scene = self.scene.open()?;
                 let found = asked.read(scene.grid())?;
                 plan.run(scene, &found, run.words(), &run.progress)?
@@ -102,7 +102,7 @@ impl ChartArgs {
         let Some(built_up) = built_up(&self.scene.scene) else {
             let text = format!("`--plos` has no meaning for {city}: it charts a generated city");
             let hint = "`skyshed info` tells α, β, γ of a city: chart itu:α,β,γ --plos";
-            return Err(Error::usage(116, text).with_hint(hint));
+            return Err(refusal_with(116, text, hint));
         };
         run.typed.refuse_others(&OF_P_LOS, "with `--plos`, which maps no scene")?;
         Ok(PlosChartPlan {

@@ -3,8 +3,9 @@
 use clap::{Args, Command};
 
 use crate::cli::args::words::{Words, one_of};
+use crate::cli::refusal::refusal;
 use crate::cli::say;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use clap_complete::Shell;
 
 /// What is written.
@@ -37,7 +38,7 @@ impl CompletionsArgs {
         match self.kind {
             Kind::For(shell) => clap_complete::generate(shell, &mut program, "skyshed", &mut text),
             Kind::Man => {
-                manual(program, &mut text).map_err(|e| Error::internal(402, format!("cannot write the manual: {e}")))?
+                manual(program, &mut text).map_err(|e| refusal(402, format!("cannot write the manual: {e}")))?
             }
         }
         say::plain_answer(&text)

@@ -46,7 +46,7 @@ impl LimitsArgs {
             height_error_m: self.height_error,
             n_cities: self.cities,
         };
-        let asked = self.uavs.some(self.scene.reading.hash)?;
+        let asked = self.uavs.some(self.scene.reading.hash, None)?;
         let inputs: Vec<_> = self.scene.files().into_iter().chain(asked.table.clone()).collect();
         let outputs = self.out.checked(&FORMATS, &inputs)?;
         // What is wrong with a file is told, not refused.

@@ -7,8 +7,9 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{RxHeightArgs, parse_receiver, parse_uav};
 use crate::cli::args::words::number;
+use crate::cli::refusal::refusal;
 use crate::cli::run::Run;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::link::FORMATS;
 use crate::quantity::tidy;
 use crate::sight::AskedSight;
@@ -52,7 +53,7 @@ impl LinkArgs {
         if let Some(radius) = radius_m.filter(|radius| link.distance_m() > *radius) {
             let distance = tidy(link.distance_m());
             let text = format!("the receiver is {distance} m from the UAV, wanted within `--radius {radius}`");
-            return Err(Error::site(208, text));
+            return Err(refusal(208, text));
         }
         run.emit(&link as &dyn Answer, &outputs, (&self.out, &look))
     }

@@ -3,9 +3,10 @@
 use super::map_args::MapArgs;
 use crate::answer::{Answer, Spent};
 use crate::cli::interrupt;
+use crate::cli::refusal::{refusal, refusal_with};
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
-use crate::error::{Error, ErrorClass, Result};
+use crate::error::{ErrorClass, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
 use crate::picture::Look;
@@ -18,12 +19,12 @@ impl MapArgs {
         let names_sites = |path: &std::path::PathBuf| path.to_string_lossy().contains(SITE);
         let job = self.job(run)?;
         if self.strips && (!is_raster_scene(&job.word) || job.scene.project.is_some()) {
-            return Err(Error::usage(116, "`--strips` has no meaning but for a raster in its own system"));
+            return Err(refusal(116, "`--strips` has no meaning but for a raster in its own system"));
         }
         let runs = SiteRuns::of(&job, &run.progress)?;
         if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_sites) {
             let text = "`--json` has no meaning beside files with `{site}` in their names";
-            return Err(Error::usage(116, text).with_hint("`-o NAME-{site}.json` writes a document for each UAV"));
+            return Err(refusal_with(116, text, "`-o NAME-{site}.json` writes a document for each UAV"));
         }
         match &runs {
             Some(runs) => self.run_sites(run, runs),
@@ -43,7 +44,7 @@ impl MapArgs {
             word: self.scene.scene.clone(),
             scene: self.scene.reading.options()?,
             inputs: self.scene.files(),
-            uavs: self.uavs.some(self.scene.reading.hash)?,
+            uavs: self.uavs.some(self.scene.reading.hash, None)?,
             plan: MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: false },
             save: SaveOptions {
                 overwrite: self.out.overwrite,

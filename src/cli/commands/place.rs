@@ -9,8 +9,9 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::SightArgs;
 use crate::cli::args::words::{Words, ZONES, number, one_of};
+use crate::cli::refusal::refusal_with;
 use crate::cli::run::Run;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::export::Format;
 use crate::placements::{CandidatesFrom, FORMATS, Goal, SearchPlan, Whom, have_one_reference, heights};
 use crate::zones::Zone;
@@ -126,17 +127,17 @@ impl PlaceArgs {
         match (self.minimize, goal.at_least) {
             (Some(()), None) => {
                 let text = format!("the goal is `{}`, wanted a share to reach with `--minimize height`", self.goal);
-                return Err(Error::usage(101, text).with_hint("--goal 'p_los>=0.8' --minimize height"));
+                return Err(refusal_with(101, text, "--goal 'p_los>=0.8' --minimize height"));
             }
             (None, Some(_)) => {
                 let text = format!("the goal `{}` names a share, but not what to minimize", self.goal);
-                return Err(Error::usage(101, text).with_hint("add `--minimize height`"));
+                return Err(refusal_with(101, text, "add `--minimize height`"));
             }
             _ => {}
         }
         if self.minimize.is_some() && !heights.as_deref().is_some_and(have_one_reference) {
             let text = "`--minimize height` compares the heights of `--height`: wanted all above the same";
-            return Err(Error::usage(113, text).with_hint("--height 20:200:10"));
+            return Err(refusal_with(113, text, "--height 20:200:10"));
         }
         Ok(SearchPlan {
             sight: self.sight.checked()?,
@@ -162,12 +163,12 @@ impl PlaceArgs {
         let is_spatial = |format: &Format| format.is_picture() || *format == Format::GeoTiff;
         if let Some((path, _)) = outputs.iter().find(|(_, f)| self.candidates.is_some() && is_spatial(f)) {
             let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
-            return Err(Error::usage(109, text).with_hint("-o places.geojson"));
+            return Err(refusal_with(109, text, "-o places.geojson"));
         }
         let Some(path) = &self.map else { return Ok((outputs, None)) };
         if !Format::of(path).is_ok_and(|format| is_spatial(&format)) {
             let text = format!("cannot write {}: `--map` writes a map", path.display());
-            return Err(Error::usage(105, text).with_hint("wanted .png, .svg, .pdf or .tif"));
+            return Err(refusal_with(105, text, "wanted .png, .svg, .pdf or .tif"));
         }
         let files = [self.out.output.clone(), vec![path.clone()]].concat();
         let map = OutputArgs { output: files, ..self.out.clone() }.checked(&FORMATS, inputs)?.pop();

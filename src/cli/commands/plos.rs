@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use super::plos_args::PlosArgs;
 use crate::cli::args::words::Numbers;
+use crate::cli::refusal::refusal;
 use crate::cli::run::Run;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
@@ -113,7 +114,7 @@ impl PlosArgs {
         }
         if self.until.is_some() && (run.typed.has("cities") || run.typed.has("links")) {
             let text = "`--until` has no meaning together with `--cities` or `--links`, which fix the effort";
-            return Err(Error::usage(116, text));
+            return Err(refusal(116, text));
         }
         if !is_drawn {
             run.typed.refuse(&["plot"], "without a .png, .svg or .pdf output")?;

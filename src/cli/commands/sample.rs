@@ -8,8 +8,9 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::SightArgs;
 use crate::cli::args::words::{number, zone_and_count};
+use crate::cli::refusal::refusal;
 use crate::cli::run::Run;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::placements::heights;
 use crate::quantity::Height;
 use crate::sample::{FORMATS, SamplePlan};
@@ -66,7 +67,7 @@ impl SampleArgs {
             Height::AboveGround(h) => Ok(h),
             other => {
                 let text = format!("`--height` is `{other}`, wanted heights above ground: places of a sample differ");
-                Err(Error::usage(113, text))
+                Err(refusal(113, text))
             }
         };
         let options = self.scene.reading.options()?;

@@ -76,6 +76,15 @@ fn of_uav((x, y): (f64, f64), height: Height, error: &UavError) -> Option<String
     })
 }
 
+/// The remedy for a receiver that cannot be where it was asked to be.
+pub(super) fn of_receiver(height: Height, error: &UavError) -> Option<String> {
+    match error {
+        UavError::InsideBuilding { .. } => Some(format!("on the roof it is `{}roof`", height.value().max(0.0))),
+        UavError::NoGround => Some(format!("give the height above the datum: `{}amsl`", height.value())),
+        _ => None,
+    }
+}
+
 /// A height to ask for instead \[m above the datum\], above the ground where that is known: rounded up to a centimeter, so
 /// that it is in the clear.
 fn in_words(lowest_m: f64, ground_m: Option<f64>) -> String {

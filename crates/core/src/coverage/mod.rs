@@ -40,7 +40,7 @@ pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
-pub use uav::{Placement, Uav};
+pub use uav::{Placement, Uav, height_over};
 pub use uav_grid::UavGrid;
 
 /// Values of a mask. 255 wins over 3, 3 over 2, 2 over 0 and 1.

@@ -81,27 +81,9 @@ impl Uav {
 
     /// A site over a place of a scene.
     fn over(site: &Site, field: &HeightField, place: Place) -> Result<Uav, Error> {
-        let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
-        let above = |base: i32| meters(base) + site.height.value();
-        let amsl_m = match (site.height, roof) {
-            (Height::AboveDatum(z), _) => Ok(z),
-            (Height::AboveGround(_), _) if ground == VOID => Err(UavError::NoGround),
-            (Height::AboveGround(_), _) => Ok(above(ground)),
-            (Height::AboveRoof(_), _) if field.is_surface_only() => Err(UavError::NoRoofKnown),
-            (Height::AboveRoof(_), Some(roof)) => Ok(above(roof)),
-            (Height::AboveRoof(_), None) => Err(UavError::NoBuilding),
-        };
-        let hover = |amsl_m: f64| {
-            let z = height_steps(amsl_m).ok_or(UavError::Height { amsl_m })?;
-            // The very number asked for above a base on the lattice may round differently from its sum.
-            let z = match (site.height, roof) {
-                (Height::AboveGround(h), _) => height_steps(h).map_or(z, |h| ground + h),
-                (Height::AboveRoof(h), Some(roof)) => height_steps(h).map_or(z, |h| roof + h),
-                _ => z,
-            };
-            Uav::hovering(&site.id, field, (place, z))
-        };
-        amsl_m.and_then(hover).map_err(|why| refused(site, why))
+        height_over(field, &place, site.height)
+            .and_then(|z| Uav::hovering(&site.id, field, (place, z)))
+            .map_err(|why| refused(site, why))
     }
 
     /// The same UAV some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
@@ -153,6 +135,24 @@ impl Uav {
     pub fn height_amsl_m(&self) -> f64 {
         i32::try_from(self.station.z).map_or(f64::NAN, meters)
     }
+}
+
+/// The height of an end of a link over a place, above the datum \[1/1024 m\].
+///
+/// # Errors
+/// If the ground or roof that it is above is not there, or it is beyond ±32 768 m.
+pub fn height_over(field: &HeightField, place: &Place, height: Height) -> Result<i32, UavError> {
+    let base = match (height, field.ground_at(place), field.roof_at(place)) {
+        (Height::AboveDatum(_), ..) => 0,
+        (Height::AboveGround(_), VOID, _) => return Err(UavError::NoGround),
+        (Height::AboveGround(_), ground, _) => ground,
+        (Height::AboveRoof(_), ..) if field.is_surface_only() => return Err(UavError::NoRoofKnown),
+        (Height::AboveRoof(_), _, roof) => roof.ok_or(UavError::NoBuilding)?,
+    };
+    let amsl_m = meters(base) + height.value();
+    let z = height_steps(amsl_m).ok_or(UavError::Height { amsl_m })?;
+    // The very number asked for above a base on the lattice may round differently from the sum.
+    Ok(height_steps(height.value()).map_or(z, |h| base + h))
 }
 
 fn refused(site: &Site, why: UavError) -> Error {

@@ -63,7 +63,8 @@ pub enum UavError {
 }
 
 impl UavError {
-    pub(super) fn code(&self) -> u16 {
+    /// The number of its code.
+    pub fn code(&self) -> u16 {
         match self {
             UavError::InsideBuilding { .. } => 201,
             UavError::BelowGround { .. } => 202,

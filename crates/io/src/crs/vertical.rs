@@ -97,23 +97,3 @@ impl VerticalCrs {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn systems_of_one_datum_differ_in_their_unit_alone() {
-        // EPSG: 5703 is NAVD88 height, 6360 the same in US survey feet, 5783 DHHN92 height, 4979 WGS 84 with heights.
-        let of = |code| VerticalCrs::from_epsg(code, None);
-        assert_eq!(of(5703).difference(&of(6360)), VerticalDifference::None);
-        assert_eq!(of(5703).difference(&of(5783)), VerticalDifference::Datum);
-        assert_eq!(of(5703).difference(&of(4979)), VerticalDifference::Ellipsoid);
-        assert_eq!(of(5703).difference(&VerticalCrs::named("the pier")), VerticalDifference::Datum);
-        assert_eq!(VerticalCrs::named("a ").difference(&VerticalCrs::named("a")), VerticalDifference::None);
-        let foot = of(6360).meters_per_unit().expect("a unit");
-        assert!((foot - 1200.0 / 3937.0).abs() < 1e-12, "{foot}");
-        assert_eq!(of(5703).in_words(), "NAVD88 height (EPSG:5703)");
-        assert_eq!(of(65_000).in_words(), "EPSG:65000");
-    }
-}

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::files::{cannot_write, folder_of, followed, refuse_to_replace};
 use super::temporary::{Hold, discard, publish};
 use crate::digest::Sha256;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, WriteFault};
 
 /// No sidecar is larger \[bytes\].
 const LARGEST_SIDECAR: usize = 1 << 20;
@@ -23,7 +23,7 @@ pub struct Batch {
     overwrite: bool,
     holds: HashMap<PathBuf, Hold>,
     /// Whether to go on.
-    asks: Option<fn() -> Result<()>>,
+    asks: Option<fn() -> skyshed_core::Result<()>>,
 }
 
 /// A file under its temporary name.
@@ -44,7 +44,7 @@ impl Batch {
 
     /// The same batch, which asks before each file whether to go on.
     #[must_use]
-    pub fn asking(mut self, asks: fn() -> Result<()>) -> Self {
+    pub fn asking(mut self, asks: fn() -> skyshed_core::Result<()>) -> Self {
         self.asks = Some(asks);
         self
     }
@@ -92,8 +92,7 @@ impl Batch {
         self.asks.map_or(Ok(()), |ask| ask())?;
         refuse_to_replace(path, self.overwrite)?;
         if self.digests.insert(path.to_path_buf(), digest).is_some() {
-            let text = format!("cannot write {}: two outputs of this run need it", path.display());
-            return Err(Error::usage(105, text).with_hint("give them different names"));
+            return Err(Error::write(path.display(), WriteFault::Needed));
         }
         let place = followed(path);
         let folder = folder_of(&place);
@@ -123,10 +122,7 @@ impl Batch {
         self.files = replaced.into_iter().rev().chain(new).collect();
         while let Some(Pending { temporary, path, place }) = self.files.last() {
             publish(temporary, place, self.overwrite).map_err(|e| match e.kind() {
-                ErrorKind::AlreadyExists => {
-                    let text = format!("cannot write {}: it exists, made while this run worked", path.display());
-                    Error::usage(106, text).with_hint("`--overwrite` replaces it")
-                }
+                ErrorKind::AlreadyExists => Error::write(path.display(), WriteFault::ExistsMeanwhile),
                 _ => cannot_write(path, &e),
             })?;
             self.files.pop();

@@ -1,7 +1,7 @@
 //! A city as triangle meshes: the ground, and the buildings without floors.
 
 use crate::city::Footprint;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, WriteFault};
 use crate::height_field::{ConvexPieces, Ring, convex_pieces};
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
@@ -58,10 +58,7 @@ impl Mesh {
     fn vertex(&mut self, at: [f32; 3]) -> Result<i32> {
         let index = i32::try_from(self.vertices.len());
         self.vertices.push(at);
-        index.map_err(|_| {
-            Error::limit(502, "cannot make a mesh: it has more than 2^31 corners")
-                .with_hint("choose larger cells or a smaller extent")
-        })
+        index.map_err(|_| Error::write("a mesh", WriteFault::Corners))
     }
 
     /// A convex polygon as triangles around its first corner.

@@ -2,45 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::format::Format;
 use super::temporary::Hold;
-use crate::error::{Error, Result, io_words};
-
-/// A file format, told by the extension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// Picture, or one pixel per cell with `--bare`.
-    Png,
-    /// Picture as vectors.
-    Svg,
-    /// Picture as vectors on a page.
-    Pdf,
-    /// GeoTIFF.
-    GeoTiff,
-    /// OpenEXR.
-    Exr,
-    /// Esri ASCII grid.
-    AsciiGrid,
-    /// Raw numbers with a header.
-    Bil,
-    /// Numpy archive.
-    Npz,
-    /// Overlays for Google Earth.
-    Kmz,
-    /// Table.
-    Csv,
-    /// Document.
-    Json,
-    /// Features.
-    GeoJson,
-    /// Features with a spatial index.
-    FlatGeobuf,
-    /// Scene of Mitsuba, with its meshes.
-    Mitsuba,
-    /// Web page.
-    Html,
-    /// The document on standard output.
-    Stdout,
-}
+use crate::error::{Error, Result, WriteFault, io_words};
 
 impl Format {
     /// The format of a path.
@@ -48,70 +12,22 @@ impl Format {
     /// # Errors
     /// Usage error (E104) for an unknown extension.
     pub fn of(path: &Path) -> Result<Format> {
+        Format::among(path, &[])
+    }
+
+    /// The format of a path; an error names those that are allowed.
+    fn among(path: &Path, allowed: &[Format]) -> Result<Format> {
         if path.as_os_str() == "-" {
             return Ok(Format::Stdout);
         }
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        Ok(match extension.as_str() {
-            "png" => Format::Png,
-            "svg" => Format::Svg,
-            "pdf" => Format::Pdf,
-            "tif" | "tiff" => Format::GeoTiff,
-            "exr" => Format::Exr,
-            "asc" => Format::AsciiGrid,
-            "bil" => Format::Bil,
-            "npz" => Format::Npz,
-            "kmz" => Format::Kmz,
-            "csv" => Format::Csv,
-            "json" => Format::Json,
-            "geojson" => Format::GeoJson,
-            "fgb" => Format::FlatGeobuf,
-            "xml" => Format::Mitsuba,
-            "html" => Format::Html,
-            "" => {
-                let text = format!("cannot write {}: it has no extension, which tells the format", path.display());
-                return Err(Error::usage(104, text));
-            }
-            _ => {
-                let text = format!("cannot write {}: unknown extension `.{extension}`", path.display());
-                return Err(Error::usage(104, text));
-            }
-        })
+        let fault = match Format::of_extension(&extension) {
+            Some(format) => return Ok(format),
+            None if extension.is_empty() => WriteFault::NoExtension(allowed.to_vec()),
+            None => WriteFault::Extension(extension, allowed.to_vec()),
+        };
+        Err(Error::write(path.display(), fault))
     }
-
-    /// Whether it holds a picture.
-    pub fn is_picture(self) -> bool {
-        matches!(self, Format::Png | Format::Svg | Format::Pdf)
-    }
-    /// The extension that stands for it.
-    fn extension(self) -> &'static str {
-        match self {
-            Format::Png => ".png",
-            Format::Svg => ".svg",
-            Format::Pdf => ".pdf",
-            Format::GeoTiff => ".tif",
-            Format::Exr => ".exr",
-            Format::AsciiGrid => ".asc",
-            Format::Bil => ".bil",
-            Format::Npz => ".npz",
-            Format::Kmz => ".kmz",
-            Format::Csv => ".csv",
-            Format::Json => ".json",
-            Format::GeoJson => ".geojson",
-            Format::FlatGeobuf => ".fgb",
-            Format::Mitsuba => ".xml",
-            Format::Html => ".html",
-            Format::Stdout => "`-` for standard output",
-        }
-    }
-}
-
-/// What may be written, for a hint.
-fn listed(allowed: &[Format]) -> String {
-    let (streams, files): (Vec<Format>, Vec<Format>) = allowed.iter().partition(|format| **format == Format::Stdout);
-    let files: Vec<&str> = files.into_iter().map(Format::extension).collect();
-    let streams = streams.first().map_or(String::new(), |format| format!(", and {}", format.extension()));
-    format!("wanted {}{streams}", files.join(" "))
 }
 
 /// What the outputs of a run must comply with.
@@ -137,14 +53,14 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
     let mut places: Vec<PathBuf> = Vec::new();
     let mut folders: Vec<PathBuf> = Vec::new();
     for path in outputs {
-        let format = Format::of(path).map_err(|error| error.with_hint(listed(rules.allowed)))?;
-        let refuse = |why: &str| Error::usage(105, format!("cannot write {}: {why}", path.display()));
+        let format = Format::among(path, rules.allowed)?;
+        let refuse = |fault| Error::write(path.display(), fault);
         if !rules.allowed.contains(&format) {
-            return Err(refuse("this command does not write that format").with_hint(listed(rules.allowed)));
+            return Err(refuse(WriteFault::NotThisFormat(rules.allowed.to_vec())));
         }
         if format == Format::Stdout {
             if checked.iter().any(|(_, f)| *f == Format::Stdout) {
-                return Err(refuse("it is named twice"));
+                return Err(refuse(WriteFault::Twice));
             }
             checked.push((path.clone(), format));
             continue;
@@ -155,11 +71,11 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
             folders.push(folder.clone());
         }
         if path.is_dir() {
-            return Err(refuse("it is a folder"));
+            return Err(refuse(WriteFault::Folder));
         }
         let place = std::fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default());
         if places.contains(&place) {
-            return Err(refuse("it is named twice"));
+            return Err(refuse(WriteFault::Twice));
         }
         let is_input = |file: &Path| {
             let same = |input: &PathBuf| match (std::fs::canonicalize(input), std::fs::canonicalize(file)) {
@@ -169,19 +85,19 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
             rules.inputs.iter().any(same)
         };
         if is_input(path) {
-            return Err(refuse("it is an input of this run"));
+            return Err(refuse(WriteFault::Input));
         }
         let is_tile = |input: &PathBuf| {
             let folder = std::fs::canonicalize(input).ok().filter(|folder| folder.is_dir());
             folder.is_some_and(|folder| place.parent() == Some(&folder))
         };
         if matches!(format, Format::GeoTiff | Format::AsciiGrid) && rules.inputs.iter().any(is_tile) {
-            return Err(refuse("it would be a tile of the folder that this run reads"));
+            return Err(refuse(WriteFault::Tile));
         }
         refuse_to_replace(path, rules.overwrite)?;
         for sidecar in sidecars(path, format, rules.bare) {
             if is_input(&sidecar) {
-                return Err(refuse(&format!("its sidecar {} is an input of this run", sidecar.display())));
+                return Err(refuse(WriteFault::SidecarIsInput(sidecar.display().to_string())));
             }
             refuse_to_replace(&sidecar, rules.overwrite)?;
         }
@@ -198,7 +114,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
 pub fn check_folder(path: &Path) -> Result<()> {
     let folder = folder_of(&followed(path));
     let refuse =
-        |why: &str| Error::file(401, format!("cannot write {}: folder {} {why}", path.display(), folder.display()));
+        |why: &str| Error::write(path.display(), WriteFault::Refused(format!("folder {} {why}", folder.display())));
     match std::fs::metadata(&folder) {
         Ok(found) if !found.is_dir() => return Err(refuse("is a file")),
         Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Err(refuse("does not exist")),
@@ -211,7 +127,7 @@ pub fn check_folder(path: &Path) -> Result<()> {
 
 /// The files that may be written beside an output.
 pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
-    let beside = |suffix: &str| super::with_suffix(path, suffix);
+    let beside = |suffix: &str| with_suffix(path, suffix);
     match format {
         Format::GeoTiff => vec![beside(".aux.xml")],
         Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
@@ -221,6 +137,13 @@ pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
         Format::Png if bare => vec![path.with_extension("pgw"), path.with_extension("prj"), beside(".json")],
         _ => Vec::new(),
     }
+}
+
+/// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
+pub fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(suffix);
+    PathBuf::from(name)
 }
 
 /// The meshes of a Mitsuba scene.
@@ -237,18 +160,16 @@ pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
 pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     let found = std::fs::metadata(path);
     if found.as_ref().is_ok_and(|found| !found.is_file()) {
-        let text = format!("cannot write {}: it is a folder, a pipe or a device, wanted a file", path.display());
-        return Err(Error::usage(105, text).with_hint("where a command offers `-o -`, that writes to standard output"));
+        return Err(Error::write(path.display(), WriteFault::NoFile));
     }
     if !overwrite && found.is_ok() {
-        return Err(Error::usage(106, format!("cannot write {}: it exists", path.display()))
-            .with_hint("`--overwrite` replaces it"));
+        return Err(Error::write(path.display(), WriteFault::Exists));
     }
     Ok(())
 }
 
 pub(super) fn cannot_write(path: &Path, cause: &std::io::Error) -> Error {
-    Error::file(401, format!("cannot write {}: {}", path.display(), io_words(cause)))
+    Error::refused(path.display(), cause)
 }
 
 pub(super) fn folder_of(path: &Path) -> PathBuf {

@@ -30,8 +30,7 @@ pub struct PolygonFile<'a> {
 /// # Errors
 /// Those of [`Batch::add`]; E402 if the polygons cannot be encoded.
 pub fn add_flatgeobuf(batch: &mut Batch, file: &PolygonFile<'_>, path: &Path) -> Result<()> {
-    let bytes =
-        encode(file).map_err(|cause| Error::internal(402, format!("cannot encode {}: {cause}", path.display())))?;
+    let bytes = encode(file).map_err(|cause| Error::encode(path.display(), cause))?;
     batch.add(path, &bytes)
 }
 

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 /// # Errors
 /// E402 if ZIP cannot hold them.
 pub fn encode_kmz(document: &str, pictures: &[(String, Vec<u8>)]) -> Result<Vec<u8>> {
-    let refused = |cause: zip::result::ZipError| Error::internal(402, format!("cannot encode a KMZ file: {cause}"));
+    let refused = |cause: zip::result::ZipError| Error::encode("a KMZ file", cause);
     // A fixed date, so that the same input gives the same bytes. PNG is packed already.
     let options =
         |method| SimpleFileOptions::default().compression_method(method).last_modified_time(DateTime::default());

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::map::{Layer, MapResult, count_of};
+use super::map_result::{Layer, MapResult, count_of};
 use crate::coverage::which_layer;
 use crate::crs::wkt_of;
 use crate::error::Result;

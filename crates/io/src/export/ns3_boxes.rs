@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::city::Footprint;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, WriteFault};
 use crate::quantity::{Frame, meters};
 
 /// A table `xMin,xMax,yMin,yMax,zMin,zMax`, one row per footprint, as the class `Box` of ns-3 takes its numbers: x and y in
@@ -16,12 +16,7 @@ pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<
     let bounds: Vec<Option<[i32; 4]>> = footprints.iter().map(box_of).collect();
     let others = bounds.iter().filter(|b| b.is_none()).count();
     if others > 0 {
-        let text = format!(
-            "cannot write {}: {others} of {} footprints are not rectangles parallel to the axes, as buildings of ns-3 are",
-            path.display(),
-            footprints.len()
-        );
-        return Err(Error::usage(109, text).with_hint("write .geojson, or .xml for Mitsuba and Sionna RT"));
+        return Err(Error::write(path.display(), WriteFault::NoBoxes(others, footprints.len())));
     }
     let header = ["xMin", "xMax", "yMin", "yMax", "zMin", "zMax"].map(str::to_string).to_vec();
     let row = |(footprint, [west, south, east, north]): (&Footprint, [i32; 4])| {
@@ -44,27 +39,4 @@ fn box_of(footprint: &Footprint) -> Option<[i32; 4]> {
     let doubled: i64 = edges.map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0])).sum();
     let side = |a: i32, b: i32| i64::from(b) - i64::from(a);
     (doubled.abs() == 2 * side(west, east) * side(south, north)).then_some([west, south, east, north])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const FRAME: Frame = Frame { x_origin: 100.0, y_origin: 200.0, unit_x: 1.0, unit_y: 1.0 };
-
-    fn footprint(corners: &[[i32; 2]]) -> Footprint {
-        let ring = corners.iter().map(|p| p.map(|v| v * 512)).collect();
-        Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 20 * 1024 + 512, base: Some(-1024) }
-    }
-
-    #[test]
-    fn a_rectangle_is_its_six_numbers_and_anything_else_is_refused() {
-        // A corner on a side, and clockwise.
-        let five = footprint(&[[0, 0], [0, 4], [3, 4], [6, 4], [6, 0]]);
-        let rows = ns3_boxes(std::slice::from_ref(&five), FRAME, Path::new("b.csv")).unwrap();
-        assert_eq!(rows[1].join(","), "100,103,200,202,-1,20.5");
-        let notched = footprint(&[[0, 0], [6, 0], [6, 4], [3, 4], [3, 3], [0, 3]]);
-        let error = ns3_boxes(&[five, notched], FRAME, Path::new("b.csv")).unwrap_err().to_string();
-        assert!(error.contains("1 of 2 footprints"), "{error}");
-    }
 }

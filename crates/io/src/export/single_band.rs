@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::map::{Band, MapResult, NO_COUNT, NODATA, finite, with_suffix};
+use super::files::with_suffix;
+use super::map_result::{Band, MapResult, NO_COUNT, NODATA, finite};
 use crate::coverage::class;
 use crate::crs::wkt_of;
 use crate::error::{Error, Result};
@@ -12,7 +13,7 @@ use crate::formats::{BilValues, bil_header, write_ascii_grid};
 pub(super) fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let band = only_band(result)?;
     let mut bytes = Vec::new();
-    let failed = |e: std::io::Error| Error::internal(402, format!("cannot encode {}: {e}", path.display()));
+    let failed = |e: std::io::Error| Error::encode(path.display(), e);
     let mut write = |nodata: f64, values: &mut dyn Iterator<Item = f64>| {
         write_ascii_grid(&mut bytes, result.georef, nodata, values, None).map_err(failed)
     };
@@ -52,7 +53,7 @@ pub(super) fn bil(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
 fn only_band<'a>(result: &MapResult<'a>) -> Result<Band<'a>> {
     match <[_; 1]>::try_from(result.bands()) {
         Ok([(_, band)]) => Ok(band),
-        Err(_) => Err(Error::internal(902, "a file of one band passed its check with several")),
+        Err(_) => Err(skyshed_core::Error::internal(902, "a file of one band passed its check with several").into()),
     }
 }
 

@@ -18,7 +18,7 @@ pub fn as_text(rows: &[Vec<String>]) -> Vec<Vec<String>> {
 /// # Errors
 /// E402 if the rows are not equally long.
 pub fn encode_table(rows: &[Vec<String>]) -> Result<Vec<u8>> {
-    let failed = |cause: String| Error::internal(402, format!("cannot encode a table: {cause}"));
+    let failed = |cause: String| Error::encode("a table", cause);
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.write_record(row).map_err(|e| failed(e.to_string()))?;

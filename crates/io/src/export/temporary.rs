@@ -42,9 +42,6 @@ pub(super) struct Hold {
 
 impl Hold {
     /// Takes the lock in a folder, and removes what killed runs left there.
-    ///
-    /// # Errors
-    /// Those of making a file in the folder.
     pub(super) fn of(folder: &Path) -> Result<Hold> {
         let mut held = held();
         if let Some(known) = held.folders.iter_mut().find(|known| known.path == folder) {
@@ -58,9 +55,6 @@ impl Hold {
     }
 
     /// Creates the temporary file of a name in the folder.
-    ///
-    /// # Errors
-    /// Those of making it.
     pub(super) fn create(&self, name: &OsStr) -> Result<(PathBuf, File)> {
         let path = self.folder.join(named(name, &self.run));
         let mut held = held();
@@ -82,9 +76,6 @@ impl Drop for Hold {
 }
 
 /// Gives a temporary file its final name, which must be free unless `overwrite`.
-///
-/// # Errors
-/// [`ErrorKind::AlreadyExists`] if the name is taken, and those of renaming.
 pub(super) fn publish(temporary: &Path, path: &Path, overwrite: bool) -> Result<()> {
     let mut held = held();
     if overwrite {
@@ -180,28 +171,6 @@ fn remove_orphans(folder: &Path, own: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_a_killed_run_left_is_removed_and_what_a_living_one_holds_is_not() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        let left = ["map.png.0123456789abcdef", "skyshed.0123456789abcdef", "old.tif.00000000000000aa"];
-        let alive = ["b.tif.fedcba9876543210", "skyshed.fedcba9876543210"];
-        for name in left.iter().chain(&alive) {
-            std::fs::write(path(&format!(".{name}.part")), "").expect("a file");
-        }
-        std::fs::write(path(".mine.part"), "").expect("a file of another program");
-        let other = File::open(path(".skyshed.fedcba9876543210.part")).expect("a file");
-        other.try_lock().expect("a lock");
-        let hold = Hold::of(folder.path()).expect("a lock");
-        let (temporary, _file) = hold.create(OsStr::new("a.png")).expect("a file");
-        publish(&temporary, &path("a.png"), false).expect("a free name");
-        drop(hold);
-        let mut found: Vec<OsString> =
-            std::fs::read_dir(folder.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
-        found.sort();
-        assert_eq!(found, [".b.tif.fedcba9876543210.part", ".mine.part", ".skyshed.fedcba9876543210.part", "a.png"]);
-    }
 
     #[test]
     fn a_name_that_was_taken_meanwhile_is_left_to_whoever_took_it() {

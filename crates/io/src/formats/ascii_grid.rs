@@ -6,17 +6,16 @@
 //! Numbers have a decimal point; decimal commas are refused, since they cannot be told from separators.
 //!
 //! The file is read as a stream of words, so that its size in memory is that of the cells asked for.
-//! Codes of errors and warnings are those of the GeoTIFF reader.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
 
-use super::file::{cannot_read, open_file, reserve_cells};
+use super::oddity::{Odd, Oddity, warned};
+use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, Place, ReadFault, Result, Warning};
+use crate::input::{Input, Reader, cannot_read};
 use crate::raster::{CellWindow, Crs, GeoRef, Raster};
 
 const KEYS: [&str; 11] = [
@@ -40,7 +39,7 @@ const MAX_WORD_BYTES: usize = 512;
 /// An Esri ASCII grid, its header read and checked.
 #[derive(Debug, Clone)]
 pub struct AsciiGrid {
-    path: PathBuf,
+    input: Input,
     georef: GeoRef,
     nodata: f64,
     /// Byte and line at which the heights begin.
@@ -54,31 +53,29 @@ impl AsciiGrid {
     /// # Errors
     /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises more cells than the
     /// file can hold.
-    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
-        let (file, len) = open_file(path)?;
-        let mut words = Words::new(path, file, 0, 1);
+    pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
+        warned(warnings, |odd| AsciiGrid::open_told(&input.into(), odd))
+    }
+
+    pub(super) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<AsciiGrid> {
+        let (file, len) = input.open()?;
+        let mut words = Words::new(input, file, 0, 1);
         let header = Header::read(&mut words)?;
         let (cells_at, cells_line) = (words.word_at, words.word_line);
-        let shown = path.display();
-        let georef = header.georef(path)?;
+        let georef = header.georef(input)?;
         // Each height takes a digit and, but for the last, a separator.
         let (n_cells, left) = (georef.n_cells() as u64, len.saturating_sub(cells_at));
         if n_cells.saturating_mul(2) - 1 > left {
             let (cols, rows) = (georef.n_cols(), georef.n_rows());
-            let text = format!(
-                "cannot read `{shown}`: {left} bytes follow its header, too few for {cols} columns x {rows} rows"
-            );
-            return Err(Error::file(303, text).with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+            let what = format!("{left} bytes follow its header, too few for {cols} columns x {rows} rows");
+            return Err(Error::truncated(input, what).because(Cause::TooFewCells));
         }
-        let crs = sidecar_crs(path, warnings);
+        let crs = sidecar_crs(input, odd);
         if crs.is_none() {
-            let text = format!(
-                "`{shown}` has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed"
-            );
-            warnings.push(Warning::new(325, text));
+            odd.push(Oddity::new(input, Odd::NoPrj));
         }
         let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
-        Ok(AsciiGrid { path: path.to_owned(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
+        Ok(AsciiGrid { input: input.clone(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
     }
 
     /// Where the cells lie.
@@ -91,17 +88,7 @@ impl AsciiGrid {
         format!("Esri ASCII grid, nodata {}", self.nodata)
     }
 
-    /// Reads a part of the grid; `convert` turns a height into what the raster holds.
-    ///
-    /// Cells that hold no height (nodata, NaN, infinite) arrive in `convert` as NaN. Rows south of the part are not
-    /// looked at.
-    ///
-    /// # Errors
-    /// If the part does not fit in memory, a value is no number, there are too few or too many values, or no cell of the
-    /// part holds a height.
-    ///
-    /// # Panics
-    /// If `window` is empty or reaches beyond the grid.
+    /// Reads a part as [`super::RasterFile::read`] does, row by row from the north.
     pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
@@ -109,10 +96,10 @@ impl AsciiGrid {
         mut convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let part = self.georef.part(window);
-        let mut cells = reserve_cells(&self.path, &part)?;
+        let mut cells = reserve_cells(&self.input, &part)?;
         let mut voids = Voids::new(Some(self.nodata));
         self.for_each_stored(window, |row, col, stored| cells.push(convert(voids.height(row, col, stored))))?;
-        voids.report(&self.path, warnings)?;
+        voids.report(&self.input, warnings)?;
         Ok(Raster::new(part, cells))
     }
 
@@ -122,19 +109,16 @@ impl AsciiGrid {
     }
 
     /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
-    ///
-    /// # Errors
-    /// If a value is no number, or there are too few or too many values.
     pub(super) fn for_each_stored(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
-        let (mut file, _) = open_file(&self.path)?;
-        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.path, &e))?;
-        let mut words = Words::new(&self.path, file, self.cells_at, self.cells_line);
+        let (mut file, _) = self.input.open()?;
+        file.seek(SeekFrom::Start(self.cells_at)).map_err(|e| cannot_read(&self.input, &e))?;
+        let mut words = Words::new(&self.input, file, self.cells_at, self.cells_line);
         for row in 0..window.row + window.n_rows {
             for col in 0..self.georef.n_cols() {
                 if !words.next()? {
                     let (found, wanted) = (row * self.georef.n_cols() + col, self.georef.n_cells());
-                    let error = words.error(303, format!("the file ends after {found} values, wanted {wanted}"));
-                    return Err(error.with_hint("the file is cut short, or `ncols` and `nrows` are wrong"));
+                    let error = words.truncated(format!("the file ends after {found} values, wanted {wanted}"));
+                    return Err(error.because(Cause::TooFewCells));
                 }
                 if row >= window.row && (window.col..window.col + window.n_cols).contains(&col) {
                     visit(row, col, self.stored(words.number()?));
@@ -142,9 +126,8 @@ impl AsciiGrid {
             }
         }
         if window.row + window.n_rows == self.georef.n_rows() && words.next()? {
-            let error =
-                words.error(302, format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells()));
-            return Err(error.with_hint("`ncols` and `nrows` may be wrong"));
+            let what = format!("`{}` follows the last of {} values", words.text(), self.georef.n_cells());
+            return Err(words.malformed(what).because(Cause::TooManyCells));
         }
         Ok(())
     }
@@ -178,7 +161,7 @@ impl Header {
         let mut header = Header::default();
         loop {
             if !words.next()? {
-                return Err(words.error(303, "the file ends in its header, wanted heights"));
+                return Err(words.truncated("the file ends in its header, wanted heights"));
             }
             let word = words.text();
             let Some(key) = KEYS.iter().find(|key| word.eq_ignore_ascii_case(key)) else {
@@ -186,33 +169,32 @@ impl Header {
                 let is_key = word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.parse::<f64>().is_err();
                 if is_key {
                     let wanted = "ncols, nrows, xllcorner, yllcorner, cellsize, dx, dy or NODATA_value";
-                    return Err(words.error(302, format!("`{word}` is no key of the header, wanted {wanted}")));
+                    return Err(words.malformed(format!("`{word}` is no key of the header, wanted {wanted}")));
                 }
                 header.check(words)?;
                 return Ok(header);
             };
             if header.entries.iter().any(|(k, ..)| k == key) {
-                return Err(words.error(302, format!("`{word}` is given twice")));
+                return Err(words.malformed(format!("`{word}` is given twice")));
             }
             if !words.next()? {
-                return Err(words.error(303, format!("the file ends after `{word}`, wanted its value")));
+                return Err(words.truncated(format!("the file ends after `{word}`, wanted its value")));
             }
             let value = words.text();
             // The value is checked where its line is at hand.
             let number = words.number().map_err(|_| {
-                let error = words.error(302, format!("`{word}` is `{value}`, wanted a number with a decimal point"));
-                if value.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
+                words.not_a_number(format!("`{word}` is `{value}`, wanted a number with a decimal point"))
             })?;
             let is_size = matches!(*key, "cellsize" | "dx" | "dy");
             let is_count = matches!(*key, "ncols" | "nrows");
             if is_size && !(number > 0.0 && number.is_finite()) {
-                return Err(words.error(302, format!("`{word}` is `{value}`, must be above 0")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, must be above 0")));
             }
             if is_count && !value.parse::<usize>().is_ok_and(|n| n > 0) {
-                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a whole number above 0")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, wanted a whole number above 0")));
             }
             if !number.is_finite() && !key.starts_with("nodata") {
-                return Err(words.error(302, format!("`{word}` is `{value}`, wanted a finite number")));
+                return Err(words.malformed(format!("`{word}` is `{value}`, wanted a finite number")));
             }
             header.entries.push((key, value, words.word_line));
         }
@@ -225,15 +207,15 @@ impl Header {
             [("ncols", "ncols"), ("nrows", "nrows"), ("xllcorner", "xllcenter"), ("yllcorner", "yllcenter")]
         {
             if !has(one) && !has(other) {
-                return Err(words.error(302, format!("the header ends without `{one}`")));
+                return Err(words.malformed(format!("the header ends without `{one}`")));
             }
             if one != other && has(one) && has(other) {
-                return Err(words.error(302, format!("the header has both `{one}` and `{other}`")));
+                return Err(words.malformed(format!("the header has both `{one}` and `{other}`")));
             }
         }
         let has_size = has("cellsize") || (has("dx") && has("dy"));
         if !has_size {
-            return Err(words.error(302, "the header ends without `cellsize`, or `dx` and `dy`"));
+            return Err(words.malformed("the header ends without `cellsize`, or `dx` and `dy`"));
         }
         Ok(())
     }
@@ -246,7 +228,7 @@ impl Header {
         self.entries.iter().find(|(k, ..)| *k == key).and_then(|(_, value, _)| value.parse().ok()).unwrap_or(0)
     }
 
-    fn georef(&self, path: &Path) -> Result<GeoRef> {
+    fn georef(&self, input: &Input) -> Result<GeoRef> {
         let (n_rows, n_cols) = (self.count("nrows"), self.count("ncols"));
         let square = self.number("cellsize").unwrap_or(f64::NAN);
         let (width, height) = (self.number("dx").unwrap_or(square), self.number("dy").unwrap_or(square));
@@ -256,16 +238,17 @@ impl Header {
         let x_min = corner("xllcorner", "xllcenter", width);
         let y_max = corner("yllcorner", "yllcenter", height) + height * n_rows as f64;
         GeoRef::new((x_min, y_max), (width, height), (n_rows, n_cols), None).ok_or_else(|| {
-            let text = format!("cannot read `{}`: {n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid", path.display());
-            Error::file(307, text)
+            let what =
+                format!("{n_cols} columns x {n_rows} rows of {width} x {height} at {x_min}, {y_max} are no grid");
+            Error::read(input, ReadFault::Irregular(what))
         })
     }
 }
 
 /// The words of a file, one after the other.
 struct Words<'a> {
-    path: &'a Path,
-    reader: BufReader<File>,
+    input: &'a Input,
+    reader: BufReader<Reader>,
     /// Byte and line of the reader.
     at: u64,
     line: u64,
@@ -276,21 +259,26 @@ struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    fn new(path: &'a Path, file: File, at: u64, line: u64) -> Self {
+    fn new(input: &'a Input, file: Reader, at: u64, line: u64) -> Self {
         let reader = BufReader::with_capacity(1 << 18, file);
-        Words { path, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
+        Words { input, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
     }
 
-    /// An error on the line of the current word.
-    fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: line {}: {}", self.path.display(), self.word_line, text.as_ref()))
+    /// E302, on the line of the current word.
+    fn malformed(&self, what: impl Into<String>) -> Error {
+        Error::malformed(self.input, what).at(Place::Line(self.word_line))
+    }
+
+    /// E303, on the line of the current word.
+    fn truncated(&self, what: impl Into<String>) -> Error {
+        Error::truncated(self.input, what).at(Place::Line(self.word_line))
     }
 
     /// Moves to the next word; false at the end of the file.
     fn next(&mut self) -> Result<bool> {
         self.word.clear();
         loop {
-            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.path, &e))?;
+            let buffer = self.reader.fill_buf().map_err(|e| cannot_read(self.input, &e))?;
             if buffer.is_empty() {
                 return Ok(!self.word.is_empty());
             }
@@ -319,7 +307,7 @@ impl<'a> Words<'a> {
             self.reader.consume(n_used);
             self.at += n_used as u64;
             if self.word.len() > MAX_WORD_BYTES {
-                return Err(self.error(302, format!("a word of more than {MAX_WORD_BYTES} bytes, wanted a number")));
+                return Err(self.malformed(format!("a word of more than {MAX_WORD_BYTES} bytes, wanted a number")));
             }
             if done {
                 return Ok(true);
@@ -334,21 +322,23 @@ impl<'a> Words<'a> {
 
     /// The current word as a number.
     fn number(&self) -> Result<f64> {
-        std::str::from_utf8(&self.word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| {
-            let text = self.text();
-            let error = self.error(302, format!("`{text}` is no number"));
-            if text.contains(',') { error.with_hint("replace the decimal commas by points") } else { error }
-        })
+        std::str::from_utf8(&self.word)
+            .ok()
+            .and_then(|word| word.parse().ok())
+            .ok_or_else(|| self.not_a_number(format!("`{}` is no number", self.text())))
+    }
+
+    /// The error of a word that is to be a number.
+    fn not_a_number(&self, what: String) -> Error {
+        let error = self.malformed(what);
+        if self.word.contains(&b',') { error.because(Cause::DecimalCommas) } else { error }
     }
 }
 
 /// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.
-fn sidecar_crs(path: &Path, warnings: &mut Vec<Warning>) -> Option<Crs> {
-    let (sidecar, file) = ["prj", "PRJ"].iter().find_map(|extension| {
-        let sidecar = path.with_extension(extension);
-        let (file, _) = open_file(&sidecar).ok()?;
-        Some((sidecar, file))
-    })?;
+fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
+    let sidecar = input.beside("prj")?;
+    let (file, _) = sidecar.open().ok()?;
     let mut text = String::new();
     let parsed = match file.take(1 << 20).read_to_string(&mut text) {
         Ok(_) => crs::parse(&text).map_err(|e| e.to_string()),
@@ -357,11 +347,7 @@ fn sidecar_crs(path: &Path, warnings: &mut Vec<Warning>) -> Option<Crs> {
     match parsed {
         Ok(crs) => Some(crs),
         Err(error) => {
-            let text = format!(
-                "`{}` holds no coordinate reference system that is understood ({error}): ignored",
-                sidecar.display()
-            );
-            warnings.push(Warning::new(326, text));
+            odd.push(Oddity::new(sidecar, Odd::CrsIgnored(error)));
             None
         }
     }
@@ -420,23 +406,6 @@ pub fn write_ascii_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_written_grid_has_the_keys_of_gdal() {
-        let georef = GeoRef::new((10.0, 26.0), (1.0, 2.0), (2, 3), None).expect("a valid grid");
-        let mut out = Vec::new();
-        let values = [0.1, -2.0, f64::NAN, 3.25, 1e-7, f64::INFINITY];
-        write_ascii_grid(&mut out, &georef, -9999.0, values.into_iter(), None).expect("memory");
-        assert_eq!(
-            String::from_utf8_lossy(&out),
-            "ncols        3\nnrows        2\nxllcorner    10\nyllcorner    22\ndx           1\ndy           2\n\
-             NODATA_value -9999\n0.1 -2 -9999\n3.25 0.0000001 -9999\n"
-        );
-        let mut out = Vec::new();
-        let georef = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 1), None).expect("a valid grid");
-        write_ascii_grid(&mut out, &georef, -1.0, [2.675].into_iter(), Some(2)).expect("memory");
-        assert!(String::from_utf8_lossy(&out).ends_with("cellsize     1\nNODATA_value -1\n2.67\n"));
-    }
 
     #[test]
     fn a_grid_is_not_written_with_a_wrong_number_of_values() {

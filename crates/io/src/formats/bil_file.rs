@@ -43,19 +43,3 @@ pub fn bil_header(georef: &GeoRef, values: BilValues, nodata: Option<f64>) -> St
     }
     text
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_header_describes_rows_of_numbers_from_the_center_of_the_first_cell() {
-        let georef = GeoRef::new((500_000.0, 5_400_000.0), (0.5, 0.25), (3, 7), None).unwrap();
-        let header = bil_header(&georef, BilValues::Float, Some(-9999.0));
-        let wanted = ["NROWS 3", "NCOLS 7", "NBITS 32", "PIXELTYPE FLOAT", "BANDROWBYTES 28", "ULXMAP 500000.25"];
-        for line in wanted.iter().chain(&["ULYMAP 5399999.875", "XDIM 0.5", "YDIM 0.25", "NODATA -9999"]) {
-            assert!(header.lines().any(|l| l == *line), "{line}: {header}");
-        }
-        assert!(!bil_header(&georef, BilValues::Byte, None).contains("NODATA"));
-    }
-}

@@ -1,18 +1,16 @@
 //! Raster files of any format, and folders of them: told apart by what they hold, not by what they are called.
 
-use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use super::mosaic::Nesting;
+use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
+use super::oddity::{Oddity, warned};
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
-use crate::error::{Error, Result, Warning, io_words};
+use crate::error::{Cause, Error, Result, Warning};
+use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
-
-/// Most memory that the cells of one read may take \[bytes\].
-pub(super) const MAX_READ_BYTES: u64 = 16 << 30;
 
 /// A raster file, or a folder of them, whose headers have been read.
 #[derive(Debug, Clone)]
@@ -31,29 +29,39 @@ impl RasterFile {
     ///
     /// # Errors
     /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
-    pub fn open(path: &Path, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        if path.is_dir() {
-            return Mosaic::open_folder(path, warnings).map(RasterFile::Mosaic);
+    pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
+        warned(warnings, |odd| RasterFile::open_told(&input.into(), odd))
+    }
+
+    /// What is odd about its header comes as values.
+    pub(crate) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
+        if input.is_folder() {
+            return Mosaic::open_folder(input.as_path(), read_header, odd).map(RasterFile::Mosaic);
         }
-        RasterFile::open_within(path, Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0) }, warnings)
+        RasterFile::open_within(
+            input,
+            Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0), open: read_header },
+            odd,
+        )
     }
 
     /// Opens a raster file that is part of virtual rasters.
-    pub(super) fn open_within(path: &Path, nesting: Nesting<'_>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        let (mut file, len) = open_file(path)?;
+    fn open_within(input: &Input, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
+        let (mut file, len) = input.open()?;
         let mut head = Vec::new();
-        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(path, &e))?;
+        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
         match kind_of(&head) {
-            Kind::Tiff => GeoTiff::open(path, warnings).map(RasterFile::GeoTiff),
-            Kind::AsciiGrid => AsciiGrid::open(path, warnings).map(RasterFile::AsciiGrid),
-            Kind::VirtualRaster => Mosaic::open_vrt(path, nesting, warnings).map(RasterFile::Mosaic),
+            Kind::Tiff => GeoTiff::open_told(input, odd).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid),
+            Kind::VirtualRaster if input.is_held() => {
+                Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
+            }
+            Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, odd).map(RasterFile::Mosaic),
             Kind::Other(kind) => {
-                let shown = path.display();
-                let text = format!(
-                    "cannot read `{shown}`: it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
+                let what = format!(
+                    "it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
                 );
-                Err(Error::file(302, text)
-                    .with_hint("convert a raster of another format with `gdal_translate IN OUT.tif`"))
+                Err(Error::malformed(input, what).because(Cause::OtherRaster))
             }
         }
     }
@@ -87,10 +95,7 @@ impl RasterFile {
 
     /// The files that the raster is made of beside its own, in their order.
     pub fn tile_paths(&self) -> Vec<&Path> {
-        match self {
-            RasterFile::Mosaic(mosaic) => mosaic.tile_paths(),
-            RasterFile::GeoTiff(_) | RasterFile::AsciiGrid(_) => Vec::new(),
-        }
+        if let RasterFile::Mosaic(mosaic) = self { mosaic.tile_paths() } else { Vec::new() }
     }
 
     /// How the file is encoded, in a few words.
@@ -108,10 +113,7 @@ impl RasterFile {
     /// # Errors
     /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
     pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
-        match self {
-            RasterFile::GeoTiff(tiff) => tiff.read_plain_heights(warnings),
-            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => Ok(None),
-        }
+        if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(warnings) } else { Ok(None) }
     }
 
     /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
@@ -145,10 +147,7 @@ impl RasterFile {
 
     /// Bytes that reading takes beside the cells that are read: a strip or tile, unpacked.
     pub fn block_bytes(&self) -> u64 {
-        match self {
-            RasterFile::GeoTiff(tiff) => tiff.block_bytes(),
-            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => 0,
-        }
+        if let RasterFile::GeoTiff(tiff) = self { tiff.block_bytes() } else { 0 }
     }
 
     /// Whether the file stores no cell at all, whatever size it claims.
@@ -241,132 +240,24 @@ fn leading_text(head: &[u8]) -> Option<&str> {
     is_text.then_some(text)
 }
 
-/// Opens a file for reading and returns it with its length \[bytes\]; the error names the path.
-pub(crate) fn open_file(path: &Path) -> Result<(File, u64)> {
-    let fail = |cause: std::io::Error| cannot_read(path, &cause);
-    // Opening a pipe waits for who writes into it.
-    let metadata = std::fs::metadata(path).map_err(fail)?;
-    if metadata.is_dir() {
-        return Err(fail(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !metadata.is_file() {
-        let text =
-            format!("cannot read {}: it is a pipe or a device, wanted a file: it is read in any order", path.display());
-        return Err(Error::file(301, text).with_hint("save it as a file first"));
-    }
-    let file = File::open(path).map_err(fail)?;
-    Ok((file, metadata.len()))
-}
-
-/// E301: what the system says of a file that cannot be read; where there is none, the name beside it that was meant.
-pub fn cannot_read(path: &Path, cause: &std::io::Error) -> Error {
-    let error = Error::file(301, format!("cannot read {}: {}", path.display(), io_words(cause)));
-    match near_name(path).filter(|_| cause.kind() == std::io::ErrorKind::NotFound) {
-        Some(near) => error.with_hint(format!("did you mean {}?", near.display())),
-        None => error,
-    }
-}
-
-/// The file whose name is most like that of a missing one in the same folder: few letters differ, or only the extension.
-fn near_name(path: &Path) -> Option<PathBuf> {
-    const MOST_FILES: usize = 10_000;
-    const MOST_EDITS: usize = 2;
-    let lower = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let wanted = lower(path);
-    let edits = |other: &Path| match other.file_stem() == path.file_stem() {
-        true => 1,
-        false => edits_between(&wanted, &lower(other)),
+/// Reads the header of a tile.
+fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
+    let mut odd = Vec::new();
+    let file = RasterFile::open_within(&Input::path(path), nesting, &mut odd)?;
+    let georef = file.georef().clone();
+    let meters_per_height_unit = file.meters_per_height_unit();
+    let vertical = file.vertical().cloned();
+    let (n_bands, numbers) = match &file {
+        RasterFile::GeoTiff(tiff) => (tiff.n_bands(), TileNumbers { nodata: tiff.nodata(), scaling: tiff.scaling(0) }),
+        RasterFile::AsciiGrid(grid) => (1, TileNumbers { nodata: Some(grid.nodata()), scaling: (1.0, 0.0) }),
+        RasterFile::Mosaic(mosaic) => (1, mosaic.numbers()),
     };
-    let files =
-        std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten().map(|entry| path.with_file_name(entry.file_name()));
-    let near =
-        files.map(|file| (edits(&file), file)).filter(|(n, _)| *n <= MOST_EDITS && 2 * n < wanted.chars().count());
-    near.min().map(|(_, file)| file)
-}
-
-/// How many letters must be put in, left out or changed to make one word of another (Levenshtein).
-fn edits_between(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (k, letter) in from.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = k + 1;
-        for (j, other) in to.iter().enumerate() {
-            let changed = diagonal + usize::from(letter != *other);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[to.len()]
-}
-
-/// An empty vector with room for all cells of `georef`.
-///
-/// # Errors
-/// If these are more than may be held in memory.
-pub(crate) fn reserve_cells<T>(path: &Path, georef: &GeoRef) -> Result<Vec<T>> {
-    check_cells::<T>(path, georef)?;
-    let mut cells = Vec::new();
-    let reserved = cells.try_reserve_exact(georef.n_cells());
-    reserved.map_err(|_| too_many_cells::<T>(path, georef, "more than there is"))?;
-    Ok(cells)
-}
-
-/// Refuses more cells than may be held in memory.
-///
-/// # Errors
-/// E501.
-pub(super) fn check_cells<T>(path: &Path, georef: &GeoRef) -> Result<()> {
-    if georef.n_cells() as u128 * size_of::<T>() as u128 > u128::from(MAX_READ_BYTES) {
-        return Err(too_many_cells::<T>(path, georef, &format!("wanted at most {} GiB", MAX_READ_BYTES >> 30)));
-    }
-    Ok(())
-}
-
-fn too_many_cells<T>(path: &Path, georef: &GeoRef, why: &str) -> Error {
+    let content = match file {
+        RasterFile::GeoTiff(_) => Content::GeoTiff,
+        RasterFile::AsciiGrid(grid) => Content::AsciiGrid(Box::new(grid)),
+        RasterFile::Mosaic(mosaic) => Content::Mosaic(Box::new(mosaic)),
+    };
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
-    let needed = georef.n_cells() as f64 * size_of::<T>() as f64 / f64::powi(2.0, 30);
-    let path = path.display();
-    let text = format!("cannot read `{path}`: {n_cols} columns x {n_rows} rows need {needed:.1} GiB of memory, {why}");
-    Error::limit(501, text).with_hint(
-        "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin ULX ULY \
-         LRX LRY IN OUT`",
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_are_told_apart_by_their_content() {
-        assert_eq!(kind_of(b"II*\0\x08\0\0\0"), Kind::Tiff);
-        assert_eq!(kind_of(b"MM\0+\0\x08\0\0"), Kind::Tiff);
-        assert_eq!(kind_of(b"\r\n  NCOLS 4\nnrows 3\n"), Kind::AsciiGrid);
-        assert_eq!(kind_of(b"\xef\xbb\xbfcellsize 2"), Kind::AsciiGrid);
-        assert_eq!(kind_of(b"\x89PNG\r\n\x1a\n"), Kind::Other("a PNG picture"));
-        assert_eq!(kind_of(b"{\"type\":"), Kind::Other("JSON text"));
-        assert_eq!(kind_of(b"<VRTDataset>"), Kind::VirtualRaster);
-        assert_eq!(kind_of(b"II am text"), Kind::Other("text"));
-        assert_eq!(kind_of(b"\0\x01\x02\x03"), Kind::Other("a binary file of an unknown kind"));
-        assert_eq!(kind_of(b""), Kind::Other("empty"));
-    }
-
-    #[test]
-    fn edits_are_counted() {
-        for (from, to, n) in
-            [("", "", 0), ("dsm.tif", "dsm.tif", 0), ("dem.tif", "dsm.tif", 1), ("ab", "ba", 2), ("abc", "", 3)]
-        {
-            assert_eq!((edits_between(from, to), edits_between(to, from)), (n, n), "{from} {to}");
-        }
-    }
-
-    #[test]
-    fn memory_is_checked_before_it_is_taken() {
-        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (200_000, 200_000), None).expect("a valid grid");
-        let error = reserve_cells::<f32>(Path::new("x.tif"), &georef).expect_err("too large");
-        assert_eq!(error.code(), "E501");
-        assert!(error.to_string().contains("149.0 GiB"), "{error}");
-    }
+    let tile = Tile { path: path.to_owned(), n_rows, n_cols, numbers, content };
+    Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, odd })
 }

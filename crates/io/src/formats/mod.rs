@@ -12,7 +12,9 @@ mod lattice_rows;
 mod lonlat;
 mod mosaic;
 mod npz;
+mod oddity;
 mod origin;
+mod reserve;
 mod sample;
 mod tile_store;
 mod voids;
@@ -23,8 +25,6 @@ pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
-pub use file::cannot_read;
-pub(crate) use file::{open_file, reserve_cells};
 pub use geotiff::xml_text;
 pub use geotiff::{
     Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
@@ -33,6 +33,8 @@ pub use geotiff::{
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
+pub(crate) use oddity::Odd;
 pub use origin::origin_of;
+pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;

@@ -8,7 +8,7 @@ use std::io::{Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::error::{Error, Result, io_words};
+use crate::error::{Error, Result};
 
 /// An array with its shape, the last index running fastest.
 #[derive(Debug, Clone)]
@@ -38,8 +38,8 @@ pub enum NpyArray<'a> {
 /// If an array does not hold as many values as its shape says.
 pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)]) -> Result<()> {
     let refused = |cause: zip::result::ZipError| match cause {
-        zip::result::ZipError::Io(cause) => Error::file(401, format!("cannot write an npz file: {}", io_words(&cause))),
-        other => Error::internal(402, format!("cannot encode an npz file: {other}")),
+        zip::result::ZipError::Io(cause) => Error::refused("an npz file", &cause),
+        other => Error::encode("an npz file", other),
     };
     let mut archive = ZipWriter::new(out);
     for (name, array) in arrays {
@@ -136,20 +136,4 @@ fn write_values<T: Copy, const N: usize>(
         let bytes: Vec<u8> = chunk.iter().flat_map(|&value| bytes_of(value)).collect();
         out.write_all(&bytes)
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_header_is_a_python_literal_of_a_multiple_of_64_bytes() {
-        let header = header("<f4", &[300, 700]);
-        assert_eq!(header.len() % 64, 0);
-        let text = String::from_utf8_lossy(&header[10..]).into_owned();
-        assert!(text.starts_with("{'descr': '<f4', 'fortran_order': False, 'shape': (300, 700), }  "), "{text}");
-        assert!(text.ends_with('\n'));
-        assert!(String::from_utf8_lossy(&super::header("|u1", &[5])).contains("'shape': (5,)"));
-        assert!(String::from_utf8_lossy(&super::header("<U3", &[])).contains("'shape': ()"));
-    }
 }

@@ -1,14 +1,12 @@
 //! What this program wrote into a picture, raster or archive about its origin.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
 use super::RasterFile;
-use super::file::open_file;
+use crate::input::Input;
 
 /// Longest text that is looked at \[bytes\].
 const MOST_BYTES: u64 = 64 << 20;
@@ -18,14 +16,15 @@ const BEGINNING: &str = "{\"schema\":\"skyshed/";
 
 /// The text about its origin that a GeoTIFF, PNG, OpenEXR file or numpy archive of this program holds, as JSON; `None` for
 /// the files of others, damaged ones, and formats that hold none.
-pub fn origin_of(path: &Path) -> Option<String> {
+pub fn origin_of(input: impl Into<Input>) -> Option<String> {
+    let input = &input.into();
     let mut head = [0; 4];
-    open_file(path).ok()?.0.read_exact(&mut head).ok()?;
+    input.open().ok()?.0.read_exact(&mut head).ok()?;
     let text = match &head {
-        b"\x89PNG" => of_png(path),
-        b"v/1\x01" => of_exr(path),
-        b"PK\x03\x04" => of_npz(path),
-        [b'I', b'I', ..] | [b'M', b'M', ..] => match RasterFile::open(path, &mut Vec::new()).ok()? {
+        b"\x89PNG" => of_png(input),
+        b"v/1\x01" => of_exr(input),
+        b"PK\x03\x04" => of_npz(input),
+        [b'I', b'I', ..] | [b'M', b'M', ..] => match RasterFile::open(input, &mut Vec::new()).ok()? {
             RasterFile::GeoTiff(tiff) => tiff.provenance().map(str::to_string),
             RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => None,
         },
@@ -34,14 +33,14 @@ pub fn origin_of(path: &Path) -> Option<String> {
     text.filter(|text| text.starts_with(BEGINNING))
 }
 
-fn of_png(path: &Path) -> Option<String> {
-    let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+fn of_png(input: &Input) -> Option<String> {
+    let reader = png::Decoder::new(BufReader::new(input.open().ok()?.0)).read_info().ok()?;
     let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "skyshed")?;
     chunk.get_text().ok()
 }
 
-fn of_exr(path: &Path) -> Option<String> {
-    let headers = MetaData::read_from_file(path, false).ok()?.headers;
+fn of_exr(input: &Input) -> Option<String> {
+    let headers = MetaData::read_from_buffered(BufReader::new(input.open().ok()?.0), false).ok()?.headers;
     let mut attributes = headers.first()?.own_attributes.other.values();
     attributes.find_map(|value| match value {
         AttributeValue::Text(text) => {
@@ -52,8 +51,8 @@ fn of_exr(path: &Path) -> Option<String> {
 }
 
 /// The entry `meta` of an archive: a numpy array of one text in UTF-32.
-fn of_npz(path: &Path) -> Option<String> {
-    let mut archive = zip::ZipArchive::new(BufReader::new(File::open(path).ok()?)).ok()?;
+fn of_npz(input: &Input) -> Option<String> {
+    let mut archive = zip::ZipArchive::new(BufReader::new(input.open().ok()?.0)).ok()?;
     let mut bytes = Vec::new();
     archive.by_name("meta.npy").ok()?.take(MOST_BYTES).read_to_end(&mut bytes).ok()?;
     // Six bytes of magic, two of version, two of the length of the header.

@@ -3,9 +3,9 @@
 //! A declared nodata value is what a file is meant to hold and passes silently; NaN, infinities, missing blocks and
 //! numbers that look like an undeclared nodata value are reported, with the rectangle they lie in.
 
-use std::path::Path;
+use std::fmt::Display;
 
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result, Warning};
 use crate::quantity::counted;
 
 /// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
@@ -108,25 +108,18 @@ impl Voids {
     }
 
     /// Warns of what was odd.
-    ///
-    /// # Errors
-    /// If there was no height at all.
-    pub(super) fn report(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<()> {
-        let path = path.display();
+    pub(super) fn report(&self, name: &dyn Display, warnings: &mut Vec<Warning>) -> Result<()> {
         let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
         if self.n_heights == 0 {
-            let text =
-                format!("cannot use `{path}`: none of the {n_voids} cells read holds a height, wanted at least one");
-            return Err(
-                Error::file(305, text).with_hint("look at the nodata value and the band with `gdalinfo -stats`")
-            );
+            let read = ReadFault::AllVoid(n_voids, "read holds".into());
+            return Err(Error::read(name, read).because(Cause::Nodata));
         }
         let mut warn = |code, found: &Found, what: &str, done: &str| {
             if found.count > 0 {
                 let ((top, bottom), (left, right)) = (found.rows, found.cols);
                 let place = format!("rows {top} to {bottom}, columns {left} to {right}");
                 let cells = counted(found.count, "cell", "cells");
-                let text = format!("`{path}` has {cells} with {what} ({place}): {done}");
+                let text = format!("`{name}` has {cells} with {what} ({place}): {done}");
                 warnings.push(Warning::new(code, text));
             }
         };
@@ -136,7 +129,7 @@ impl Voids {
         warn(328, &self.unlikely, "a height at or below -9000 or at or above 32000", hint);
         if self.n_missing > 0 {
             let cells = counted(self.n_missing, "cell", "cells");
-            let text = format!("`{path}` stores nothing for {cells} (sparse file): read as void");
+            let text = format!("`{name}` stores nothing for {cells} (sparse file): read as void");
             warnings.push(Warning::new(321, text));
         }
         Ok(())

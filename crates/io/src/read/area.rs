@@ -1,14 +1,11 @@
 //! Areas from files of vector data.
 
-use std::path::Path;
-
-use super::building::{bounds, opened};
-use super::sites::{check_placeable, in_scene, misplaced};
-use super::source::input_name;
-use super::vector::{Selection, read_features};
+use super::sites::{check_placeable, in_scene};
+use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, ReadFault, Result, Wanted};
+use crate::input::Input;
 use crate::raster::GeoRef;
 
 /// Reads an area from the polygons of a file of vector data.
@@ -19,13 +16,13 @@ use crate::raster::GeoRef;
 /// # Errors
 /// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
 /// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
-pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
-    let set = read_features(path, Selection::default())?;
+pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
+    let input = &input.into();
+    let set = read_features(input, Selection::default())?;
     let named = set.crs?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
     if areas.is_empty() {
-        let text = format!("cannot use {}: it holds no polygon, wanted a Polygon or MultiPolygon", path.display());
-        return Err(Error::file(308, text));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Area)));
     }
     let is_degrees = bounds(areas.iter().flat_map(|(_, f)| &f.polygons))
         .is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
@@ -35,8 +32,7 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
         None if is_degrees && grid.crs().is_some() => Some(crs::from_epsg(4326)?),
         None => None,
     };
-    let name = input_name(path);
-    check_placeable(&name, from.as_ref(), grid.crs())?;
+    check_placeable(input, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
         let id =
@@ -44,7 +40,10 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
         let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| {
             let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
-            moved.map_err(|fault| misplaced(&name, format!("{place}: {fault}"), false))
+            moved.map_err(|fault| {
+                let what = format!("{place}: {fault}");
+                Error::read(input, ReadFault::Misplaced { what, is_degrees: false, some_are_good: false })
+            })
         };
         for polygon in opened(feature.polygons).0 {
             let ring = |ring: Vec<[f64; 2]>| ring.into_iter().map(moved).collect::<Result<Vec<_>>>();
@@ -53,15 +52,8 @@ pub fn read_area(path: &Path, grid: &GeoRef) -> Result<Area> {
     }
     let area = Area::new(polygons);
     if !area.meets(grid) {
-        let text = format!(
-            "cannot use {}: its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}",
-            path.display(),
-            grid.x_min(),
-            grid.x_max(),
-            grid.y_min(),
-            grid.y_max()
-        );
-        return Err(Error::site(208, text).with_hint("a file in projected coordinates names its CRS in a `crs` member"));
+        let scene = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
+        return Err(Error::read(input, ReadFault::OutsideScene(scene)));
     }
     Ok(area)
 }

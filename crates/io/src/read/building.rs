@@ -6,41 +6,15 @@
 //! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
 //! counts beside its parts. Both are counted.
 
-use std::path::Path;
-
-use super::footprints::{FootprintOptions, MissingHeight};
+use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
-use super::vector::{Feature, FeatureSet, Polygon, Property};
+use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
 use crate::city::Fault;
-use crate::error::{Error, Result};
-
-/// The unit of heights that name none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum HeightUnit {
-    /// Meters.
-    #[default]
-    Meters,
-    /// International feet, 0.3048 m.
-    Feet,
-}
-
-impl HeightUnit {
-    /// Length of the unit \[m\].
-    pub fn meters(self) -> f64 {
-        match self {
-            HeightUnit::Meters => 1.0,
-            HeightUnit::Feet => METERS_PER_FOOT,
-        }
-    }
-}
-
-const METERS_PER_FOOT: f64 = 0.3048;
+use crate::error::{Error, Place, ReadFault, Result};
+use crate::input::Input;
 
 /// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
-pub(super) const METERS_PER_LEVEL: f64 = 3.0;
-
-/// The property of a height where none is named.
-const HEIGHT: &str = "height";
+pub const METERS_PER_LEVEL: f64 = 3.0;
 
 /// The areas of a file with what is known of their heights.
 #[derive(Debug, Default)]
@@ -68,6 +42,19 @@ pub(super) struct RawFootprint {
     pub(super) lowest: Option<f64>,
 }
 
+impl RawFootprint {
+    /// What a fault of it is of.
+    pub(super) fn culprit(&self) -> Culprit<'_> {
+        self.culprit_at(0)
+    }
+
+    /// What a fault of one of its polygons is of, with the first point of that.
+    pub(super) fn culprit_at(&self, k: usize) -> Culprit<'_> {
+        let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
+        Culprit { feature: self.number, id: &self.id, place: first.copied() }
+    }
+}
+
 /// What a height property held.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum FoundHeight {
@@ -78,16 +65,13 @@ pub(super) enum FoundHeight {
 
 impl Buildings {
     /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
-    ///
-    /// # Errors
-    /// E302 for a coordinate that is not finite, E365 if no feature has the property that heights are read from.
     pub(super) fn of(
-        path: &Path,
+        input: &Input,
         set: FeatureSet,
         options: &FootprintOptions,
         log: &mut FaultLog,
     ) -> Result<Buildings> {
-        refuse_unknown_property(path, &set, options)?;
+        refuse_unknown_property(input, &set, options)?;
         let mut buildings = Buildings::default();
         for (index, feature) in set.features.into_iter().enumerate() {
             let number = index + 1;
@@ -98,20 +82,19 @@ impl Buildings {
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
             if let Some(bad) = bad {
-                let path = path.display();
-                let text = format!("cannot read {path}: feature {number}: found coordinate `{bad}`, wanted a number");
-                return Err(Error::file(302, text));
+                let what = format!("found coordinate `{bad}`, wanted a number");
+                return Err(Error::malformed(input, what).at(Place::Feature(number as u64)));
             }
             let footprint = says.footprint(number);
             if feature.has_other_parts {
-                log.note(Fault::NotAnArea, Culprit::of(&footprint));
+                log.note(Fault::NotAnArea, footprint.culprit());
             }
             if says.is_no_building() {
-                log.note(Fault::NotABuilding, Culprit::of(&footprint));
+                log.note(Fault::NotABuilding, footprint.culprit());
                 continue;
             }
             if says.is_part() {
-                log.note(Fault::Part, Culprit::of(&footprint));
+                log.note(Fault::Part, footprint.culprit());
             }
             buildings.footprints.push(footprint);
         }
@@ -124,36 +107,10 @@ impl Buildings {
     }
 }
 
-/// West, south, east, north of polygons; `None` if they have no position.
-pub(super) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
-    polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
-        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-    })
-}
-
-/// Rings without the last point where it repeats the first, and how many do not end where they begin.
-pub(super) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
-    let mut unclosed = 0;
-    for ring in polygons.iter_mut().flatten() {
-        if ring.len() > 1 && ring.first() == ring.last() {
-            ring.pop();
-        } else {
-            unclosed += usize::from(!ring.is_empty());
-        }
-    }
-    (polygons, unclosed)
-}
-
-/// The property that heights are read from.
-pub(super) fn height_property(options: &FootprintOptions) -> &str {
-    options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT)
-}
-
 /// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
 /// property that nobody named.
-fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
-    let name = height_property(options);
+fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
+    let name = options.height_property();
     let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
     let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
     let is_named = options.top_field.is_some() || options.height_field.is_some();
@@ -176,22 +133,10 @@ fn refuse_unknown_property(path: &Path, set: &FeatureSet, options: &FootprintOpt
             list.push(name);
         }
     }
-    let quoted = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let path = path.display();
-    let text = format!("cannot use {path}: no feature has the property `{name}`, wanted one that holds heights");
-    Err(Error::file(365, text).with_hint(match (like_heights.as_slice(), like_storeys.as_slice(), others.as_slice()) {
-        ([], [], []) => "no feature has any property; heights come as a property of each footprint".to_string(),
-        ([], [], others) => format!("no property looks like a height; there are {}", quoted(others)),
-        ([], found, _) => {
-            format!(
-                "{} may count storeys: `--missing levels --levels-field NAME` takes {METERS_PER_LEVEL} m for each",
-                quoted(found)
-            )
-        }
-        (found, ..) => {
-            format!("{} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum", quoted(found))
-        }
-    }))
+    let [like_heights, like_storeys, others] =
+        [like_heights, like_storeys, others].map(|names| names.into_iter().map(str::to_string).collect());
+    let wanted = name.to_string();
+    Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others }))
 }
 
 /// What a property may hold by its name.
@@ -360,21 +305,5 @@ mod tests {
         assert_eq!(found_height(&Property::Number(100.0), HeightUnit::Feet), FoundHeight::Meters(30.48));
         assert_eq!(found_height(&Property::Text("100 m".into()), HeightUnit::Feet), FoundHeight::Meters(100.0));
         assert_eq!(found_height(&Property::Number(f64::NAN), HeightUnit::Meters), FoundHeight::Missing);
-    }
-
-    #[test]
-    fn storeys_under_the_roof_are_added_and_rings_are_opened() {
-        let word = |name: &str, text: &str| (name.into(), Property::Text(text.into()));
-        let feature = Feature {
-            properties: vec![word("building:levels", "4"), word("roof:levels", "1"), word("building:part", "yes")],
-            ..Feature::default()
-        };
-        let options = FootprintOptions::default();
-        let says = Says { feature: &feature, name_limit: None, options: &options };
-        assert_eq!(says.levels(), Some(5.0));
-        assert!(says.is_part() && !says.is_no_building());
-        let ring = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let closed: Vec<[f64; 2]> = ring.iter().copied().chain([[0.0, 0.0]]).collect();
-        assert_eq!(opened(vec![vec![closed, ring.clone(), vec![]]]), (vec![vec![ring.clone(), ring, vec![]]], 1));
     }
 }

@@ -1,11 +1,9 @@
 //! What was mended or left out while reading footprints, in words.
 
-use std::path::Path;
-
-use super::building::height_property;
-use super::footprints::{FootprintOptions, MissingHeight};
+use super::footprint_options::{FootprintOptions, MissingHeight};
 use crate::city::{Fault, FootprintFaults};
 use crate::error::Warning;
+use crate::input::Input;
 use crate::quantity::counted;
 
 /// How heights were looked for, in words.
@@ -28,14 +26,14 @@ impl HeightWords {
             MissingHeight::Median => "given the median height".to_string(),
         };
         let drops = matches!(options.missing, MissingHeight::Few | MissingHeight::Drop);
-        HeightWords { property: height_property(options).to_string(), treated, drops }
+        HeightWords { property: options.height_property().to_string(), treated, drops }
     }
 }
 
 /// Warns of each kind of fault, with how many there are and what was done.
 pub(super) fn warn_of_faults(
     faults: &FootprintFaults,
-    path: &Path,
+    input: &Input,
     words: &HeightWords,
     missing_area_share: f64,
     warnings: &mut Vec<Warning>,
@@ -47,6 +45,6 @@ pub(super) fn warn_of_faults(
         let done = if fault == Fault::MissingHeight { treated } else { fault.done() };
         let [one, many] = fault.names();
         let what = counted(faults.of(fault) as u64, one, many);
-        warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", path.display())));
+        warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", input)));
     }
 }

@@ -5,143 +5,46 @@
 //! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
-use std::path::{Path, PathBuf};
-
 use rayon::prelude::*;
 
-use super::building::{Buildings, FoundHeight, HeightUnit, METERS_PER_LEVEL};
+use super::area::read_area;
+use super::building::{Buildings, FoundHeight, METERS_PER_LEVEL};
 use super::faults::{HeightWords, warn_of_faults};
+use super::footprint_options::{DataAreaChoice, FootprintOptions, MissingHeight};
 use super::heights::{HeightFile, Heights, warn_of_units};
 use super::outline::{Shaped, polygon_area, shape};
-use super::projection::{Projection, project};
+use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::repairs::{Culprit, FaultLog, Listing, Repair};
+use super::repairs::{FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
-use super::source::source_of;
+use super::source::{name_of, source_of};
 use super::surface::ground_steps;
-use super::vector::{Selection, read_features};
-use super::{name_of, read_area, refuse_degrees, refuse_two_crs};
+use super::systems::{refuse_degrees, refuse_two_crs};
+use super::vector::{Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
 use crate::city::{Fault, HeightGap, LEFT_OUT};
 use crate::crs;
-use crate::crs::{InputKind, Transformation};
-use crate::error::{Error, Result, Warning};
+use crate::crs::Transformation;
+use crate::error::{Error, HeightOf, HeightsMissing, InputKind, Pair, ReadFault, Result, Warning};
 use crate::formats::reserve_cells;
+use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
 use crate::raster::{Crs, GeoRef, Raster};
 
-/// What to do with footprints whose height is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MissingHeight {
-    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
-    #[default]
-    Few,
-    /// Refuse the file.
-    Fail,
-    /// Leave the footprint out, and say so.
-    Drop,
-    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
-    /// is missing too.
-    Levels,
-    /// The median of the known heights.
-    Median,
-}
-
-/// Which of the terrain columns that a footprint's area overlaps it stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BaseRule {
-    /// The lowest, as OpenStreetMap defines `height`.
-    #[default]
-    Lowest,
-    /// Their mean, each weighted by the area that is overlapped.
-    Mean,
-    /// The highest.
-    Highest,
-}
-
-/// Where the ground of a footprint scene is known, as it was asked for.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum DataAreaChoice {
-    /// Near the footprints; everywhere if the extent was typed.
-    #[default]
-    Auto,
-    /// Everywhere.
-    All,
-    /// Within the polygons of a file.
-    Within(PathBuf),
-}
-
 /// The largest share of the footprint area that may go without heights unless a policy was chosen.
 const FEW: f64 = 0.02;
-
-/// How footprints are read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FootprintOptions {
-    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
-    pub height_field: Option<String>,
-    /// Property that holds the absolute height of the top above the datum, instead.
-    pub top_field: Option<String>,
-    /// Unit of heights that name none.
-    pub height_unit: HeightUnit,
-    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
-    pub levels_field: String,
-    /// Policy for missing heights.
-    pub missing: MissingHeight,
-    /// Table of a GeoPackage; needed where it has several.
-    pub layer: Option<String>,
-    /// Terrain model, in the same CRS unless `project` is given.
-    pub terrain: Option<PathBuf>,
-    /// Height of flat ground \[m above the datum\], 0 by default.
-    pub ground_m: Option<f64>,
-    /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
-    pub extent: Option<[f64; 4]>,
-    /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
-    pub cell_m: Option<f64>,
-    /// The CRS to assume.
-    pub crs: Option<Crs>,
-    /// Another CRS for the scene than that of the file.
-    pub project: Option<Projection>,
-    /// What nodata cells of the terrain, and ground beyond it, do.
-    pub nodata_as: NodataAs,
-    /// Which ground a footprint stands on.
-    pub base: BaseRule,
-    /// Where the ground is known.
-    pub data_area: DataAreaChoice,
-    /// Whether to hash inputs of any size.
-    pub always_hash: bool,
-}
-
-impl Default for FootprintOptions {
-    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
-    fn default() -> Self {
-        FootprintOptions {
-            height_field: None,
-            top_field: None,
-            height_unit: HeightUnit::default(),
-            levels_field: "building:levels".into(),
-            missing: MissingHeight::default(),
-            layer: None,
-            terrain: None,
-            ground_m: None,
-            extent: None,
-            cell_m: None,
-            crs: None,
-            project: None,
-            nodata_as: NodataAs::default(),
-            base: BaseRule::default(),
-            data_area: DataAreaChoice::default(),
-            always_hash: false,
-        }
-    }
-}
 
 /// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, told apart by their extension.
 ///
 /// # Errors
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
 /// errors for bad numbers and layers; limit errors for huge grids.
-pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut Vec<Warning>) -> Result<City> {
-    read(path, options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
+pub fn read_footprints(
+    input: impl Into<Input>,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    read(&input.into(), options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
 }
 
 /// Reads footprints as [`read_footprints`] does, and lists everything that was mended or left out, in the order of the
@@ -150,15 +53,15 @@ pub fn read_footprints(path: &Path, options: &FootprintOptions, warnings: &mut V
 /// # Errors
 /// As [`read_footprints`].
 pub fn read_footprints_and_repairs(
-    path: &Path,
+    input: impl Into<Input>,
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
-    read(path, options, Listing::EachOne, warnings)
+    read(&input.into(), options, Listing::EachOne, warnings)
 }
 
 fn read(
-    path: &Path,
+    input: &Input,
     options: &FootprintOptions,
     listing: Listing,
     warnings: &mut Vec<Warning>,
@@ -166,35 +69,34 @@ fn read(
     // The extent is in the scene's CRS: of a file in another one all must be read.
     let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
     let selection = Selection { layer: options.layer.as_deref(), bounds };
-    let mut set = read_features(path, selection)?;
-    let mut sources = vec![source_of(path, options.always_hash)?];
+    let mut set = read_features(input, selection)?;
+    let mut sources = vec![source_of(input, options.always_hash)?];
     let file_crs = match &options.crs {
         Some(crs) => Some(crs.clone()),
         None => std::mem::replace(&mut set.crs, Ok(None))?,
     };
     let attribution = set.attribution.take();
     let mut log = FaultLog::new(listing);
-    let mut raw = Buildings::of(path, set, options, &mut log)?;
+    let mut raw = Buildings::of(input, set, options, &mut log)?;
     let file_crs = match &options.project {
         Some(projection) => {
             let (from, bounds) = (file_crs.clone(), raw.bounds());
-            let to = project(path, &mut raw, file_crs, projection, warnings)?;
+            let to = project(input, &mut raw, file_crs, projection, warnings)?;
             move_listed(&mut log, from, to.as_ref(), bounds)?;
             to
         }
         None => file_crs,
     };
     let bounds = raw.bounds();
-    check_degrees(path, file_crs.as_ref(), bounds)?;
+    check_degrees(input, file_crs.as_ref(), bounds)?;
 
     let terrain = match &options.terrain {
         None => None,
         Some(terrain_path) => {
             let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
             let terrain = heights.raster;
-            refuse_two_crs((path, file_crs.as_ref()), (terrain_path, terrain.georef().crs()), |_, wanted| {
-                format!("ogr2ogr -t_srs {} reprojected.geojson {}", wanted.label(), path.display())
-            })?;
+            let found = (terrain_path, terrain.georef().crs());
+            refuse_two_crs((input, file_crs.as_ref()), found, Pair::FootprintsTerrain)?;
             sources.append(&mut heights.sources);
             Some(terrain)
         }
@@ -203,33 +105,33 @@ fn read(
     if crs.is_none() {
         warnings.push(Warning::new(
             325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
         ));
     }
     if let Some(crs) = &crs {
-        warn_of_units(path, crs, warnings);
+        warn_of_units(input, crs, warnings);
     }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
-    let grid = receivers_grid(path, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
+    let grid = receivers_grid(input, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let data_area = data_area(options, &grid, warnings)?;
-    if let DataAreaChoice::Within(path) = &options.data_area {
-        sources.push(source_of(path, options.always_hash)?);
+    if let DataAreaChoice::Within(input) = &options.data_area {
+        sources.push(source_of(input, options.always_hash)?);
     }
     let mut ground = match terrain {
         Some(terrain) => Ground::Terrain(terrain),
         None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
     };
-    warn_of_the_ground(path, &raw, &ground, warnings);
-    let making = Making { path, options, ground: &ground, frame };
+    warn_of_the_ground(input, &raw, &ground, warnings);
+    let making = Making { input, options, ground: &ground, frame };
     let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
     if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
-        ground = Ground::Terrain(blocking_where_unknown(path, terrain, &grid)?);
+        ground = Ground::Terrain(blocking_where_unknown(input, terrain, &grid)?);
     }
-    warn_if_nothing_meets_the_grid(path, &footprints, &grid, frame, warnings);
+    warn_if_nothing_meets_the_grid(input, &footprints, &grid, frame, warnings);
     let faults = log.counts;
     let scene = City {
-        name: name_of(path),
+        name: name_of(input),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults, data_area },
         built_up: None,
@@ -241,13 +143,10 @@ fn read(
 }
 
 /// Where the ground is known.
-///
-/// # Errors
-/// Those of reading the file of the area.
 fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
     match (&options.data_area, options.extent) {
         (DataAreaChoice::All, _) => Ok(DataArea::All),
-        (DataAreaChoice::Within(path), _) => read_area(path, grid).map(DataArea::Within),
+        (DataAreaChoice::Within(input), _) => read_area(input, grid).map(DataArea::Within),
         (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
         (DataAreaChoice::Auto, Some(_)) => {
             let text = "all of `--extent` counts as known ground, also where no building is near (`--data-area auto|all|FILE`)";
@@ -258,10 +157,7 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
 }
 
 /// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
-///
-/// # Errors
-/// E501 for more cells of the terrain than memory holds.
-fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
+fn blocking_where_unknown(input: &Input, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
     let from = terrain.georef();
     let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
     let [west, east] = [from.x_min() - grid.x_min(), grid.x_max() - from.x_max()].map(|l| beyond(l, from.cell_width()));
@@ -277,7 +173,7 @@ fn blocking_where_unknown(path: &Path, terrain: &Raster<i32>, grid: &GeoRef) -> 
     let corner = (from.x_min() - west * from.cell_width(), from.y_max() + north * from.cell_height());
     let georef = GeoRef::new(corner, (from.cell_width(), from.cell_height()), (n_rows, n_cols), from.crs().cloned());
     let Some(georef) = georef else { return Ok(terrain.clone()) };
-    let mut cells = reserve_cells(path, &georef)?;
+    let mut cells = reserve_cells(input, &georef)?;
     cells.resize(georef.n_cells(), BLOCKS_ALL);
     for row in 0..from.n_rows() {
         let to = &mut cells[(row + north_n) * n_cols + west_n..][..from.n_cols()];
@@ -298,18 +194,52 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
     Ok(())
 }
 
+/// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
+///
+/// Without a system of their own, positions that can be degrees are taken for longitude and latitude.
+fn project(
+    input: &Input,
+    raw: &mut Buildings,
+    from: Option<Crs>,
+    projection: &Projection,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Crs>> {
+    let Some([west, south, east, north]) = raw.bounds() else { return Ok(from) };
+    let may_be_degrees = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
+    let from = match from {
+        Some(from) => from,
+        None if may_be_degrees => crs::from_epsg(4326)?,
+        None => return Err(Error::read(input, ReadFault::NoCrs)),
+    };
+    let middle = ((west + east) / 2.0, (south + north) / 2.0);
+    let to = projection.target(&from, middle)?;
+    if from == to {
+        return Ok(Some(to));
+    }
+    let way = Transformation::new(&from, &to, middle)?;
+    for position in raw.footprints.iter_mut().flat_map(|f| &mut f.polygons).flatten().flatten() {
+        let (x, y) = way.apply((position[0], position[1]))?;
+        *position = [x, y];
+    }
+    if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
+        let text = format!("{}: brought from {} to {} ({})", input, from.label(), to.label(), to.name());
+        warnings.push(Warning::new(335, text));
+    }
+    Ok(Some(to))
+}
+
 /// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
 fn terrain_heights(
-    path: &Path,
+    input: &Input,
     scene_crs: Option<&Crs>,
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Heights> {
-    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
     let wanted = scene_crs.filter(|_| options.project.is_some() && file.georef().crs().is_some());
     let reprojection = match wanted {
         None => None,
-        Some(crs) => Reprojection::plan(path, file.georef(), &Projection::To(crs.clone()), None)?,
+        Some(crs) => Reprojection::plan(input, file.georef(), &Projection::To(crs.clone()), None)?,
     };
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
@@ -320,7 +250,7 @@ fn grown([west, south, east, north]: [f64; 4]) -> [f64; 4] {
 }
 
 /// Warns where solids stand on another height than the flat ground of the scene.
-fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
+fn warn_of_the_ground(input: &Input, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
     let Ground::Flat(z) = ground else { return };
     let lowest: Vec<f64> = raw.footprints.iter().filter_map(|f| f.lowest).collect();
     let range = lowest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(*z), r.1.max(*z)));
@@ -331,7 +261,7 @@ fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &
     let text = format!(
         "{}: the ground is at {} m, but the buildings begin at {} to {} m above the datum (`--terrain FILE`, or `--ground \
          {}`, the median)",
-        path.display(),
+        input,
         tidy(meters(*z)),
         tidy(range.0),
         tidy(range.1),
@@ -341,16 +271,16 @@ fn warn_of_the_ground(path: &Path, raw: &Buildings, ground: &Ground, warnings: &
 }
 
 /// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
-fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
+fn check_degrees(input: &Input, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let Some(bounds) = bounds else { return Ok(()) };
     if let Some(crs) = crs {
-        return refuse_degrees(path, crs, bounds, InputKind::Vector);
+        return refuse_degrees(input, crs, bounds, InputKind::Vector);
     }
     // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
     let [west, south, east, north] = bounds;
     let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
     if on_earth && east - west < 1.0 && north - south < 1.0 {
-        return refuse_degrees(path, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
+        return refuse_degrees(input, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
     }
     Ok(())
 }
@@ -358,7 +288,7 @@ fn check_degrees(path: &Path, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Re
 /// What prisms are made of buildings with.
 #[derive(Clone, Copy)]
 struct Making<'a> {
-    path: &'a Path,
+    input: &'a Input,
     options: &'a FootprintOptions,
     ground: &'a Ground,
     frame: Frame,
@@ -375,8 +305,8 @@ impl Making<'_> {
         let of_ground = (self.ground, self.options.base);
         let shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
-            let text = format!("cannot use {}: feature `{}` has {tangle}", self.path.display(), found.raw.id);
-            return Err(Error::limit(504, text).with_hint("mend or leave out the feature; is it one building?"));
+            let fault = ReadFault::Tangle(found.raw.id.clone(), tangle.to_string());
+            return Err(Error::read(self.input, fault));
         }
         let median = median_height(&shaped);
         let words = HeightWords::of(self.options);
@@ -392,18 +322,18 @@ impl Making<'_> {
             }
             let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
             if !above_datum && height < 0.0 {
-                log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
+                log.note(Fault::NegativeHeight, shaped.raw.culprit());
                 continue;
             }
             if shaped.base.is_none() && !above_datum {
-                log.note(Fault::NoGround, Culprit::of(&shaped.raw));
+                log.note(Fault::NoGround, shaped.raw.culprit());
                 continue;
             }
             let top = self.top(&shaped, (height, above_datum))?;
             let base = shaped.base;
             footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
         }
-        warn_of_faults(&log.counts, self.path, &words, missing_share, warnings);
+        warn_of_faults(&log.counts, self.input, &words, missing_share, warnings);
         let gap = HeightGap { area_share: missing_share, done: words.treated };
         Ok((footprints, (missing_share > 0.0).then_some(gap)))
     }
@@ -411,30 +341,20 @@ impl Making<'_> {
     /// The refusal of a file that lacks heights, with what each policy would do.
     fn too_many_missing(self, shaped: &[Shaped], (share, median): (f64, Option<f64>), words: &HeightWords) -> Error {
         let missing: Vec<&Shaped> = shaped.iter().filter(|s| is_without_height(s)).collect();
-        let n = shaped.iter().filter(|s| is_usable(s)).count();
-        let by_storeys = missing.iter().filter(|s| s.raw.levels.is_some()).count();
-        let text = format!(
-            "cannot use {}: {} of {n} footprints, {:.1} % of the footprint area, have no usable `{}`; wanted at most {:.0} %, or \
-             `--missing POLICY`",
-            self.path.display(),
-            missing.len(),
-            100.0 * share,
-            words.property,
-            100.0 * FEW
-        );
-        let of_median = median.map_or("has none to take".to_string(), |m| format!("gives them {} m", tidy(m)));
-        Error::file(309, text).with_hint(format!(
-            "`--missing drop` leaves them out, as if nothing stood there; `levels` gives {by_storeys} of them 3 m a storey of \
-             `{}` and leaves {} out; `median` {of_median}; or name another property with `--height-field`",
-            self.options.levels_field,
-            missing.len() - by_storeys
-        ))
+        let fault = HeightsMissing {
+            n_missing: missing.len(),
+            n: shaped.iter().filter(|s| is_usable(s)).count(),
+            share,
+            most: FEW,
+            property: words.property.clone(),
+            n_storeys: missing.iter().filter(|s| s.raw.levels.is_some()).count(),
+            levels_field: self.options.levels_field.clone(),
+            median_m: median,
+        };
+        Error::read(self.input, ReadFault::HeightsMissing(fault))
     }
 
     /// The height of a building \[m\], and whether it is above the datum; `None` if it is left out.
-    ///
-    /// # Errors
-    /// E309 for a missing height, where that is the policy.
     fn height(
         self,
         shaped: &Shaped,
@@ -442,7 +362,7 @@ impl Making<'_> {
         words: &HeightWords,
         log: &mut FaultLog,
     ) -> Result<Option<(f64, bool)>> {
-        let culprit = Culprit::of(&shaped.raw);
+        let culprit = shaped.raw.culprit();
         match shaped.raw.height {
             FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
             FoundHeight::DecimalComma(m) => {
@@ -453,10 +373,8 @@ impl Making<'_> {
         }
         let found = match self.options.missing {
             MissingHeight::Fail => {
-                let (path, id, name) = (self.path.display(), culprit.id, &words.property);
-                let text = format!("cannot use {path}: feature `{id}` has no usable `{name}`");
-                return Err(Error::file(309, text)
-                    .with_hint("`--missing drop|levels|median`, or name the property with `--height-field`"));
+                let fault = ReadFault::HeightMissing(culprit.id.to_string(), words.property.clone());
+                return Err(Error::read(self.input, fault));
             }
             MissingHeight::Few | MissingHeight::Drop => None,
             // Storeys are counted from the ground, whatever the property would have been measured from.
@@ -474,20 +392,14 @@ impl Making<'_> {
     }
 
     /// The top on the lattice.
-    ///
-    /// # Errors
-    /// E205 for one beyond it.
     fn top(self, shaped: &Shaped, (height, above_datum): (f64, bool)) -> Result<i32> {
         let above = if above_datum { Some(0) } else { shaped.base };
         height_steps(height)
             .and_then(|steps| above?.checked_add(steps))
             .filter(|top| height_steps(meters(*top)).is_some())
             .ok_or_else(|| {
-                let (path, id) = (self.path.display(), &shaped.raw.id);
-                let text = format!(
-                    "cannot use {path}: feature `{id}` has height `{height}` m, wanted within ±32768 m of the datum"
-                );
-                Error::site(205, text)
+                let of = HeightOf::Feature(shaped.raw.id.clone());
+                Error::read(self.input, ReadFault::HeightRange(of, height))
             })
     }
 }
@@ -505,14 +417,14 @@ fn is_usable(shaped: &Shaped) -> bool {
 /// Notes what is odd about a building whatever its height is.
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
-    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
-    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, Culprit::polygon(raw, *k)));
-    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
-    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
+    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, raw.culprit_at(*k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, raw.culprit_at(*k)));
+    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, raw.culprit()));
+    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, raw.culprit_at(*k)));
     if shaped.too_far {
-        log.note(Fault::TooFar, Culprit::of(raw));
+        log.note(Fault::TooFar, raw.culprit());
     } else if is_usable(shaped) && raw.floats {
-        log.note(Fault::Floating, Culprit::of(raw));
+        log.note(Fault::Floating, raw.culprit());
     }
 }
 
@@ -543,15 +455,14 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 fn warn_if_nothing_meets_the_grid(
-    path: &Path,
+    input: &Input,
     footprints: &[Footprint],
     grid: &GeoRef,
     frame: Frame,
     warnings: &mut Vec<Warning>,
 ) {
     if footprints.is_empty() {
-        warnings
-            .push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", path.display())));
+        warnings.push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", input)));
         return;
     }
     let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
@@ -569,7 +480,7 @@ fn warn_if_nothing_meets_the_grid(
             360,
             format!(
                 "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
-                path.display(),
+                input,
                 footprints.len(),
                 grid.x_min(),
                 grid.x_max(),

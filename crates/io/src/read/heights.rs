@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-use super::refuse_degrees;
 use super::source::sources_of_raster;
+use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
-use crate::crs::InputKind;
-use crate::error::{Error, Result, Warning};
-use crate::formats::{RasterFile, TileStore, TileStoreWriter};
+use crate::error::{Error, HeightOf, InputKind, ReadFault, Result, Warning};
+use crate::formats::{Odd, RasterFile, TileStore, TileStoreWriter};
+use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
 
 /// A raster of heights, opened but not read.
 #[derive(Debug)]
 pub(super) struct HeightFile<'a> {
-    path: &'a Path,
+    input: &'a Input,
     file: RasterFile,
     /// The part of the file that is read, and where it lies.
     window: CellWindow,
@@ -48,31 +48,29 @@ pub(super) struct StoredHeights {
 
 impl<'a> HeightFile<'a> {
     /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
-    ///
-    /// # Errors
-    /// Those of the file; E310 if what it says of its system is not understood and nothing overrides it.
-    pub(super) fn open(path: &'a Path, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
-        let before = warnings.len();
-        let file = RasterFile::open(path, warnings)?;
+    pub(super) fn open(input: &'a Input, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
+        let mut odd = Vec::new();
+        let file = RasterFile::open_told(input, &mut odd)?;
         let georef = file.georef().clone();
         let georef = match crs {
             None => {
                 // A system that is cut off may be one of feet: its cells are not taken for meters.
-                let said = warnings[before..].iter().find(|warning| warning.code() == "W326");
+                let said = odd.iter().find(|oddity| matches!(oddity.odd, Odd::CrsIgnored(_) | Odd::DamagedKeys(_)));
                 if let (Some(said), None) = (said, georef.crs()) {
-                    let text =
-                        format!("cannot place {}: {}", path.display(), said.text().trim_end_matches(": ignored"));
-                    return Err(Error::file(310, text).with_hint("override it with `--crs EPSG:n`"));
+                    return Err(Error::read(
+                        input,
+                        ReadFault::CrsNotUnderstood(said.text().trim_end_matches(": ignored").to_string()),
+                    ));
                 }
                 georef
             }
             Some(crs) => {
-                let said: Vec<Warning> = warnings.drain(before..).collect();
-                warnings.extend(said.into_iter().filter(|w| !["W325", "W326", "W331"].contains(&w.code().as_str())));
+                odd.retain(|oddity| !oddity.odd.is_of_crs());
                 georef.with_crs(Some(crs.clone()))
             }
         };
-        Ok(HeightFile { path, window: georef.window(), file, georef })
+        warnings.extend(odd.into_iter().map(Warning::from));
+        Ok(HeightFile { input, window: georef.window(), file, georef })
     }
 
     /// The cells that touch a box alone: west, south, east, north \[CRS units\].
@@ -82,12 +80,9 @@ impl<'a> HeightFile<'a> {
     }
 
     /// The cells under those of another grid alone; its very cells where the grids agree.
-    ///
-    /// # Errors
-    /// E312 if there are none.
-    pub(super) fn under(self, (path, grid): (&Path, &GeoRef)) -> Result<HeightFile<'a>> {
+    pub(super) fn under(self, (surface, grid): (&Input, &GeoRef)) -> Result<HeightFile<'a>> {
         let window = self.georef.window_of(grid).or_else(|| self.georef.window_over(grid));
-        let window = window.ok_or_else(|| no_terrain_below((path, grid), (self.path, &self.georef)))?;
+        let window = window.ok_or_else(|| no_terrain_below((surface, grid), (self.input, &self.georef)))?;
         Ok(HeightFile { window, georef: self.georef.part(window), ..self })
     }
 
@@ -97,42 +92,33 @@ impl<'a> HeightFile<'a> {
     }
 
     /// The same file if its coordinates can be those of a scene as they are.
-    ///
-    /// # Errors
-    /// E310 if they are degrees.
     pub(super) fn in_meters(self, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
-        check_grid(self.path, &self.georef, warnings)?;
+        check_grid(self.input, &self.georef, warnings)?;
         Ok(self)
     }
 
     /// Reads all heights.
-    ///
-    /// # Errors
-    /// If the file cannot be read, no cell holds a height, or one holds a height that is out of range.
     pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
-        let HeightFile { path, file, window, georef } = self;
+        let HeightFile { input, file, window, georef } = self;
         let is_part = window != file.georef().window();
         let plain = if is_part { None } else { file.read_plain_heights(warnings)? };
         let (cells, n_void) = match plain {
             Some((raster, n_void)) => (raster.into_cells(), n_void),
-            None => match lattice_heights((path, &file, window), warnings) {
+            None => match lattice_heights((input, &file, window), warnings) {
                 // A hole of the file is no fault of it.
-                Err(error) if is_part && error.code() == "E305" => {
+                Err(Error::Read(error)) if is_part && matches!(error.fault, ReadFault::AllVoid(..)) => {
                     (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
                 }
                 heights => heights?,
             },
         };
-        let sources = sources_of_raster(path, &file, always_hash, warnings)?;
+        let sources = sources_of_raster(input, &file, always_hash, warnings)?;
         Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
     }
 
     /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
-    ///
-    /// # Errors
-    /// As [`HeightFile::read`], and E401 if there is no room on the disk.
     pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
-        let HeightFile { path, file, georef, .. } = self;
+        let HeightFile { input, file, georef, .. } = self;
         let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
         let mut sorted = LatticeHeights::of(&file);
         let mut steps = vec![VOID; georef.n_cols()];
@@ -144,20 +130,20 @@ impl<'a> HeightFile<'a> {
             }
         })?;
         failed?;
-        let n_void = sorted.finish(path, georef.n_cells())?;
-        let sources = sources_of_raster(path, &file, always_hash, warnings)?;
+        let n_void = sorted.finish(input)?;
+        let sources = sources_of_raster(input, &file, always_hash, warnings)?;
         Ok(StoredHeights { tiles: writer.finish()?, georef, n_void, sources })
     }
 }
 
 /// The heights of a part of a file on the lattice, and the number of cells that have none.
 fn lattice_heights(
-    (path, file, window): (&Path, &RasterFile, CellWindow),
+    (input, file, window): (&Input, &RasterFile, CellWindow),
     warnings: &mut Vec<Warning>,
 ) -> Result<(LargeVec<i32>, u64)> {
     let mut sorted = LatticeHeights::of(file);
     let raster = file.read(window, warnings, |height| sorted.put(height))?;
-    let n_void = sorted.finish(path, raster.cells().len())?;
+    let n_void = sorted.finish(input)?;
     Ok((raster.into_cells(), n_void))
 }
 
@@ -189,22 +175,16 @@ impl LatticeHeights {
     }
 
     /// The number of cells without a height.
-    fn finish(self, path: &Path, n_cells: usize) -> Result<u64> {
+    fn finish(self, input: &Input) -> Result<u64> {
         if let Some(v) = self.out_of_range {
-            let text = format!("cannot use {}: a cell has height `{v}` m, wanted within ±32768 m", path.display());
-            return Err(Error::site(205, text)
-                .with_hint("if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"));
-        }
-        if self.n_void == n_cells as u64 {
-            let text = format!("cannot use {}: all {n_cells} cells are nodata, wanted heights", path.display());
-            return Err(Error::file(305, text));
+            return Err(Error::read(input, ReadFault::HeightRange(HeightOf::Cell, v)));
         }
         Ok(self.n_void)
     }
 }
 
 /// Warns where coordinates are not meters.
-pub(super) fn warn_of_units(path: &Path, crs: &Crs, warnings: &mut Vec<Warning>) {
+pub(super) fn warn_of_units(input: &Input, crs: &Crs, warnings: &mut Vec<Warning>) {
     if let CrsKind::Projected { meters_per_unit } = crs.kind()
         && (meters_per_unit - 1.0).abs() > 1e-9
     {
@@ -213,24 +193,21 @@ pub(super) fn warn_of_units(path: &Path, crs: &Crs, warnings: &mut Vec<Warning>)
             format!(
                 "{}: coordinates are in units of {meters_per_unit} m; lengths such as `--radius` and `--cell`, and heights, \
                  are in meters",
-                path.display()
+                input
             ),
         ));
     }
 }
 
 /// Checks that a grid can be that of a scene.
-///
-/// # Errors
-/// E310 if it is in degrees.
-pub(super) fn check_grid(path: &Path, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
+pub(super) fn check_grid(input: &Input, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
     let Some(crs) = georef.crs() else { return Ok(()) };
-    refuse_degrees(path, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
-    warn_of_units(path, crs, warnings);
+    refuse_degrees(input, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
+    warn_of_units(input, crs, warnings);
     if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
         warnings.push(Warning::new(
             344,
-            format!("{}: more than 65536 cells a side; give `--radius` so that one map fits", path.display()),
+            format!("{}: more than 65536 cells a side; give `--radius` so that one map fits", input),
         ));
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! The outline of a building: onto the lattice, repaired, and the ground under it.
 
 use super::building::RawFootprint;
-use super::footprints::BaseRule;
+use super::footprint_options::BaseRule;
 use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
@@ -167,32 +167,6 @@ fn base_on(polygons: &[Polygon], frame: &Frame, terrain: &Raster<i32>, rule: Bas
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::GeoRef;
-
-    #[test]
-    fn a_bow_tie_becomes_two_triangles_and_counts_as_repaired() {
-        let region = region_of(&[vec![[0, 0], [200, 200], [200, 0], [0, 200]]]);
-        assert!(region.is_repaired && !region.has_stray_hole);
-        let polygons = region.polygons;
-        let area: i64 = polygons.iter().flatten().map(|r| doubled_area(r).abs()).sum();
-        assert_eq!((polygons.len(), area), (2, 40_000));
-    }
-
-    #[test]
-    fn a_valid_polygon_with_a_hole_is_left_alone() {
-        let rings = [vec![[0, 0], [90, 7], [100, 100], [3, 80]], vec![[40, 40], [40, 60], [60, 60]]];
-        let Region { polygons, is_repaired, has_stray_hole } = region_of(&rings);
-        assert!(!is_repaired && !has_stray_hole);
-        assert_eq!(polygons.len(), 1);
-        assert_eq!(polygons[0].len(), 2);
-    }
-
-    #[test]
-    fn a_hole_equal_to_its_shell_leaves_nothing() {
-        let square = vec![[0, 0], [10, 0], [10, 10], [0, 10]];
-        assert!(region_of(&[square.clone(), square]).polygons.is_empty());
-        assert!(region_of(&[]).polygons.is_empty());
-    }
 
     #[test]
     fn what_a_hole_covers_is_never_a_building() {
@@ -217,26 +191,5 @@ mod tests {
             let region = region_of(&rings);
             assert_eq!((area(&region), region.has_stray_hole), (wanted, is_stray), "{rings:?}");
         }
-    }
-
-    #[test]
-    fn a_building_stands_on_the_columns_that_its_area_overlaps() {
-        let grid = GeoRef::new((0.0, 4.0), (1.0, 1.0), (4, 4), None).expect("a valid grid");
-        let terrain = Raster::new(grid, (0..16).map(|z| 10 * z).collect::<Vec<_>>());
-        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
-        let base = |[w, s, e, n]: [i32; 4], rule| {
-            let ring = vec![[w, s], [e, s], [e, n], [w, n]];
-            base_on(&[vec![ring]], &frame, &terrain, rule)
-        };
-        // Columns 1 and 2, rows 1 and 2 from the north: 50, 60, 90, 100.
-        let whole = [1024, 1024, 3072, 3072];
-        let of = |area| [BaseRule::Lowest, BaseRule::Mean, BaseRule::Highest].map(|rule| base(area, rule));
-        assert_eq!(of(whole), [Some(50), Some(75), Some(100)]);
-        // A step more to the west reaches column 0; a step less leaves column 1 only.
-        assert_eq!(base([1023, 1024, 3072, 3072], BaseRule::Lowest), Some(40));
-        assert_eq!(base([2048, 1024, 3072, 3072], BaseRule::Lowest), Some(60));
-        // A quarter of column 1 and all of column 2 of row 1: (50 + 4 · 60) / 5.
-        assert_eq!(base([1792, 2048, 3072, 3072], BaseRule::Mean), Some(58));
-        assert_eq!(of([9000, 0, 9100, 100]), [None; 3]);
     }
 }

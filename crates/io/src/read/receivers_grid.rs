@@ -1,8 +1,7 @@
 //! The grid of receivers over footprints and meshes: what was asked for, else the terrain's, else their bounding box.
 
-use std::path::Path;
-
-use crate::error::{Error, Result};
+use crate::error::{Error, OptionError, ReadFault, Result, Wanted};
+use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, whole};
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
@@ -16,11 +15,8 @@ pub(super) struct GridRequest {
 }
 
 /// The grid for `bounds`, those of what was read, without its CRS.
-///
-/// # Errors
-/// E112 and E114 for bad numbers, E308 if nothing says how large it is, E502 if it would be too large.
 pub(super) fn receivers_grid(
-    path: &Path,
+    input: &Input,
     request: GridRequest,
     terrain: Option<&Raster<i32>>,
     bounds: Option<[f64; 4]>,
@@ -29,7 +25,7 @@ pub(super) fn receivers_grid(
     if let Some(cell) = request.cell_m
         && !(cell > 0.0 && cell.is_finite())
     {
-        return Err(Error::usage(112, format!("`--cell` is `{cell}`, wanted above 0 m")));
+        return Err(OptionError::Cell(cell).into());
     }
     let meters_per_unit = match crs.map(Crs::kind) {
         Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
@@ -40,10 +36,7 @@ pub(super) fn receivers_grid(
         (Some(extent), _, _) => {
             let [west, south, east, north] = extent;
             if !(extent.iter().all(|v| v.is_finite()) && west < east && south < north) {
-                return Err(Error::usage(
-                    114,
-                    format!("`--extent` is `{west},{south},{east},{north}`, wanted west < east and south < north"),
-                ));
+                return Err(OptionError::Extent(extent).into());
             }
             extent
         }
@@ -56,28 +49,15 @@ pub(super) fn receivers_grid(
             let (down, up) = (|v: f64| whole(v / cell).floor() * cell, |v: f64| whole(v / cell).ceil() * cell);
             [down(west), down(south), up(east), up(north)]
         }
-        (None, None, None) => {
-            return Err(Error::file(
-                308,
-                format!("cannot map {}: it holds no polygon, so the grid's extent is unknown", path.display()),
-            )
-            .with_hint("give `--extent W,S,E,N` or `--terrain FILE`"));
-        }
+        (None, None, None) => return Err(Error::read(input, ReadFault::Nothing(Wanted::Extent))),
     };
     let cells = |length: f64| whole(length / cell).ceil().max(1.0);
     let (n_cols, n_rows) = (cells(east - west), cells(north - south));
     if n_cols.max(n_rows) > MAX_EXTENT_UNITS {
-        return Err(Error::limit(
-            502,
-            format!(
-                "cannot map {}: the grid would have {n_cols}×{n_rows} cells, wanted at most 65536 a side",
-                path.display()
-            ),
-        )
-        .with_hint("give `--extent W,S,E,N`, or a larger `--cell`"));
+        return Err(Error::read(input, ReadFault::GridTooLarge(n_cols, n_rows)));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ n ≤ 65536 by the checks above")]
     let (n_cols, n_rows) = (n_cols as usize, n_rows as usize);
     GeoRef::new((west, south + cell * n_rows as f64), (cell, cell), (n_rows, n_cols), None)
-        .ok_or_else(|| Error::usage(114, format!("no grid fits extent {west},{south},{east},{north}")))
+        .ok_or_else(|| OptionError::Extent([west, south, east, north]).into())
 }

@@ -1,6 +1,5 @@
 //! What was mended or left out while reading footprints, thing by thing, where that is asked for.
 
-use super::building::RawFootprint;
 use crate::city::{Fault, FootprintFaults};
 
 /// One thing that was mended or left out.
@@ -31,19 +30,6 @@ pub(super) struct Culprit<'a> {
     pub(super) feature: usize,
     pub(super) id: &'a str,
     pub(super) place: Option<[f64; 2]>,
-}
-
-impl<'a> Culprit<'a> {
-    /// The feature of a footprint, with the first point of one of its polygons.
-    pub(super) fn polygon(raw: &'a RawFootprint, k: usize) -> Culprit<'a> {
-        let first = raw.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
-        Culprit { feature: raw.number, id: &raw.id, place: first.copied() }
-    }
-
-    /// The feature of a footprint.
-    pub(super) fn of(raw: &'a RawFootprint) -> Culprit<'a> {
-        Culprit::polygon(raw, 0)
-    }
 }
 
 /// Faults as they are met: counted, and listed if that was asked for.

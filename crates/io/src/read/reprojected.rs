@@ -3,21 +3,20 @@
 //! Each cell of the new grid takes the height of the cell of the file that holds its center, so that no height is made up
 //! and flat roofs stay flat.
 
-use std::path::Path;
-
 use super::heights::{HeightFile, Heights, check_grid};
-use super::projection::{Projection, no_crs};
+use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use crate::crs::Transformation;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result, Warning};
 use crate::formats::{CellSources, bounds_through, half_diagonal_through, reserve_cells, suggested_grid};
+use crate::input::Input;
 use crate::quantity::{VOID, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
 /// A grid in the wanted system, and the cells of a file that lie below its own.
 #[derive(Debug)]
 pub(super) struct Reprojection<'a> {
-    path: &'a Path,
+    input: &'a Input,
     from: Crs,
     to: Crs,
     grid: GeoRef,
@@ -29,17 +28,13 @@ pub(super) struct Reprojection<'a> {
 impl<'a> Reprojection<'a> {
     /// Lays a grid over that of a file: of square cells of `cell_m` meters on whole multiples of them, or by default as
     /// many cells diagonally. `None` if the file is in the wanted system.
-    ///
-    /// # Errors
-    /// E310 if the file names no system, or there is no way from it to the wanted one; E112 for a cell size that is none;
-    /// E501 and E502 for huge grids.
     pub(super) fn plan(
-        path: &'a Path,
+        input: &'a Input,
         file: &GeoRef,
         projection: &Projection,
         cell_m: Option<f64>,
     ) -> Result<Option<Reprojection<'a>>> {
-        let from = file.crs().ok_or_else(|| no_crs(path))?;
+        let from = file.crs().ok_or_else(|| Error::read(input, ReadFault::NoCrs))?;
         let middle = ((file.x_min() + file.x_max()) / 2.0, (file.y_min() + file.y_max()) / 2.0);
         let to = projection.target(from, middle)?;
         if from.same_as(&to) {
@@ -52,23 +47,20 @@ impl<'a> Reprojection<'a> {
             Some(_) => {
                 let request = GridRequest { extent: None, cell_m };
                 let bounds = Some(bounds_through(file, &way)?);
-                Some(receivers_grid(path, request, None, bounds, Some(&to))?.with_crs(Some(to.clone())))
+                Some(receivers_grid(input, request, None, bounds, Some(&to))?.with_crs(Some(to.clone())))
             }
         };
         let grid = grid.ok_or_else(|| {
-            let text = format!("cannot project {} ({}): nothing is left of it", path.display(), file.description());
-            Error::file(307, text)
+            let what = format!("nothing is left of {} in {}", file.description(), to.label());
+            Error::read(input, ReadFault::Irregular(what))
         })?;
-        drop(reserve_cells::<u32>(path, &grid)?);
+        drop(reserve_cells::<u32>(input, &grid)?);
         let sources = CellSources::new(&grid, file, &back)?;
         let farthest = half_diagonal_through(file, &way)?;
-        Ok(Some(Reprojection { path, from: from.clone(), to, grid, sources, farthest }))
+        Ok(Some(Reprojection { input, from: from.clone(), to, grid, sources, farthest }))
     }
 
     /// The heights of a file on the grid if there is one, with a warning of what was done; else as they are.
-    ///
-    /// # Errors
-    /// As [`HeightFile::read`]; E310 if the grid is in degrees, E305 if no center of a cell lies over a height.
     pub(super) fn read(
         plan: Option<Reprojection<'_>>,
         file: HeightFile<'_>,
@@ -78,7 +70,7 @@ impl<'a> Reprojection<'a> {
         match plan {
             None => file.in_meters(warnings)?.read(always_hash, warnings),
             Some(plan) => {
-                check_grid(plan.path, &plan.grid, warnings)?;
+                check_grid(plan.input, &plan.grid, warnings)?;
                 let heights = file.read(always_hash, warnings)?;
                 plan.apply(heights, warnings)
             }
@@ -86,16 +78,12 @@ impl<'a> Reprojection<'a> {
     }
 
     fn apply(self, heights: Heights, warnings: &mut Vec<Warning>) -> Result<Heights> {
-        let Reprojection { path, from, to, grid, sources, farthest } = self;
+        let Reprojection { input, from, to, grid, sources, farthest } = self;
         let cells = sources.resampled(heights.raster.cells(), VOID);
         let n_void = cells.iter().filter(|z| **z == VOID).count();
         if n_void == cells.len() {
-            let text = format!(
-                "cannot use {}: none of the {n_void} cells in {} lies over a height, wanted at least one",
-                path.display(),
-                to.label()
-            );
-            return Err(Error::file(305, text).with_hint("give a smaller `--cell`"));
+            let over = ReadFault::AllVoid(n_void as u64, format!("in {} lies over", to.label()));
+            return Err(Error::read(input, over).because(Cause::LargeCells));
         }
         let outside = match sources.n_outside() as u64 {
             0 => String::new(),
@@ -108,7 +96,7 @@ impl<'a> Reprojection<'a> {
         let text = format!(
             "{}: brought from {} to {} ({}), onto {}×{} cells of {} m: each takes the height of the cell of the file that \
              holds its center and whose own center is at most {} m away{outside}",
-            path.display(),
+            input,
             from.label(),
             to.label(),
             to.name(),

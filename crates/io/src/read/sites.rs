@@ -1,16 +1,15 @@
 //! UAV sites: where the UAVs hover, from flags, CSV or GeoJSON.
 
-use std::path::Path;
-
 use serde_json::Value;
 
-use super::geojson_file::{features, named_crs, read_document};
-use super::source::{input_name, is_geojson, read_text};
-use super::table::{BadRows, NUMBER, Position, RowFault, Table, height, readable};
+use super::source::is_geojson;
+use super::table::{BadRows, BadRowsTold, NUMBER, Position, RowFault, Table, height, readable};
+use super::vector::geojson::{features, named_crs, read_document};
 use crate::city::{GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;
-use crate::error::{Error, Result};
+use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
+use crate::input::Input;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
@@ -22,33 +21,33 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 ///
 /// # Errors
 /// File errors naming the lines or features; site errors if positions cannot be brought into the scene's CRS.
-pub fn read_sites(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let sites = match is_geojson(path)? {
-        true => read_geojson(path, grid, first_number, bad)?,
-        false => read_csv(path, grid, first_number, bad)?,
+pub fn read_sites(
+    input: impl Into<Input>,
+    grid: &GeoRef,
+    first_number: usize,
+    bad: BadRows<'_>,
+) -> Result<Vec<GivenSite>> {
+    let input = &input.into();
+    let sites = match is_geojson(input)? {
+        true => read_geojson(input, grid, first_number, bad)?,
+        false => read_csv(input, grid, first_number, bad)?,
     };
     if sites.is_empty() {
-        return Err(Error::file(308, format!("cannot use {}: it holds no site", input_name(path))));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Sites)));
     }
     Ok(sites)
 }
 
-fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input_name(path);
-    let refuse = |found: String| {
-        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
-            "a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`, separated by commas, \
-             semicolons or tabs",
-        )
-    };
-    let table = Table::parse(&read_text(path)?).map_err(refuse)?;
+fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let refuse = |found: String| bad_rows(input, PlacesIn::SiteTable, found, false);
+    let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
     let Some(h_column) = table.column(&["h", "h_m", "height", "height_m"]) else {
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(&name, wgs84.as_ref(), grid.crs())?;
+    check_placeable(input, wgs84.as_ref(), grid.crs())?;
 
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
@@ -60,31 +59,20 @@ fn read_csv(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
         Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([xy.0, xy.1]) })
     });
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, is_degrees),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteTable, is_degrees))
 }
 
-fn read_geojson(path: &Path, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
-    let name = input_name(path);
-    let document = read_document(path)?;
-    let crs = match named_crs(path, &document)? {
-        Some(crs) => crs,
-        None => crs::from_epsg(4326)?,
-    };
+fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
+    let document = read_document(input)?;
+    let crs = named_crs(input, &document)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
     let mut rows = Vec::new();
-    for (number, feature) in features(path, document)?.iter().enumerate() {
+    for (number, feature) in features(input, document)?.iter().enumerate() {
         let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));
-        check_placeable(&name, from, grid.crs())?;
+        check_placeable(input, from, grid.crs())?;
         let site = site_of(feature, (&crs, grid), first_number + number);
         rows.push((format!("feature {}", number + 1), site));
     }
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => Error::file(302, format!("cannot read {name}: {text}"))
-            .with_hint("a site is a Point with the property `h`, and optionally `id`, `h_above`"),
-        RowFault::Place(_) => misplaced(&name, text, true),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteFeatures, true))
 }
 
 /// The coordinates of a point.
@@ -143,22 +131,25 @@ fn refuse_swapped(
 }
 
 /// Refuses positions in another system where the scene names none.
-pub(super) fn check_placeable(name: &str, from: Option<&Crs>, scene_crs: Option<&Crs>) -> Result<()> {
+pub(super) fn check_placeable(input: &Input, from: Option<&Crs>, scene_crs: Option<&Crs>) -> Result<()> {
     match (from, scene_crs) {
-        (Some(from), None) => {
-            let text = format!("cannot place {name}: positions in {}, but the scene names no CRS", from.label());
-            Err(Error::site(206, text).with_hint(
-                "give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates",
-            ))
-        }
+        (Some(from), None) => Err(Error::read(input, ReadFault::NoSceneCrs(from.label()))),
         _ => Ok(()),
     }
 }
 
-/// The error of rows that lie where they cannot.
-pub(super) fn misplaced(name: &str, text: String, is_degrees: bool) -> Error {
-    let error = Error::site(206, format!("cannot place {name}: {text}"));
-    if is_degrees { error.with_hint("longitude comes first in GeoJSON, and the columns are `lon,lat`") } else { error }
+/// The error of rows or features that cannot be read.
+pub(super) fn bad_rows(input: &Input, of: PlacesIn, what: String, some_are_good: bool) -> Error {
+    Error::read(input, ReadFault::Rows { what, of, some_are_good })
+}
+
+/// The error of rows or features that cannot be read, or lie where they cannot.
+pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees: bool) -> Error {
+    let BadRowsTold { first, text: what, some_are_good } = told;
+    match first {
+        RowFault::Text(_) => bad_rows(input, of, what, some_are_good),
+        RowFault::Place(_) => Error::read(input, ReadFault::Misplaced { what, is_degrees, some_are_good }),
+    }
 }
 
 /// A position in the scene's CRS; `from` is `None` where it already is.

@@ -3,16 +3,18 @@
 use std::path::Path;
 
 use super::heights::{HeightFile, StoredHeights};
+use super::source::name_of;
 use super::surface::{
-    Empty, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
+    Empty, SurfaceOptions, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
     warning_of_surface_alone, warning_of_voids,
 };
+use super::systems::refuse_two_crs;
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
-use super::{SurfaceOptions, name_of, refuse_two_crs};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::city::{WindowedBase, WindowedSolids, row_bands};
-use crate::error::{Result, Warning};
+use crate::error::{Pair, Result, Warning};
 use crate::formats::TileStore;
+use crate::input::Input;
 use crate::quantity::VOID;
 use crate::raster::{CellWindow, GeoRef, Raster};
 
@@ -46,34 +48,34 @@ impl StreamedSurface {
     /// # Errors
     /// As [`super::read_surface`], and E401 if there is no room on the disk.
     pub fn read(
-        path: &Path,
+        input: impl Into<Input>,
         options: &SurfaceOptions,
         scratch: &Path,
         warnings: &mut Vec<Warning>,
     ) -> Result<StreamedSurface> {
+        let input = &input.into();
         let building_threshold = building_threshold(options)?;
-        let file = HeightFile::open(path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+        let file = HeightFile::open(input, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
         let StoredHeights { tiles: surface, georef: grid, n_void, mut sources } =
             file.store(scratch, options.always_hash, warnings)?;
-        warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
+        warnings.extend(warning_of_voids(input, n_void, options.nodata_as));
         let ground = match (&options.terrain, options.ground_m) {
             (Some(terrain_path), _) => {
                 let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
-                refuse_two_crs((path, grid.crs()), (terrain_path, file.georef().crs()), |wanted, _| {
-                    format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
-                })?;
+                let found = (terrain_path, file.georef().crs());
+                refuse_two_crs((input, grid.crs()), found, Pair::SurfaceTerrain)?;
                 let mut terrain = file.store(scratch, options.always_hash, warnings)?;
                 sources.append(&mut terrain.sources);
                 StreamedGround::Terrain(terrain.tiles, terrain.georef)
             }
             (None, Some(ground_m)) => StreamedGround::Flat(ground_steps(ground_m)?),
             (None, None) => {
-                warnings.push(warning_of_surface_alone(path));
+                warnings.push(warning_of_surface_alone(input));
                 StreamedGround::Surface
             }
         };
         let scene = StreamedSurface {
-            name: name_of(path),
+            name: name_of(input),
             sources,
             grid,
             surface,
@@ -81,7 +83,7 @@ impl StreamedSurface {
             building_threshold,
             nodata_as: options.nodata_as,
         };
-        scene.compare_ground((path, options), warnings)?;
+        scene.compare_ground((input, options), warnings)?;
         Ok(scene)
     }
 
@@ -143,7 +145,7 @@ impl StreamedSurface {
     }
 
     /// Warns where the ground is above the surface, and where it is not known.
-    fn compare_ground(&self, (path, options): (&Path, &SurfaceOptions), warnings: &mut Vec<Warning>) -> Result<()> {
+    fn compare_ground(&self, (input, options): (&Input, &SurfaceOptions), warnings: &mut Vec<Warning>) -> Result<()> {
         if matches!(self.ground, StreamedGround::Surface) {
             return Ok(());
         }
@@ -166,14 +168,14 @@ impl StreamedSurface {
         let n_cells = self.grid.n_cells();
         let (Some(terrain_path), StreamedGround::Terrain(_, from)) = (&options.terrain, &self.ground) else {
             let ground_m = options.ground_m.unwrap_or_default();
-            warnings.extend(warning_of_high_ground(path, ground_m, above, n_cells));
+            warnings.extend(warning_of_high_ground(input, ground_m, above, n_cells));
             return Ok(());
         };
         if n_void == n_cells {
-            return Err(no_terrain_below((path, &self.grid), (terrain_path, from)));
+            return Err(no_terrain_below((input, &self.grid), (terrain_path, from)));
         }
         if !self.grid.same_grid(from) {
-            let surface = Placed { path, on: &self.grid };
+            let surface = Placed { input, on: &self.grid };
             warnings.push(warning_of_other_grid(surface, (terrain_path, from, ""), n_void));
         }
         warnings.extend(warning_of_high_terrain(terrain_path, above, n_cells));
@@ -216,7 +218,7 @@ impl WindowedSolids for StreamedSurface {
         }
     }
 
-    fn solids(&self, window: CellWindow) -> Result<Solids> {
+    fn solids(&self, window: CellWindow) -> skyshed_core::Result<Solids> {
         let ground = self.ground(window)?;
         let mut cells = Vec::new();
         self.surface.read(window, &mut cells)?;

@@ -1,16 +1,15 @@
 //! Scenes from rasters: a surface model, with a terrain model, flat ground, or nothing below it.
 
-use std::path::{Path, PathBuf};
-
 use rayon::prelude::*;
 
 use super::heights::{HeightFile, Heights};
-use super::name_of;
 use super::projection::Projection;
 use super::reprojected::Reprojection;
+use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
-use crate::error::{Error, Result, Warning};
+use crate::error::{OptionError, Result, Warning};
+use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
 
@@ -21,7 +20,7 @@ const PART: usize = 1 << 16;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceOptions {
     /// A terrain model in the same CRS, unless `project` is given; brought to the surface's grid if it is on another.
-    pub terrain: Option<PathBuf>,
+    pub terrain: Option<Input>,
     /// Height of flat ground \[m above the datum\]; not together with `terrain`.
     pub ground_m: Option<f64>,
     /// A cell whose surface is more than this above the ground is a building \[m\].
@@ -62,22 +61,22 @@ impl Default for SurfaceOptions {
 /// # Errors
 /// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
 /// errors for bad numbers.
-pub fn read_surface(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<City> {
-    let Heights { raster: surface, n_void, sources } = surface_heights(path, options, warnings)?;
-    warnings.extend(warning_of_voids(path, n_void, options.nodata_as));
-    scene_of(path, (surface, Empty::Nodata), sources, options, warnings)
+pub fn read_surface(input: impl Into<Input>, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<City> {
+    let input = &input.into();
+    let Heights { raster: surface, n_void, sources } = surface_heights(input, options, warnings)?;
+    warnings.extend(warning_of_voids(input, n_void, options.nodata_as));
+    scene_of(input, (surface, Empty::Nodata), sources, options, warnings)
 }
 
 /// The heights of the surface, in the wanted system.
-fn surface_heights(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
-    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
+    let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
     let reprojection = match &options.project {
         None => None,
-        Some(projection) => Reprojection::plan(path, file.georef(), projection, options.cell_m)?,
+        Some(projection) => Reprojection::plan(input, file.georef(), projection, options.cell_m)?,
     };
     if reprojection.is_none() && options.cell_m.is_some() {
-        let text = format!("`--cell` has no meaning for {}: it is in the wanted system and stays", path.display());
-        return Err(Error::usage(116, text));
+        return Err(OptionError::CellKept(input.to_string()).into());
     }
     let file = match options.around {
         Some(around) => file.around(around),
@@ -90,20 +89,21 @@ fn surface_heights(path: &Path, options: &SurfaceOptions, warnings: &mut Vec<War
 ///
 /// # Errors
 /// Those of [`read_surface`] about the file as such.
-pub fn surface_grid(path: &Path, options: &SurfaceOptions) -> Result<GeoRef> {
+pub fn surface_grid(input: impl Into<Input>, options: &SurfaceOptions) -> Result<GeoRef> {
+    let input = &input.into();
     let mut said = Vec::new();
-    let file = HeightFile::open(path, options.crs.as_ref(), &mut said)?.in_meters(&mut said)?;
+    let file = HeightFile::open(input, options.crs.as_ref(), &mut said)?.in_meters(&mut said)?;
     Ok(file.georef().clone())
 }
 
 /// What is said of cells without a height, if there are any.
-pub(super) fn warning_of_voids(path: &Path, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
+pub(super) fn warning_of_voids(input: &Input, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
     let effect = match nodata_as {
         NodataAs::Clear => "blocks nothing but by the ground known there",
         NodataAs::Block => "blocks everything",
     };
-    let (path, cells) = (path.display(), counted(n_void, "cell", "cells"));
-    let text = format!("{path}: {cells} without a height: nodata {effect} and holds no receiver (`--nodata-as`)");
+    let cells = counted(n_void, "cell", "cells");
+    let text = format!("{input}: {cells} without a height: nodata {effect} and holds no receiver (`--nodata-as`)");
     (n_void > 0).then(|| Warning::new(340, text))
 }
 
@@ -118,7 +118,7 @@ pub(super) enum Empty {
 
 /// The scene of a surface and of what lies below it.
 pub(super) fn scene_of(
-    path: &Path,
+    input: &Input,
     (mut surface, empty): (Raster<i32>, Empty),
     mut sources: Vec<Source>,
     options: &SurfaceOptions,
@@ -130,13 +130,13 @@ pub(super) fn scene_of(
             let way = way_to_terrain(surface.georef(), file.georef(), options.project.is_some())?;
             let file = if way.is_none() { file.in_meters(warnings)? } else { file };
             let file = match options.around {
-                Some(_) if way.is_none() => file.under((path, surface.georef()))?,
+                Some(_) if way.is_none() => file.under((input, surface.georef()))?,
                 _ => file,
             };
             let mut heights = file.read(options.always_hash, warnings)?;
             sources.append(&mut heights.sources);
-            let above = Placed { path, on: surface.georef() };
-            let below = Placed { path: terrain_path, on: heights.raster };
+            let above = Placed { input, on: surface.georef() };
+            let below = Placed { input: terrain_path, on: heights.raster };
             let terrain = terrain_on_grid(above, below, way.as_ref(), warnings)?;
             let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
             let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
@@ -147,11 +147,11 @@ pub(super) fn scene_of(
             let z = ground_steps(ground_m)?;
             // A surface that is flat where it is ground is often a rounding below the ground that was typed.
             let buried = surface.cells().par_iter().with_min_len(PART).filter(|s| **s != VOID && **s < z - 1).count();
-            warnings.extend(warning_of_high_ground(path, ground_m, buried as u64, surface.cells().len()));
+            warnings.extend(warning_of_high_ground(input, ground_m, buried as u64, surface.cells().len()));
             Ground::Flat(z)
         }
         (None, None) => {
-            warnings.push(warning_of_surface_alone(path));
+            warnings.push(warning_of_surface_alone(input));
             Ground::Surface
         }
     };
@@ -165,7 +165,7 @@ pub(super) fn scene_of(
     surface = Raster::new(georef.clone(), cells);
     let building_threshold = building_threshold(options)?;
     Ok(City {
-        name: name_of(path),
+        name: name_of(input),
         grid: georef,
         solids: Solids::Raster { surface, ground, building_threshold, voids },
         built_up: None,
@@ -176,32 +176,30 @@ pub(super) fn scene_of(
 }
 
 /// What is said of a terrain that is above the surface in some cells, if there are any.
-pub(super) fn warning_of_high_terrain(terrain_path: &Path, above: u64, n_cells: usize) -> Option<Warning> {
-    let terrain_path = terrain_path.display();
+pub(super) fn warning_of_high_terrain(terrain: &Input, above: u64, n_cells: usize) -> Option<Warning> {
     let text = format!(
-        "{terrain_path}: the terrain is above the surface in {above} of {n_cells} cells; the higher one is used there"
+        "{terrain}: the terrain is above the surface in {above} of {n_cells} cells; the higher one is used there"
     );
     (above > 0).then(|| Warning::new(341, text))
 }
 
 /// The same of flat ground.
-pub(super) fn warning_of_high_ground(path: &Path, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
-    let path = path.display();
+pub(super) fn warning_of_high_ground(input: &Input, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
     let text = format!(
-        "{path}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \
+        "{input}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \
          there"
     );
     (buried > 0).then(|| Warning::new(341, text))
 }
 
 /// What is said where nothing but a surface is known.
-pub(super) fn warning_of_surface_alone(path: &Path) -> Warning {
+pub(super) fn warning_of_surface_alone(input: &Input) -> Warning {
     Warning::new(
         342,
         format!(
             "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` or \
              `--ground Z` to put them on the ground",
-            path.display()
+            input
         ),
     )
 }
@@ -249,16 +247,13 @@ fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> 
 
 /// How far above the ground a surface is a building \[1/1024 m\].
 pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
-    height_steps(options.building_threshold_m)
-        .filter(|t| *t >= 0)
-        .ok_or_else(|| bad_number("--building-threshold", options.building_threshold_m, "0 m or more"))
-}
-
-pub(super) fn bad_number(flag: &str, value: f64, wanted: &str) -> Error {
-    Error::usage(113, format!("`{flag}` is `{value}`, wanted {wanted}"))
+    let m = options.building_threshold_m;
+    let bad = OptionError::Number("building_threshold_m", m, "0 m or more");
+    height_steps(m).filter(|t| *t >= 0).ok_or_else(|| bad.into())
 }
 
 /// Ground height on the lattice.
 pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
-    height_steps(ground_m).ok_or_else(|| bad_number("--ground", ground_m, "a height within ±32768 m"))
+    let bad = OptionError::Number("ground_m", ground_m, "a height within ±32768 m");
+    height_steps(ground_m).ok_or_else(|| bad.into())
 }

@@ -5,8 +5,9 @@
 
 use std::borrow::Cow;
 use std::cell::Cell;
+use std::fmt::Display;
 
-use crate::error::{Error, Result, Warning, shortened};
+use crate::error::{Warning, shortened};
 use crate::quantity::{Height, parse_meters, parse_number};
 
 /// What becomes of rows that cannot be read.
@@ -231,16 +232,27 @@ impl std::fmt::Display for RowFault {
     }
 }
 
+/// Rows that cannot be read, in words.
+#[derive(Debug)]
+pub struct BadRowsTold {
+    /// What is wrong with the first.
+    pub first: RowFault,
+    /// All of them.
+    pub text: String,
+    /// Whether others are good.
+    pub some_are_good: bool,
+}
+
 /// The rows of a file that can be read; all others are told together, by an error of `refuse` or a warning.
 ///
 /// # Errors
 /// If rows are bad and must not be, or all of them are.
-pub fn readable<T>(
-    name: &str,
+pub fn readable<T, E>(
+    name: impl Display,
     rows: Vec<(String, std::result::Result<T, RowFault>)>,
     bad: BadRows<'_>,
-    refuse: impl FnOnce(&RowFault, String) -> Error,
-) -> Result<Vec<T>> {
+    refuse: impl FnOnce(BadRowsTold) -> E,
+) -> std::result::Result<Vec<T>, E> {
     /// Rows that are told one by one.
     const MOST_TOLD: usize = 20;
     /// Characters that are told of each.
@@ -272,76 +284,5 @@ pub fn readable<T>(
     }
     let text =
         if n_bad == 1 { format!("{place}: {}", first) } else { format!("{n_bad} of {n_rows} rows are bad: {told}") };
-    let error = refuse(first, text);
-    Err(match error.hint() {
-        Some(hint) if !good.is_empty() => {
-            let hint = format!("{hint}; a run with `--skip-bad` goes on without bad rows");
-            error.with_hint(hint)
-        }
-        _ => error,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The numbers of a table's last column, or what is wrong.
-    fn numbers(text: &str) -> std::result::Result<Vec<std::result::Result<f64, String>>, String> {
-        let table = Table::parse(text)?;
-        let last = table.headers.len() - 1;
-        let words = |fault: RowFault| fault.to_string();
-        Ok(table
-            .rows(|_, row| table.number(row, last, NUMBER))
-            .into_iter()
-            .map(|(_, row)| row.map_err(words))
-            .collect())
-    }
-
-    #[test]
-    fn the_line_of_the_names_tells_the_separator() {
-        assert_eq!(numbers("\u{feff}# a;b\na,b\n1,2.5\n"), Ok(vec![Ok(2.5)]));
-        assert_eq!(numbers("a;b\n1;2,5\n1;3,5\n"), Ok(vec![Ok(2.5), Ok(3.5)]));
-        assert_eq!(numbers("a\tb\r\n1\t2,5\r\n"), Ok(vec![Ok(2.5)]));
-        assert_eq!(numbers("a;\"b, of c\"\n1;2.5\n"), Ok(vec![Ok(2.5)]));
-        let ambiguous = numbers("\na;b,c\n1;2,3\n").unwrap_err();
-        assert!(ambiguous.starts_with("line 2: found commas and semicolons") && ambiguous.contains("ambiguous"));
-    }
-
-    #[test]
-    fn decimals_have_one_mark_in_all_rows() {
-        for (text, wanted) in [
-            ("a;b\n1;2,5\n1;1.234\n", "on line 2 the decimal mark is `,`"),
-            ("a;b\n1;2.5\n1;1,234\n", "on line 2 the decimal mark is `.`"),
-            ("a;b\n1;2,5\n1;1.234,5\n", "none between thousands"),
-            ("a;b\n1;2,5\n1;1,234,567\n", "none between thousands"),
-            ("a,b\n1,2\n1,2,5\n", "found 3 fields, wanted 2, one for each column; decimal commas need semicolons"),
-        ] {
-            let rows = numbers(text).unwrap();
-            assert!(rows[0].is_ok() && rows[1].as_ref().is_err_and(|e| e.contains(wanted)), "{rows:?}");
-        }
-        // Empty fields at the end of a row are nothing.
-        assert_eq!(numbers("a,b\n1,2.5,,\n"), Ok(vec![Ok(2.5)]));
-    }
-
-    #[test]
-    fn bad_rows_are_told_together_up_to_a_number() {
-        let rows = |good: std::ops::Range<usize>| {
-            let row = |k: usize| if good.contains(&k) { Ok(k) } else { Err(RowFault::Text(format!("found `{k}`"))) };
-            (0..30).map(|k| (format!("line {}", k + 2), row(k))).collect::<Vec<_>>()
-        };
-        let refuse = |_: &RowFault, text: String| Error::file(302, text).with_hint("h");
-        let error = readable("t", rows(25..30), BadRows::Refuse, refuse).unwrap_err();
-        let text = error.to_string();
-        assert!(text.starts_with("25 of 30 rows are bad: line 2: found `0`; line 3: found `1`; "), "{text}");
-        assert!(text.ends_with("line 21: found `19`; and 5 more"), "{text}");
-        assert_eq!(error.hint(), Some("h; a run with `--skip-bad` goes on without bad rows"));
-        let mut warnings = Vec::new();
-        let good = readable("t", rows(1..30), BadRows::LeaveOut(&mut warnings), refuse);
-        assert_eq!(good, Ok((1..30).collect()));
-        assert_eq!(warnings, [Warning::new(380, "t: 1 of 30 rows was left out: line 2: found `0`")]);
-        let error = readable("t", rows(0..0), BadRows::LeaveOut(&mut warnings), refuse).unwrap_err();
-        assert!(error.to_string().starts_with("30 of 30 rows are bad") && warnings.len() == 1);
-        assert_eq!(error.hint(), Some("h"));
-    }
+    Err(refuse(BadRowsTold { first: first.clone(), text, some_are_good: !good.is_empty() }))
 }

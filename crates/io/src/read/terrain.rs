@@ -1,25 +1,21 @@
 //! A terrain model brought onto the grid of the surface above it.
 
-use std::path::Path;
-
-use super::refuse_two_crs;
+use super::systems::refuse_two_crs;
 use crate::crs::Transformation;
-use crate::error::{Error, Result, Warning};
+use crate::error::{CombineError, Error, Pair, Result, Warning};
 use crate::formats::CellSources;
+use crate::input::Input;
 use crate::quantity::VOID;
 use crate::raster::{GeoRef, Raster};
 
 /// A raster and the file that it came from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed<'a, T> {
-    pub(super) path: &'a Path,
+    pub(super) input: &'a Input,
     pub(super) on: T,
 }
 
 /// The way from the reference system of a scene to that of its terrain, where `projects` allows to go there.
-///
-/// # Errors
-/// E310 if there is none.
 pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) -> Result<Option<Transformation>> {
     match (grid.crs(), terrain.crs()) {
         (Some(from), Some(to)) if projects && !from.same_as(to) => {
@@ -33,22 +29,17 @@ pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) ->
 /// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
 /// one to its north-east where the center lies on an edge, to within a millionth of a cell); `way` leads from the system of
 /// the surface to that of the terrain, where they differ.
-///
-/// # Errors
-/// E311 if they differ and there is no way, E312 if no cell of the surface lies over a height.
 pub(super) fn terrain_on_grid(
     surface: Placed<'_, &GeoRef>,
     terrain: Placed<'_, Raster<i32>>,
     way: Option<&Transformation>,
     warnings: &mut Vec<Warning>,
 ) -> Result<Raster<i32>> {
-    let Placed { path: surface_path, on: grid } = surface;
-    let Placed { path: terrain_path, on: terrain } = terrain;
+    let Placed { input: surface_path, on: grid } = surface;
+    let Placed { input: terrain_path, on: terrain } = terrain;
     let from = terrain.georef();
     if way.is_none() {
-        refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), |wanted, _| {
-            format!("gdalwarp -t_srs {} {} terrain_reprojected.tif", wanted.label(), terrain_path.display())
-        })?;
+        refuse_two_crs((surface_path, grid.crs()), (terrain_path, from.crs()), Pair::SurfaceTerrain)?;
         if grid.same_grid(from) {
             let n_void = terrain.cells().iter().filter(|z| **z == VOID).count();
             if n_void == grid.n_cells() {
@@ -57,7 +48,7 @@ pub(super) fn terrain_on_grid(
             if n_void > 0 {
                 let text = format!(
                     "{}: {n_void} of {} cells of the terrain have no height and are no receivers",
-                    terrain_path.display(),
+                    terrain_path,
                     grid.n_cells()
                 );
                 warnings.push(Warning::new(340, text));
@@ -82,20 +73,16 @@ pub(super) fn terrain_on_grid(
 }
 
 /// Refuses a terrain that lies elsewhere than the surface.
-pub(super) fn no_terrain_below((surface, grid): (&Path, &GeoRef), (terrain, from): (&Path, &GeoRef)) -> Error {
-    let (surface, terrain) = (surface.display(), terrain.display());
-    let (grid, from) = (grid.description(), from.description());
-    let text = format!(
-        "cannot combine {surface} ({grid}) with {terrain} ({from}): wanted a terrain below the surface, found none at any cell"
-    );
-    Error::file(312, text)
-        .with_hint("compare the extents and coordinate reference systems that `skyshed info` gives for both")
+pub(super) fn no_terrain_below((surface, grid): (&Input, &GeoRef), (terrain, from): (&Input, &GeoRef)) -> Error {
+    let [surface, terrain] =
+        [(surface, grid), (terrain, from)].map(|(input, grid)| format!("{input} ({})", grid.description()));
+    CombineError::NoTerrainBelow(surface, terrain).into()
 }
 
 /// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.
 pub(super) fn warning_of_other_grid(
     surface: Placed<'_, &GeoRef>,
-    (terrain, from, brought): (&Path, &GeoRef, &str),
+    (terrain, from, brought): (&Input, &GeoRef, &str),
     n_void: usize,
 ) -> Warning {
     let grid = surface.on;
@@ -103,7 +90,7 @@ pub(super) fn warning_of_other_grid(
         0 => String::new(),
         _ => format!("; {n_void} of {} cells have no terrain and are no receivers", grid.n_cells()),
     };
-    let (surface, terrain) = (surface.path.display(), terrain.display());
+    let surface = surface.input;
     let (on, to) = (from.description(), grid.description());
     let text = format!(
         "{terrain} ({on}{brought}) is not on the grid of {surface} ({to}): each cell takes the terrain that holds its \

@@ -1,15 +1,14 @@
 //! A user's track: the places of a walk or a drive in their order, from CSV or GeoJSON.
 
-use std::path::Path;
-
 use serde_json::Value;
 
-use super::geojson_file::{features, named_crs, read_document};
-use super::sites::{check_placeable, degrees_or_named, in_scene, misplaced};
-use super::source::{input_name, is_geojson, read_text};
+use super::sites::{bad_rows, check_placeable, degrees_or_named, in_scene, refused};
+use super::source::is_geojson;
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
+use super::vector::geojson::{features, named_crs, read_document};
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
+use crate::input::Input;
 use crate::raster::Crs;
 
 /// Reads the places of a track in the scene's CRS; of `-` from standard input, which is GeoJSON if it begins with a brace.
@@ -21,60 +20,44 @@ use crate::raster::Crs;
 /// # Errors
 /// File errors naming the lines or features, also for fewer than two different places; site errors if places cannot be
 /// brought into the scene's CRS.
-pub fn read_track(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
-    let mut places = match is_geojson(path)? {
-        true => read_geojson(path, scene_crs, bad)?,
-        false => read_csv(path, scene_crs, bad)?,
+pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let input = &input.into();
+    let mut places = match is_geojson(input)? {
+        true => read_geojson(input, scene_crs, bad)?,
+        false => read_csv(input, scene_crs, bad)?,
     };
     places.dedup();
     if places.len() < 2 {
-        let text =
-            format!("cannot use {}: found {} different places, wanted at least 2", input_name(path), places.len());
-        return Err(Error::file(308, text));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Places(places.len()))));
     }
     Ok(places)
 }
 
-fn read_csv(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
-    let name = input_name(path);
-    let refuse = |found: String| {
-        Error::file(302, format!("cannot read {name}: {found}")).with_hint(
-            "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs",
-        )
-    };
-    let table = Table::parse(&read_text(path)?).map_err(refuse)?;
+fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let refuse = |found: String| bad_rows(input, PlacesIn::TrackTable, found, false);
+    let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(&name, wgs84.as_ref(), scene_crs)?;
+    check_placeable(input, wgs84.as_ref(), scene_crs)?;
     let rows = table.rows(|_, row| {
         let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
         in_scene(xy, wgs84.as_ref(), scene_crs).map(|(x, y)| [x, y])
     });
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, is_degrees),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackTable, is_degrees))
 }
 
-fn read_geojson(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
-    let name = input_name(path);
-    let document = read_document(path)?;
-    let crs = match named_crs(path, &document)? {
-        Some(crs) => crs,
-        None => crs::from_epsg(4326)?,
-    };
-    let refuse = |text: String| {
-        Error::file(302, format!("cannot read {name}: {text}"))
-            .with_hint("a track is one LineString, or Points in their order")
-    };
+fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
+    let document = read_document(input)?;
+    let crs = named_crs(input, &document)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
     let mut rows = Vec::new();
     let mut n_lines = 0;
-    for (number, feature) in features(path, document)?.into_iter().enumerate() {
+    for (number, feature) in features(input, document)?.into_iter().enumerate() {
         let place = format!("feature {}", number + 1);
         let line = positions_of(&feature["geometry"]);
         n_lines += usize::from(line.as_ref().is_ok_and(|line| line.len() > 1));
         if n_lines > 1 {
-            return Err(refuse(format!("{place}: found a second line, wanted one track")));
+            let what = format!("{place}: found a second line, wanted one track");
+            return Err(bad_rows(input, PlacesIn::TrackFeatures, what, false));
         }
         match line {
             Err(found) => rows.push((place, Err(RowFault::Text(found.into())))),
@@ -82,7 +65,7 @@ fn read_geojson(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Resul
                 for position in line {
                     let xy = position[0].as_f64().zip(position[1].as_f64());
                     let from = xy.and_then(|xy| degrees_or_named(&crs, xy));
-                    check_placeable(&name, from, scene_crs)?;
+                    check_placeable(input, from, scene_crs)?;
                     let xy = xy.ok_or_else(|| RowFault::Text("found a position without two numbers".into()));
                     let xy = xy.and_then(|xy| in_scene(xy, from, scene_crs));
                     rows.push((place.clone(), xy.map(|(x, y)| [x, y])));
@@ -90,10 +73,7 @@ fn read_geojson(path: &Path, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Resul
             }
         }
     }
-    readable(&name, rows, bad, |fault, text| match fault {
-        RowFault::Text(_) => refuse(text),
-        RowFault::Place(_) => misplaced(&name, text, true),
-    })
+    readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackFeatures, true))
 }
 
 /// The positions of a line or a point.

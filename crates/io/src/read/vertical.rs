@@ -1,14 +1,15 @@
 //! Heights of two files together: what each is above, and whether that is the same.
 
-use std::path::Path;
+use std::fmt::Display;
 
 use crate::crs::{VerticalCrs, VerticalDifference};
-use crate::error::{Error, Result, Warning};
+use crate::error::{CombineError, Result, Warning};
 use crate::formats::RasterFile;
+use crate::input::Input;
 
 /// The vertical system that a raster file names; `None` if it names none, or cannot be opened as a raster.
-pub fn vertical_of(path: &Path) -> Option<VerticalCrs> {
-    RasterFile::open(path, &mut Vec::new()).ok()?.vertical().cloned()
+pub fn vertical_of(input: impl Into<Input>) -> Option<VerticalCrs> {
+    RasterFile::open(input, &mut Vec::new()).ok()?.vertical().cloned()
 }
 
 /// Whether the user has said which reference system the files are in.
@@ -28,44 +29,31 @@ pub enum SystemSaid {
 /// E311 if one is above an ellipsoid and the other above a datum, which are tens of meters apart, unless the user has said
 /// which system the files are in.
 pub fn compare_vertical(
-    (a_path, a): (&Path, Option<&VerticalCrs>),
-    (b_path, b): (&Path, Option<&VerticalCrs>),
+    (a_path, a): (impl Display, Option<&VerticalCrs>),
+    (b_path, b): (impl Display, Option<&VerticalCrs>),
     said: SystemSaid,
     warnings: &mut Vec<Warning>,
 ) -> Result<()> {
-    let (a_path, b_path) = (a_path.display(), b_path.display());
+    let mut unnamed = |without: &dyn Display, with: &dyn Display, known: &VerticalCrs| {
+        let taken = format!("{} is taken, as {with} says", known.in_words());
+        let text = format!("{without} does not say what its heights are above; {taken}");
+        warnings.push(Warning::new(370, text));
+        Ok(())
+    };
     let (a, b) = match (a, b) {
         (Some(a), Some(b)) => (a, b),
         (None, None) => return Ok(()),
-        (Some(known), None) => {
-            warnings.push(unnamed(&b_path.to_string(), &a_path.to_string(), known));
-            return Ok(());
-        }
-        (None, Some(known)) => {
-            warnings.push(unnamed(&a_path.to_string(), &b_path.to_string(), known));
-            return Ok(());
-        }
+        (Some(known), None) => return unnamed(&b_path, &a_path, known),
+        (None, Some(known)) => return unnamed(&a_path, &b_path, known),
     };
     let both = format!("{a_path} with heights above {} and {b_path} with heights above {}", a.in_words(), b.in_words());
     match (a.difference(b), said) {
         (VerticalDifference::None, _) => Ok(()),
-        (VerticalDifference::Ellipsoid, SystemSaid::ByFiles) => {
-            let text = format!("cannot combine {both}: they are tens of meters apart, wanted one datum");
-            Err(Error::file(311, text).with_hint(
-                "bring one of them over with `gdalwarp -t_srs EPSG:HORIZONTAL+VERTICAL`; `--crs EPSG:n` says that both are \
-                 in one system, whatever they name",
-            ))
-        }
+        (VerticalDifference::Ellipsoid, SystemSaid::ByFiles) => Err(CombineError::TwoDatums(both).into()),
         (VerticalDifference::Datum | VerticalDifference::Ellipsoid, _) => {
             let text = format!("{both}: they are combined as they are; how far the two are apart is not known here");
             warnings.push(Warning::new(371, text));
             Ok(())
         }
     }
-}
-
-fn unnamed(without: &str, with: &str, known: &VerticalCrs) -> Warning {
-    let text =
-        format!("{without} does not say what its heights are above; {} is taken, as {with} says", known.in_words());
-    Warning::new(370, text)
 }

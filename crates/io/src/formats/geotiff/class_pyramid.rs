@@ -6,38 +6,10 @@ use std::io::Write;
 
 use tiff_core::Predictor;
 
+use super::image::{ClassImage, TiffLayout};
+use super::levels::{Level, TILE, compressed_tiles, is_last_level, level_tags, write_levels};
 use super::overview::{most_frequent, overview};
-use super::write::{Level, TILE, compressed_tiles, is_last_level, level_tags, write_levels};
-use super::{Bands, ClassColor, GeoTiffImage, TiffLayout};
 use crate::error::Result;
-use crate::raster::GeoRef;
-
-/// What a file of classes is, without its cells.
-#[derive(Debug, Clone, Copy)]
-pub struct ClassImage<'a> {
-    /// Where the cells lie.
-    pub georef: &'a GeoRef,
-    /// The value that means no data.
-    pub nodata: Option<f64>,
-    /// Colors of the classes.
-    pub palette: Option<&'a [ClassColor]>,
-    /// What the band is called.
-    pub name: &'a str,
-}
-
-impl<'a> ClassImage<'a> {
-    /// The same as an image, but for its cells.
-    pub(super) fn head(&self, metadata: &'a [(String, String)], layout: TiffLayout) -> GeoTiffImage<'a> {
-        GeoTiffImage {
-            georef: self.georef,
-            bands: Bands::Byte(vec![(self.name.to_string(), &[])]),
-            nodata: self.nodata,
-            palette: self.palette,
-            metadata,
-            layout,
-        }
-    }
-}
 
 /// The compressed tiles of all rows so far, at every resolution. Memory is theirs and that of a few hundred rows.
 #[derive(Debug, Default)]
@@ -134,43 +106,5 @@ impl ClassPyramid {
             })
         });
         write_levels(out, &levels.collect::<Result<Vec<_>>>()?, false)
-    }
-}
-
-/// Calls `check` with rows of classes, what they are, metadata, and the file that is made of them at once, for shapes of all
-/// kinds.
-#[cfg(test)]
-pub(super) fn for_files_of_classes(
-    layout: TiffLayout,
-    shapes: &[(usize, usize)],
-    check: impl Fn((usize, usize, &[u8]), &ClassImage<'_>, &[(String, String)], &[u8]),
-) {
-    for &(n_rows, n_cols) in shapes {
-        let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
-        let cells: Vec<u8> = (0..n_rows * n_cols).map(|k| [0, 1, 2, 255][k * k / 7 % 4]).collect();
-        let palette = [ClassColor { value: 1, name: "a".into(), rgba: [1, 2, 3, 255] }];
-        let class = ClassImage { georef: &georef, nodata: Some(255.0), palette: Some(&palette), name: "los" };
-        let metadata = [("SKYSHED".to_string(), "{}".to_string())];
-        let bands = Bands::Byte(vec![("los".to_string(), &cells)]);
-        let mut file = Vec::new();
-        super::write_geotiff(&mut file, &GeoTiffImage { bands, ..class.head(&metadata, layout) }).unwrap();
-        check((n_rows, n_cols, &cells), &class, &metadata, &file);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_file_of_rows_is_the_file_of_the_raster() {
-        let shapes = [(1, 1), (200, 300), (256, 256), (700, 1300), (1025, 40)];
-        for_files_of_classes(TiffLayout::Cog, &shapes, |(n_rows, n_cols, cells), class, metadata, expected| {
-            let mut pyramid = ClassPyramid::new((n_rows, n_cols));
-            cells.chunks(n_cols * 100).for_each(|rows| pyramid.push(rows).unwrap());
-            let mut found = Vec::new();
-            pyramid.write(&mut found, class, metadata).unwrap();
-            assert!(found == expected, "{n_rows}×{n_cols}");
-        });
     }
 }

@@ -6,7 +6,7 @@
 use geotiff_core::geokeys::{self, GeoKeyDirectory, GeoKeyValue};
 use tiff_core::{Tag, TagValue};
 
-use super::{ClassColor, GeoTiffImage};
+use super::image::{ClassColor, GeoTiffImage};
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, is_text};
 use crate::raster::{Crs, CrsKind};
@@ -32,9 +32,8 @@ pub(super) fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec
     ];
     // Without a reference system there are no keys at all: with any key GDAL makes up a local system.
     if let Some(crs) = georef.crs() {
-        let (keys, doubles, text) = geo_keys(crs)
-            .serialize()
-            .map_err(|cause| Error::internal(402, format!("cannot write the GeoKeys of a GeoTIFF: {cause}")))?;
+        let (keys, doubles, text) =
+            geo_keys(crs).serialize().map_err(|cause| Error::encode("the GeoKeys of a GeoTIFF", cause))?;
         tags.push(Tag::new(geotiff_core::tags::TAG_GEO_KEY_DIRECTORY, TagValue::Short(keys)));
         if !doubles.is_empty() {
             tags.push(Tag::new(geotiff_core::tags::TAG_GEO_DOUBLE_PARAMS, TagValue::Double(doubles)));

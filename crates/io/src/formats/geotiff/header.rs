@@ -9,7 +9,7 @@
 use tiff_reader::ByteOrder;
 
 use super::tags::{Directory, TiffSource, tag};
-use crate::error::Result;
+use crate::error::{Cause, Result};
 use crate::formats::sample::Sample;
 
 /// Largest decoded size of one compressed strip or tile \[bytes\].
@@ -104,8 +104,8 @@ impl Image {
     pub(super) fn parse(source: &mut TiffSource, directory: &Directory) -> Result<Image> {
         let image = Image::parse_any(source, directory)?;
         if image.sample == Sample::Bit {
-            let error = source.error(304, "1-bit samples are no heights, wanted integers or floats of 8 to 64 bits");
-            return Err(error.with_hint("rewrite it with `gdal_translate -ot Byte IN OUT`"));
+            let error = source.unsupported("1-bit samples are no heights, wanted integers or floats of 8 to 64 bits");
+            return Err(error.because(Cause::OneBit));
         }
         Ok(image)
     }
@@ -114,7 +114,7 @@ impl Image {
     pub(super) fn parse_mask(source: &mut TiffSource, directory: &Directory) -> Result<Image> {
         let image = Image::parse_any(source, directory)?;
         if !matches!(image.sample, Sample::Bit | Sample::U8) || image.n_bands != 1 {
-            return Err(source.error(304, "the mask is neither 1 nor 8 bits deep"));
+            return Err(source.unsupported("the mask is neither 1 nor 8 bits deep"));
         }
         Ok(image)
     }
@@ -124,13 +124,13 @@ impl Image {
         let n_rows = dimension(source, directory, tag::IMAGE_LENGTH, "height")?;
         let n_bands = match directory.integer(source, tag::SAMPLES_PER_PIXEL)?.unwrap_or(1) {
             n @ 1..=65_535 => n,
-            n => return Err(source.error(302, format!("{n} samples per cell, wanted 1 to 65535"))),
+            n => return Err(source.malformed(format!("{n} samples per cell, wanted 1 to 65535"))),
         };
         if let Some(extra) = directory.integers(source, tag::EXTRA_SAMPLES)?
             && extra.len() as u64 > n_bands
         {
             let text = format!("{} extra samples of only {n_bands} samples per cell", extra.len());
-            return Err(source.error(302, text));
+            return Err(source.malformed(text));
         }
         let sample = sample_type(source, directory, n_bands)?;
         let codec = codec(source, directory)?;
@@ -138,21 +138,19 @@ impl Image {
         let planar = match directory.integer(source, tag::PLANAR_CONFIGURATION)?.unwrap_or(1) {
             1 => false,
             2 => n_bands > 1,
-            other => return Err(source.error(302, format!("planar configuration `{other}`, wanted 1 or 2"))),
+            other => return Err(source.malformed(format!("planar configuration `{other}`, wanted 1 or 2"))),
         };
         let bits_reversed = match directory.integer(source, tag::FILL_ORDER)?.unwrap_or(1) {
             1 => false,
             2 => codec != Codec::Jpeg,
-            other => return Err(source.error(302, format!("fill order `{other}`, wanted 1 or 2"))),
+            other => return Err(source.malformed(format!("fill order `{other}`, wanted 1 or 2"))),
         };
         let jpeg_tables = match codec {
             Codec::Jpeg => {
                 // Several samples in one JPEG stream are a color picture, whose color space would need undoing.
                 if n_bands > 1 && !planar {
-                    let error = source.error(304, "a JPEG color picture, wanted one band of heights");
-                    return Err(
-                        error.with_hint("extract the band with `gdal_translate -b 1 -co COMPRESS=DEFLATE IN OUT`")
-                    );
+                    let error = source.unsupported("a JPEG color picture, wanted one band of heights");
+                    return Err(error.because(Cause::ColorJpeg));
                 }
                 directory
                     .integers(source, tag::JPEG_TABLES)?
@@ -167,14 +165,14 @@ impl Image {
         } else {
             // Writers put 2^32 - 1 where they mean all rows.
             match directory.integer(source, tag::ROWS_PER_STRIP)?.unwrap_or(n_rows) {
-                0 => return Err(source.error(302, "0 rows per strip, wanted at least 1")),
+                0 => return Err(source.malformed("0 rows per strip, wanted at least 1")),
                 rows => (rows.min(n_rows), n_cols),
             }
         };
         let dimensions = [n_rows, n_cols, n_bands, block_rows, block_cols].map(usize::try_from);
         let [Ok(n_rows), Ok(n_cols), Ok(n_bands), Ok(block_rows), Ok(block_cols)] = dimensions else {
             return Err(
-                source.error(302, format!("{n_cols} columns x {n_rows} rows are more than this machine can count"))
+                source.malformed(format!("{n_cols} columns x {n_rows} rows are more than this machine can count"))
             );
         };
         let mut image = Image {
@@ -239,7 +237,7 @@ impl Image {
         let planes = if self.planar { self.n_bands } else { 1 };
         let n_blocks = self.blocks_across() as u128 * self.blocks_down() as u128 * planes as u128;
         let Some(offsets) = directory.integers(source, offsets_tag)? else {
-            return Err(source.error(302, format!("no {kind}: tag {offsets_tag} is missing")));
+            return Err(source.malformed(format!("no {kind}: tag {offsets_tag} is missing")));
         };
         if (offsets.len() as u128) < n_blocks {
             let text = format!(
@@ -248,13 +246,13 @@ impl Image {
                 self.n_rows,
                 offsets.len()
             );
-            return Err(source.error(303, text).with_hint("the header is damaged: fetch the file again"));
+            return Err(source.truncated(text).because(Cause::DamagedHeader));
         }
         let counts = match directory.integers(source, counts_tag)? {
             Some(counts) if counts.len() as u128 >= n_blocks => counts,
             // Old writers leave the lengths out where they follow from the size of the picture.
             None if self.codec == Codec::None => vec![u64::MAX; offsets.len()],
-            _ => return Err(source.error(303, format!("the lengths of some {kind} are missing (tag {counts_tag})"))),
+            _ => return Err(source.truncated(format!("the lengths of some {kind} are missing (tag {counts_tag})"))),
         };
         // `offsets` holds at least `n_blocks` values, so the number fits.
         let n_blocks = usize::try_from(n_blocks).unwrap_or(usize::MAX);
@@ -281,17 +279,17 @@ impl Image {
         let (offset, count) = *block;
         if offset.checked_add(count).is_none_or(|end| end > len) {
             let text = format!("{name} ({count} bytes at byte {offset}) ends beyond the file of {len} bytes");
-            return Err(source.error(303, text).with_hint("the file is cut short or damaged: fetch it again"));
+            return Err(source.truncated(text).because(Cause::CutShort));
         }
         if self.codec.max_ratio().is_some_and(|ratio| count.saturating_mul(ratio) < needed) {
             let text = format!("{name} has {count} bytes ({}), which cannot hold {needed}", self.codec.name());
-            return Err(source.error(303, text).with_hint("the header is damaged: fetch the file again"));
+            return Err(source.truncated(text).because(Cause::DamagedHeader));
         }
         // Row by row is possible only without compression.
         if self.codec != Codec::None && needed > MAX_BLOCK_BYTES {
             let error =
-                source.error(304, format!("{name} decodes to {needed} bytes, at most {MAX_BLOCK_BYTES} can be held"));
-            return Err(error.with_hint("rewrite it with `gdal_translate -co TILED=YES -co COMPRESS=DEFLATE IN OUT`"));
+                source.unsupported(format!("{name} decodes to {needed} bytes, at most {MAX_BLOCK_BYTES} can be held"));
+            return Err(error.because(Cause::LargeBlock));
         }
         Ok(())
     }
@@ -300,8 +298,8 @@ impl Image {
 fn dimension(source: &mut TiffSource, directory: &Directory, tag: u16, name: &str) -> Result<u64> {
     match directory.integer(source, tag)? {
         Some(n) if n > 0 && n <= 1 << 32 => Ok(n),
-        Some(n) => Err(source.error(302, format!("{name} `{n}`, wanted 1 to 4294967296 cells"))),
-        None => Err(source.error(302, format!("no {name}: tag {tag} is missing"))),
+        Some(n) => Err(source.malformed(format!("{name} `{n}`, wanted 1 to 4294967296 cells"))),
+        None => Err(source.malformed(format!("no {name}: tag {tag} is missing"))),
     }
 }
 
@@ -314,7 +312,7 @@ fn sample_type(source: &mut TiffSource, directory: &Directory, n_bands: u64) -> 
     let bits = directory.integers(source, tag::BITS_PER_SAMPLE)?;
     let format = directory.integers(source, tag::SAMPLE_FORMAT)?;
     let (Some(bits), Some(format)) = (uniform(bits, 1), uniform(format, 1)) else {
-        return Err(source.error(304, format!("the {n_bands} bands have different sample types, wanted one")));
+        return Err(source.unsupported(format!("the {n_bands} bands have different sample types, wanted one")));
     };
     let sample = match (format, bits) {
         (1 | 4, 1) => Sample::Bit,
@@ -338,7 +336,7 @@ fn sample_type(source: &mut TiffSource, directory: &Directory, n_bands: u64) -> 
                 _ => "unknown",
             };
             let text = format!("{bits}-bit {kind} samples, wanted integers of 8 to 64 bits or floats of 16 to 64 bits");
-            return Err(source.error(304, text).with_hint("rewrite it with `gdal_translate -ot Float32 IN OUT`"));
+            return Err(source.unsupported(text).because(Cause::SampleType));
         }
     };
     Ok(sample)
@@ -355,8 +353,8 @@ fn codec(source: &mut TiffSource, directory: &Directory) -> Result<Codec> {
         50000 => return Ok(Codec::Zstd),
         34887 if source.byte_order() == ByteOrder::BigEndian => {
             // GDAL swaps the samples before it makes a blob of them, others do not; nothing in the file tells which.
-            let error = source.error(304, "LERC in a big-endian file, whose samples may be stored in either order");
-            return Err(error.with_hint("rewrite it with `gdal_translate -co COMPRESS=DEFLATE IN OUT`"));
+            let error = source.unsupported("LERC in a big-endian file, whose samples may be stored in either order");
+            return Err(error.because(Cause::Compression));
         }
         34887 => {
             let parameters = directory.integers(source, tag::LERC_PARAMETERS)?.unwrap_or_default();
@@ -375,8 +373,8 @@ fn codec(source: &mut TiffSource, directory: &Directory) -> Result<Codec> {
         _ => "unknown",
     };
     let wanted = "none, LZW, deflate, PackBits, Zstandard, LERC or JPEG";
-    let error = source.error(304, format!("unsupported compression `{code}` ({name}), wanted {wanted}"));
-    Err(error.with_hint("rewrite it with `gdal_translate -co COMPRESS=DEFLATE IN OUT`"))
+    let error = source.unsupported(format!("unsupported compression `{code}` ({name}), wanted {wanted}"));
+    Err(error.because(Cause::Compression))
 }
 
 fn predictor(source: &mut TiffSource, directory: &Directory, codec: Codec, sample: Sample) -> Result<Predictor> {
@@ -389,6 +387,6 @@ fn predictor(source: &mut TiffSource, directory: &Directory, codec: Codec, sampl
         1 => Ok(Predictor::None),
         2 if sample.bits() >= 8 => Ok(Predictor::Horizontal),
         3 if sample.is_float() => Ok(Predictor::FloatingPoint),
-        _ => Err(source.error(304, format!("unsupported predictor `{code}` for {} samples", sample.name()))),
+        _ => Err(source.unsupported(format!("unsupported predictor `{code}` for {} samples", sample.name()))),
     }
 }

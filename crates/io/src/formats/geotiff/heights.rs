@@ -1,21 +1,21 @@
 //! Heights straight onto the lattice, where a file stores them plainly.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 use tiff_reader::ByteOrder;
 
+use super::geo_tiff::GeoTiff;
 use super::header::Codec;
+use super::stored::turn_over;
 use super::tags::TiffSource;
-use super::{GeoTiff, turn_over};
 use crate::error::{Result, Warning};
-use crate::formats::file::{cannot_read, reserve_cells};
 use crate::formats::lattice_rows::put_on_lattice;
+use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::Voids;
+use crate::input::{Input, Reader, cannot_read};
 use crate::quantity::VOID;
 use crate::raster::{CELLS_PER_RUN, LargeVec, Raster, RowGroup, RowRuns};
 
@@ -50,14 +50,14 @@ impl GeoTiff {
         if !is_plain {
             return Ok(None);
         }
-        let (source, _) = TiffSource::open(&self.path)?;
+        let (source, _) = TiffSource::open(&self.input)?;
         if source.len() != self.len {
-            return Err(source.error(303, "the file has changed since it was opened"));
+            return Err(source.truncated("the file has changed since it was opened"));
         }
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
         let nodata = self.nodata.map(|nodata| nodata as f32);
         let rows = PlainRows {
-            path: &self.path,
+            input: &self.input,
             n_cols: image.n_cols,
             is_swapped: (source.byte_order() == ByteOrder::BigEndian) != cfg!(target_endian = "big"),
             nodata,
@@ -72,7 +72,7 @@ impl GeoTiff {
             }
         }
         // Who asks for all heights one by one gets them.
-        drop(reserve_cells::<i32>(&self.path, self.georef())?);
+        drop(reserve_cells::<i32>(&self.input, self.georef())?);
         let as_runs = if self.placement.south_up { None } else { rows.as_runs(&strips)? };
         let (cells, n_nodata) = match as_runs {
             Some(found) => found,
@@ -88,14 +88,14 @@ impl GeoTiff {
         let mut voids = Voids::new(self.nodata);
         voids.n_nodata = n_nodata;
         voids.n_heights = cells.len() as u64 - n_nodata;
-        voids.report(&self.path, warnings)?;
+        voids.report(&self.input, warnings)?;
         Ok(Some((Raster::new(self.georef().clone(), cells), n_nodata)))
     }
 }
 
 /// Rows of 32-bit floats in a file.
 struct PlainRows<'a> {
-    path: &'a Path,
+    input: &'a Input,
     n_cols: usize,
     is_swapped: bool,
     nodata: Option<f32>,
@@ -114,10 +114,10 @@ impl PlainRows<'_> {
     }
 
     /// Reads cells, as the bits of their floats, from an offset on; opens the file if it is not open.
-    fn read(&self, file: &mut Option<File>, offset: u64, cells: &mut [i32]) -> Result<()> {
-        let failed = |e: std::io::Error| cannot_read(self.path, &e);
+    fn read(&self, file: &mut Option<Reader>, offset: u64, cells: &mut [i32]) -> Result<()> {
+        let failed = |e: std::io::Error| cannot_read(self.input, &e);
         if file.is_none() {
-            *file = Some(File::open(self.path).map_err(failed)?);
+            *file = Some(self.input.open()?.0);
         }
         let Some(file) = file else { return Ok(()) };
         let bytes = bytemuck::cast_slice_mut(cells);
@@ -135,7 +135,7 @@ impl PlainRows<'_> {
         let rows_at_once = (READ_BYTES / (4 * n_cols)).max(ROWS_OF_RUNS);
         // One part alone tells most files that are not of runs.
         let is_given_up = AtomicBool::new(false);
-        let read = |(file, cells): &mut (Option<File>, Vec<i32>), (offset, n_rows): (u64, usize)| {
+        let read = |(file, cells): &mut (Option<Reader>, Vec<i32>), (offset, n_rows): (u64, usize)| {
             if is_given_up.load(Ordering::Relaxed) {
                 return Ok(None);
             }
@@ -174,7 +174,7 @@ impl PlainRows<'_> {
             parts.push((offset, part));
         }
         let (is_odd, n_nodata) = (AtomicBool::new(false), AtomicU64::new(0));
-        let read = |file: &mut Option<File>, (offset, cells): (u64, &mut [i32])| {
+        let read = |file: &mut Option<Reader>, (offset, cells): (u64, &mut [i32])| {
             if is_odd.load(Ordering::Relaxed) {
                 return Ok(());
             }

@@ -6,11 +6,11 @@
 use lerc_core::PixelData;
 
 use super::header::Image;
-use super::read::Block;
 use crate::formats::sample::Sample;
 
-/// Decodes one blob into samples in the byte order of the machine; the error says what was wrong.
-pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<Block, String> {
+/// Decodes one blob into samples in the byte order of the machine and, where it has a mask, a byte for each cell, 0 where
+/// it is void; the error says what was wrong.
+pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<(Vec<u8>, Option<Vec<u8>>), String> {
     let n_samples = image.samples_per_block_cell();
     let (cols, rows, depth) = declared_size(blob).ok_or("not a LERC blob of version 2 to 6")?;
     let wanted = [image.block_cols, n_rows, n_samples].map(|n| u32::try_from(n).ok());
@@ -44,7 +44,7 @@ pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<B
     {
         return Err("a LERC blob of another size than it declares".to_owned());
     }
-    Ok(Block { bytes, valid })
+    Ok((bytes, valid))
 }
 
 /// Columns, rows and samples per cell from the head of a LERC2 blob.

@@ -58,15 +58,3 @@ pub(super) fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
     let most = counts.iter().map(|c| c.1).max().unwrap_or(0);
     counts.iter().filter(|c| c.1 == most).map(|c| c.0).min().unwrap_or(first)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_most_frequent_class_wins_and_the_smaller_on_a_tie() {
-        let cells = [1, 1, 0, 2, 2, 1, 0, 2];
-        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (0, 2) }), 1);
-        assert_eq!(most_frequent(&cells, 4, Block { rows: (0, 2), cols: (2, 4) }), 0);
-    }
-}

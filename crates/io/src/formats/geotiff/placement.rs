@@ -5,12 +5,13 @@
 //! GDAL reads it.
 
 use std::io::Read;
-use std::path::Path;
 
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
-use crate::error::{Result, Warning};
+use crate::error::{Cause, Error, ReadFault, Result};
+use crate::formats::oddity::{Odd, Oddity};
+use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
 /// Meters in a foot and in a US survey foot.
@@ -51,52 +52,49 @@ pub(super) fn read_placement(
     source: &mut TiffSource,
     directory: &Directory,
     (n_rows, n_cols): (usize, usize),
-    warnings: &mut Vec<Warning>,
+    odd: &mut Vec<Oddity>,
 ) -> Result<Placement> {
-    let shown = source.path().display().to_string();
+    let name = source.input().clone();
+    let mut tell = |what| odd.push(Oddity::new(&name, what));
     let keys = GeoKeys::read(source, directory).unwrap_or_else(|error| {
-        warnings.push(Warning::new(326, format!("`{shown}` has damaged GeoKeys, which are ignored: {error}")));
+        tell(Odd::DamagedKeys(error.to_string()));
         GeoKeys::default()
     });
-    let mut affine = affine(source, directory, warnings)?;
+    let mut affine = affine(source, directory, &mut tell)?;
     if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
         // The tie point names the center of a cell.
         affine.c -= 0.5 * (affine.a + affine.b);
         affine.f -= 0.5 * (affine.d + affine.e);
     }
-    let affine = affine.or_else(|| world_file(source.path())).unwrap_or_else(|| {
-        let text = format!(
-            "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
-        );
-        warnings.push(Warning::new(327, text));
+    let affine = affine.or_else(|| world_file(source.input())).unwrap_or_else(|| {
+        tell(Odd::NoPlace);
         Affine { a: 1.0, b: 0.0, c: 0.0, d: 0.0, e: -1.0, f: n_rows as f64 }
     });
     let Affine { a, b, c, d, e, f } = affine;
     let irregular = || {
         let text =
             format!("cells of {a} x {e} at {c}, {f}, wanted finite numbers and cells that do not vanish beside them");
-        source.error(307, text).with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`")
+        Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::NoPlace)
     };
     if ![a, b, c, d, e, f].iter().all(|number| number.is_finite()) {
         return Err(irregular());
     }
-    let remedy = "resample it with `gdalwarp IN OUT`, which makes it north-up";
     let (shear_x, shear_y) = (b * n_rows as f64, d * n_cols as f64);
     if shear_x.abs() > MAX_SHEAR_CELLS * a.abs() || shear_y.abs() > MAX_SHEAR_CELLS * e.abs() {
         let angle = d.atan2(a).to_degrees();
-        let error = source.error(306, format!("its rows run {angle:.1} degrees off east, wanted a north-up raster"));
-        return Err(error.with_hint(remedy));
+        let what = format!("its rows run {angle:.1} degrees off east, wanted a north-up raster");
+        return Err(Error::read(source.input(), ReadFault::Rotated(what)));
     }
     if a < 0.0 {
-        let error = source.error(306, "its columns run from east to west, wanted a north-up raster");
-        return Err(error.with_hint(remedy));
+        let what = "its columns run from east to west, wanted a north-up raster".into();
+        return Err(Error::read(source.input(), ReadFault::Rotated(what)));
     }
     let south_up = e > 0.0;
     if south_up {
-        warnings.push(Warning::new(330, format!("`{shown}` has its southernmost row first: its rows are turned over")));
+        tell(Odd::SouthUp);
     }
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
-    let crs = crs(&keys, &shown, warnings);
+    let crs = crs(&keys, &mut tell);
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
     let vertical = vertical(&keys);
     // The unit of a system of the registry is part of it, and often not repeated.
@@ -106,16 +104,14 @@ pub(super) fn read_placement(
 }
 
 /// The affine map that the tags of the file give.
-fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<Warning>) -> Result<Option<Affine>> {
+fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(Odd)) -> Result<Option<Affine>> {
     let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
     let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
     let matrix = directory.floats(source, tag::MODEL_TRANSFORMATION)?;
     match (scale.as_deref(), tie_points.as_deref(), matrix.as_deref()) {
         (Some([width, height, ..]), Some([col, row, _, x, y, _, ..]), _) => {
             if *height < 0.0 {
-                let text =
-                    format!("`{}` has a negative cell height: read as positive, north up", source.path().display());
-                warnings.push(Warning::new(330, text));
+                tell(Odd::NegativeHeight);
             }
             let height = height.abs();
             Ok(Some(Affine { a: *width, b: 0.0, c: x - col * width, d: 0.0, e: -height, f: y + row * height }))
@@ -124,19 +120,19 @@ fn affine(source: &mut TiffSource, directory: &Directory, warnings: &mut Vec<War
         (None, None, None) => Ok(None),
         (None, Some(points), None) if points.len() >= 6 => {
             let text = format!("it is placed by {} ground control points, wanted a regular grid", points.len() / 6);
-            Err(source.error(307, text).with_hint("resample it with `gdalwarp IN OUT`"))
+            Err(Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::ControlPoints))
         }
         _ => {
-            let error = source.error(307, "the tags of its place are incomplete, wanted a tie point and a cell size");
-            Err(error.with_hint("set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`"))
+            let what = "the tags of its place are incomplete, wanted a tie point and a cell size".into();
+            Err(Error::read(source.input(), ReadFault::Irregular(what)).because(Cause::NoPlace))
         }
     }
 }
 
 /// The world file beside a raster that has no place of its own: six numbers, the last two the center of the first cell.
-fn world_file(path: &Path) -> Option<Affine> {
-    ["tfw", "TFW", "tifw", "wld"].iter().find_map(|extension| {
-        let (file, _) = super::super::file::open_file(&path.with_extension(extension)).ok()?;
+fn world_file(input: &Input) -> Option<Affine> {
+    ["tfw", "tifw", "wld"].iter().find_map(|extension| {
+        let (file, _) = input.beside(extension)?.open().ok()?;
         let mut text = String::new();
         file.take(4096).read_to_string(&mut text).ok()?;
         let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
@@ -146,21 +142,16 @@ fn world_file(path: &Path) -> Option<Affine> {
 }
 
 /// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
-fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
+fn crs(keys: &GeoKeys, tell: &mut impl FnMut(Odd)) -> Option<Crs> {
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
         (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
         (None, None, None) => {
-            let text =
-                format!("`{path}` names no coordinate reference system: local coordinates in meters are assumed");
-            warnings.push(Warning::new(325, text));
+            tell(Odd::NoCrs);
             return None;
         }
         (Some(model), _, _) => {
-            let text = format!(
-                "`{path}` has GeoTIFF model type `{model}`, neither projected nor geographic: local coordinates in meters are assumed"
-            );
-            warnings.push(Warning::new(325, text));
+            tell(Odd::ModelType(model));
             return None;
         }
     };
@@ -171,10 +162,7 @@ fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
         Some(code) if code != USER_DEFINED && code != 0 => match crs::from_epsg(u32::from(code)) {
             Ok(crs) => Some(crs),
             Err(error) => {
-                let text = format!(
-                    "`{path}` names a coordinate reference system that is not known ({error}): used by its name only"
-                );
-                warnings.push(Warning::new(326, text));
+                tell(Odd::CrsByName(error.to_string()));
                 named(&format!("EPSG:{code}"))
             }
         },
@@ -186,10 +174,7 @@ fn crs(keys: &GeoKeys, path: &str, warnings: &mut Vec<Warning>) -> Option<Crs> {
         },
     };
     if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
-        let text = format!(
-            "`{path}` is in web Mercator (EPSG:3857), whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
-        );
-        warnings.push(Warning::new(331, text));
+        tell(Odd::WebMercator);
     }
     crs
 }
@@ -225,7 +210,7 @@ impl GeoKeys {
         let doubles = directory.floats(source, tag::GEO_DOUBLE_PARAMS)?.unwrap_or_default();
         let texts = directory.text(source, tag::GEO_ASCII_PARAMS)?.unwrap_or_default();
         GeoKeys::parse(&table, &doubles, texts.as_bytes())
-            .ok_or_else(|| source.error(302, "a key points outside the GeoKey tables"))
+            .ok_or_else(|| source.malformed("a key points outside the GeoKey tables"))
     }
 
     /// `None` if the table is not of version 1 or points outside itself.

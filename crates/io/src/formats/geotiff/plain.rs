@@ -6,9 +6,8 @@ use std::io::{Cursor, Seek, SeekFrom, Write};
 use tiff_core::{ByteOrder, Predictor, Tag};
 use tiff_writer::encoder;
 
-use super::TiffLayout;
-use super::class_pyramid::ClassImage;
-use super::write::{Level, failed, level_tags, refused, rows_per_strip, tags_with_places};
+use super::image::{ClassImage, TiffLayout};
+use super::levels::{Level, failed, level_tags, refused, rows_per_strip, tags_with_places};
 use crate::error::Result;
 
 /// The most cells of a classic TIFF \[bytes\], of 4 GiB: the directory behind them fits into the last of these.
@@ -143,22 +142,5 @@ impl Seek for Beyond {
             from => from,
         };
         Ok(self.bytes.seek(to)? + self.start)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::class_pyramid::for_files_of_classes;
-    use super::*;
-
-    #[test]
-    fn a_plain_file_of_rows_is_the_file_of_the_raster() {
-        let shapes = [(1, 1), (3, 5), (200, 300), (9, 1025), (2, 9001)];
-        for_files_of_classes(TiffLayout::Plain, &shapes, |(n_rows, n_cols, cells), class, metadata, expected| {
-            assert_eq!(&expected[8..8 + cells.len()], cells);
-            let mut strips = ClassStrips::new(Vec::new(), (n_rows, n_cols)).unwrap();
-            cells.chunks(n_cols * 100).for_each(|rows| strips.push(rows).unwrap());
-            assert!(strips.finish(class, metadata).unwrap() == expected, "{n_rows}×{n_cols}");
-        });
     }
 }

@@ -14,7 +14,7 @@ use tiff_reader::{ByteOrder, filters};
 use super::header::{Codec, Image, LercInner, Predictor};
 use super::lerc::decode_lerc;
 use super::tags::TiffSource;
-use crate::error::Result;
+use crate::error::{Cause, Result};
 use crate::formats::sample::Sample;
 
 /// Decoded bytes to hold at a time, unless one row of blocks needs more.
@@ -54,10 +54,10 @@ pub(super) struct Samples<'a> {
 
 /// A decoded block, or the part of it that was asked for.
 #[derive(Debug, Default)]
-pub(super) struct Block {
-    pub(super) bytes: Vec<u8>,
+struct Block {
+    bytes: Vec<u8>,
     /// One byte per cell, 0 where the cell is void; only LERC has it.
-    pub(super) valid: Option<Vec<u8>>,
+    valid: Option<Vec<u8>>,
 }
 
 /// Rows of one row of blocks.
@@ -173,10 +173,8 @@ fn read_blocks(
         .into_iter()
         .map(|block| {
             block.map_err(|(index, text)| {
-                let error = source.error(303, format!("{}: {text}", image.block_name(index)));
-                error.with_hint(
-                    "the file is damaged: fetch it again, or see what GDAL makes of it with `gdalinfo -checksum`",
-                )
+                let error = source.truncated(format!("{}: {text}", image.block_name(index)));
+                error.because(Cause::DamagedBlock)
             })
         })
         .collect()
@@ -199,7 +197,7 @@ fn read_block(source: &mut TiffSource, image: &Image, index: usize, run: &RowRun
     let decoded = image.row_bytes().saturating_mul(n_rows as u64);
     if len > decoded.saturating_mul(4).saturating_add(PADDING_BYTES as u64) {
         let text = format!("{name} has {len} bytes ({}) for {decoded} bytes of cells", image.codec.name());
-        return Err(source.error(303, text).with_hint("the header is damaged: fetch the file again"));
+        return Err(source.truncated(text).because(Cause::DamagedHeader));
     }
     let stored = source.bytes(offset, len, &name)?;
     Ok(Some(Job { index, stored, n_rows }))
@@ -235,7 +233,8 @@ fn decode(image: &Image, byte_order: ByteOrder, job: Job) -> std::result::Result
                 LercInner::Zstd => unpack(50000)?,
                 LercInner::None => stored,
             };
-            return decode_lerc(image, &payload, n_rows);
+            let (bytes, valid) = decode_lerc(image, &payload, n_rows)?;
+            return Ok(Block { bytes, valid });
         }
     };
     if bytes.len() < needed {

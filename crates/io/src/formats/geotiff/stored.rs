@@ -1,31 +1,93 @@
-//! The cells of a band as the file has them, before anything is made of nodata, masks and missing blocks.
+//! The cells of a band: as the file has them, and as heights.
 
+use super::geo_tiff::{GeoTiff, Mask};
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
-use super::{GeoTiff, Mask};
-use crate::error::Result;
-use crate::formats::voids::Stored;
-use crate::raster::CellWindow;
+use crate::error::{Result, Warning};
+use crate::formats::oddity::{Odd, Oddity};
+use crate::formats::reserve::{check_cells, reserve_cells};
+use crate::formats::voids::{Stored, Voids};
+use crate::raster::{CellWindow, Raster};
 
 impl GeoTiff {
-    /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in the order of the file
-    /// (which may begin in the south); no number is scaled.
+    /// Reads a part of the first band; `convert` turns a stored height into what the raster holds.
+    ///
+    /// Cells that hold no height (nodata, NaN, infinite, hidden by a mask, missing in a sparse file) arrive in `convert`
+    /// as NaN. Heights are in the unit of the file, scaled where the file says so. `convert` is called once per cell,
+    /// row by row in the order of the file. Memory is that of the result and of one band of rows.
     ///
     /// # Errors
-    /// If the file cannot be read or decoded, has changed since it was opened, or has no such band.
+    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
+    ///
+    /// # Panics
+    /// If `window` is empty or reaches beyond the grid.
+    pub fn read<T: bytemuck::Pod>(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
+        if (1..self.n_bands()).any(|band| !is_alpha(band)) {
+            let of_all = if self.is_picture { Odd::Colors } else { Odd::Bands };
+            warnings.push(Oddity::new(&self.input, of_all(self.n_bands())).into());
+        }
+        self.read_band(0, window, warnings, convert)
+    }
+
+    /// Reads a part of one band, counted from 0, as [`GeoTiff::read`] does for the first.
+    ///
+    /// # Errors
+    /// As [`GeoTiff::read`], and if there is no such band.
+    ///
+    /// # Panics
+    /// If `window` is empty or reaches beyond the grid.
+    pub fn read_band<T: bytemuck::Pod>(
+        &self,
+        band: usize,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        mut convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        let georef = self.georef().part(window);
+        check_cells::<T>(&self.input, &georef)?;
+        if self.is_empty() {
+            // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
+            let mut voids = Voids::new(self.nodata);
+            voids.n_missing = georef.n_cells() as u64;
+            voids.report(&self.input, warnings)?;
+        }
+        let mut cells: Vec<T> = reserve_cells(&self.input, &georef)?;
+        let (scale, offset) = self.metadata.scaling(band);
+        let mut voids = Voids::new(self.nodata);
+        self.for_each_stored(band, window, |row, col, stored| {
+            cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
+        })?;
+        if (scale, offset) != (1.0, 0.0) {
+            warnings.push(Oddity::new(&self.input, Odd::Scaled(scale, offset)).into());
+        }
+        if self.placement.south_up {
+            turn_over(&mut cells, window.n_cols);
+        }
+        voids.report(&self.input, warnings)?;
+        Ok(Raster::new(georef, cells))
+    }
+
+    /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in the order of the file
+    /// (which may begin in the south); no number is scaled.
     pub(in crate::formats) fn for_each_stored(
         &self,
         band: usize,
         window: CellWindow,
         mut visit: impl FnMut(usize, usize, Stored),
     ) -> Result<()> {
-        let (mut source, _) = TiffSource::open(&self.path)?;
+        let (mut source, _) = TiffSource::open(&self.input)?;
         if band >= self.n_bands() {
             let text = format!("band {} of {}, wanted at most the last", band + 1, self.n_bands());
-            return Err(source.error(302, text));
+            return Err(source.malformed(text));
         }
         if source.len() != self.len {
-            return Err(source.error(303, "the file has changed since it was opened"));
+            return Err(source.truncated("the file has changed since it was opened"));
         }
         let south_up = self.placement.south_up;
         let first_row = if south_up { self.image.n_rows - window.row - window.n_rows } else { window.row };
@@ -67,6 +129,15 @@ impl GeoTiff {
             Some(samples) => samples.for_each(image.sample, span.n_cells, |_, value| hidden.push(value <= 0.0)),
         })?;
         Ok(Some(hidden))
+    }
+}
+
+/// Turns the order of rows over.
+pub(super) fn turn_over<T>(cells: &mut [T], n_cols: usize) {
+    let n_rows = cells.len() / n_cols;
+    for row in 0..n_rows / 2 {
+        let (north, south) = cells.split_at_mut((n_rows - 1 - row) * n_cols);
+        north[row * n_cols..(row + 1) * n_cols].swap_with_slice(&mut south[..n_cols]);
     }
 }
 

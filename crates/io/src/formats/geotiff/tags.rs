@@ -5,46 +5,33 @@
 //! Reference: TIFF 6.0 (1992) section 2, and the BigTIFF extension.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
 
 use tiff_reader::ByteOrder;
 
-use super::super::file::open_file;
-use crate::error::{Error, Result, io_words};
+use crate::error::{Cause, Error, ReadFault, Result, io_words};
+use crate::input::{Input, Reader};
 
 /// Tags that are read by number: the baseline ones, GDAL's and those of GeoTIFF.
 pub(super) mod tag {
-    pub(crate) const NEW_SUBFILE_TYPE: u16 = 254;
-    pub(crate) const IMAGE_WIDTH: u16 = 256;
-    pub(crate) const IMAGE_LENGTH: u16 = 257;
-    pub(crate) const BITS_PER_SAMPLE: u16 = 258;
-    pub(crate) const COMPRESSION: u16 = 259;
-    pub(crate) const PHOTOMETRIC: u16 = 262;
-    pub(crate) const FILL_ORDER: u16 = 266;
-    pub(crate) const STRIP_OFFSETS: u16 = 273;
-    pub(crate) const SAMPLES_PER_PIXEL: u16 = 277;
-    pub(crate) const ROWS_PER_STRIP: u16 = 278;
-    pub(crate) const STRIP_BYTE_COUNTS: u16 = 279;
-    pub(crate) const PLANAR_CONFIGURATION: u16 = 284;
-    pub(crate) const PREDICTOR: u16 = 317;
-    pub(crate) const TILE_WIDTH: u16 = 322;
-    pub(crate) const TILE_LENGTH: u16 = 323;
-    pub(crate) const TILE_OFFSETS: u16 = 324;
-    pub(crate) const TILE_BYTE_COUNTS: u16 = 325;
-    pub(crate) const EXTRA_SAMPLES: u16 = 338;
-    pub(crate) const SAMPLE_FORMAT: u16 = 339;
-    pub(crate) const JPEG_TABLES: u16 = 347;
-    pub(crate) const MODEL_PIXEL_SCALE: u16 = 33550;
-    pub(crate) const MODEL_TIE_POINT: u16 = 33922;
-    pub(crate) const MODEL_TRANSFORMATION: u16 = 34264;
-    pub(crate) const GEO_KEY_DIRECTORY: u16 = 34735;
-    pub(crate) const GEO_DOUBLE_PARAMS: u16 = 34736;
-    pub(crate) const GEO_ASCII_PARAMS: u16 = 34737;
+    pub(crate) use geotiff_core::tags::{
+        TAG_GDAL_NODATA as GDAL_NODATA, TAG_GEO_ASCII_PARAMS as GEO_ASCII_PARAMS,
+        TAG_GEO_DOUBLE_PARAMS as GEO_DOUBLE_PARAMS, TAG_GEO_KEY_DIRECTORY as GEO_KEY_DIRECTORY,
+        TAG_MODEL_PIXEL_SCALE as MODEL_PIXEL_SCALE, TAG_MODEL_TIEPOINT as MODEL_TIE_POINT,
+        TAG_MODEL_TRANSFORMATION as MODEL_TRANSFORMATION,
+    };
+    pub(crate) use tiff_core::{
+        TAG_BITS_PER_SAMPLE as BITS_PER_SAMPLE, TAG_COMPRESSION as COMPRESSION, TAG_EXTRA_SAMPLES as EXTRA_SAMPLES,
+        TAG_FILL_ORDER as FILL_ORDER, TAG_IMAGE_LENGTH as IMAGE_LENGTH, TAG_IMAGE_WIDTH as IMAGE_WIDTH,
+        TAG_JPEG_TABLES as JPEG_TABLES, TAG_LERC_PARAMETERS as LERC_PARAMETERS,
+        TAG_NEW_SUBFILE_TYPE as NEW_SUBFILE_TYPE, TAG_PHOTOMETRIC_INTERPRETATION as PHOTOMETRIC,
+        TAG_PLANAR_CONFIGURATION as PLANAR_CONFIGURATION, TAG_PREDICTOR as PREDICTOR,
+        TAG_ROWS_PER_STRIP as ROWS_PER_STRIP, TAG_SAMPLE_FORMAT as SAMPLE_FORMAT,
+        TAG_SAMPLES_PER_PIXEL as SAMPLES_PER_PIXEL, TAG_STRIP_BYTE_COUNTS as STRIP_BYTE_COUNTS,
+        TAG_STRIP_OFFSETS as STRIP_OFFSETS, TAG_TILE_BYTE_COUNTS as TILE_BYTE_COUNTS, TAG_TILE_LENGTH as TILE_LENGTH,
+        TAG_TILE_OFFSETS as TILE_OFFSETS, TAG_TILE_WIDTH as TILE_WIDTH,
+    };
     pub(crate) const GDAL_METADATA: u16 = 42112;
-    pub(crate) const GDAL_NODATA: u16 = 42113;
-    pub(crate) const LERC_PARAMETERS: u16 = 50674;
 }
 
 /// Largest text that a tag may hold \[bytes\]; color tables, profiles and the like are never read.
@@ -53,8 +40,8 @@ const MAX_TEXT_BYTES: u64 = 64 << 20;
 /// A TIFF file open for random access, with its byte order and pointer size.
 #[derive(Debug)]
 pub(super) struct TiffSource {
-    file: File,
-    path: PathBuf,
+    file: Reader,
+    input: Input,
     len: u64,
     big_tiff: bool,
     byte_order: ByteOrder,
@@ -62,18 +49,18 @@ pub(super) struct TiffSource {
 
 impl TiffSource {
     /// Opens the file and reads its first bytes; returns it with the place of its first directory.
-    pub(super) fn open(path: &Path) -> Result<(TiffSource, u64)> {
-        let (file, len) = open_file(path)?;
-        let path = path.to_owned();
-        let mut source = TiffSource { file, path, len, big_tiff: false, byte_order: ByteOrder::LittleEndian };
+    pub(super) fn open(input: &Input) -> Result<(TiffSource, u64)> {
+        let (file, len) = input.open()?;
+        let mut source =
+            TiffSource { file, input: input.clone(), len, big_tiff: false, byte_order: ByteOrder::LittleEndian };
         if len < 8 {
-            return Err(source.error(303, format!("the file has {len} bytes, a TIFF header has at least 8")));
+            return Err(source.truncated(format!("the file has {len} bytes, a TIFF header has at least 8")));
         }
         let head = source.bytes(0, 8, "the header")?;
         source.byte_order = match &head[..2] {
             b"II" => ByteOrder::LittleEndian,
             b"MM" => ByteOrder::BigEndian,
-            _ => return Err(source.error(302, "the file does not start like a TIFF (`II` or `MM`)")),
+            _ => return Err(source.malformed("the file does not start like a TIFF (`II` or `MM`)")),
         };
         match source.u16(&head[2..4]) {
             42 => {
@@ -86,17 +73,27 @@ impl TiffSource {
                 let first = source.u64(&head);
                 Ok((source, first))
             }
-            version => Err(source.error(302, format!("TIFF version `{version}`, wanted 42 or 43 (BigTIFF)"))),
+            version => Err(source.malformed(format!("TIFF version `{version}`, wanted 42 or 43 (BigTIFF)"))),
         }
     }
 
-    /// An error about this file: what was found, on one line that names the path.
-    pub(super) fn error(&self, code: u16, text: impl AsRef<str>) -> Error {
-        Error::file(code, format!("cannot read `{}`: {}", self.path.display(), text.as_ref()))
+    /// E302.
+    pub(super) fn malformed(&self, what: impl Into<String>) -> Error {
+        Error::malformed(&self.input, what)
     }
 
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    /// E303.
+    pub(super) fn truncated(&self, what: impl Into<String>) -> Error {
+        Error::truncated(&self.input, what)
+    }
+
+    /// E304.
+    pub(super) fn unsupported(&self, what: impl Into<String>) -> Error {
+        Error::unsupported(&self.input, what)
+    }
+
+    pub(super) fn input(&self) -> &Input {
+        &self.input
     }
 
     /// Length of the file \[bytes\].
@@ -113,13 +110,13 @@ impl TiffSource {
         let end = offset.checked_add(len).filter(|end| *end <= self.len);
         let (Some(_), Ok(n_bytes)) = (end, usize::try_from(len)) else {
             let text = format!("{what} ({len} bytes at byte {offset}) ends beyond the file of {} bytes", self.len);
-            return Err(self.error(303, text).with_hint("the file is cut short or damaged: fetch it again"));
+            return Err(self.truncated(text).because(Cause::CutShort));
         };
         let mut bytes = vec![0; n_bytes];
         self.file
             .seek(SeekFrom::Start(offset))
             .and_then(|_| self.file.read_exact(&mut bytes))
-            .map_err(|e| self.error(301, format!("{what}: {}", io_words(&e))))?;
+            .map_err(|e| Error::read(&self.input, ReadFault::CannotOpen(format!("{what}: {}", io_words(&e)))))?;
         Ok(bytes)
     }
 
@@ -153,7 +150,7 @@ impl TiffSource {
         let head = self.bytes(offset, count_len, "the image directory")?;
         let n_entries = if self.big_tiff { self.u64(&head) } else { u64::from(self.u16(&head)) };
         if n_entries == 0 || n_entries > 65_535 {
-            return Err(self.error(302, format!("the image directory has {n_entries} tags, wanted 1 to 65535")));
+            return Err(self.malformed(format!("the image directory has {n_entries} tags, wanted 1 to 65535")));
         }
         let entries_at = offset + count_len;
         let table = self.bytes(entries_at, n_entries * entry_len, "the image directory")?;
@@ -219,7 +216,7 @@ impl Directory {
         let Some(&Entry { kind, count, value_at }) = self.entries.get(&tag) else { return Ok(None) };
         let Some(len) = count.checked_mul(kind_len(kind)).filter(|len| *len > 0) else {
             let text = format!("tag {tag} holds {count} values of field type `{kind}`, which cannot be read");
-            return Err(source.error(302, text));
+            return Err(source.malformed(text));
         };
         Ok(Some((kind, source.bytes(value_at, len, &format!("tag {tag}"))?)))
     }
@@ -234,7 +231,7 @@ impl Directory {
             16 | 18 => bytes.chunks_exact(8).map(|b| source.u64(b)).collect(),
             _ => {
                 let text = format!("tag {tag} has field type `{kind}`, wanted an unsigned integer");
-                return Err(source.error(302, text));
+                return Err(source.malformed(text));
             }
         };
         Ok(Some(values))
@@ -247,7 +244,7 @@ impl Directory {
             Some([value]) => Ok(Some(*value)),
             Some(values) => {
                 let text = format!("tag {tag} holds {} values, wanted one", values.len());
-                Err(source.error(302, text))
+                Err(source.malformed(text))
             }
         }
     }
@@ -258,14 +255,14 @@ impl Directory {
         match kind {
             11 => Ok(Some(bytes.chunks_exact(4).map(|b| f64::from(f32::from_bits(source.u32(b)))).collect())),
             12 => Ok(Some(bytes.chunks_exact(8).map(|b| f64::from_bits(source.u64(b))).collect())),
-            _ => Err(source.error(302, format!("tag {tag} has field type `{kind}`, wanted floating point"))),
+            _ => Err(source.malformed(format!("tag {tag} has field type `{kind}`, wanted floating point"))),
         }
     }
 
     /// The text of an ASCII tag up to its first NUL.
     pub(super) fn text(&self, source: &mut TiffSource, tag: u16) -> Result<Option<String>> {
         if self.entries.get(&tag).is_some_and(|e| e.count > MAX_TEXT_BYTES) {
-            return Err(source.error(302, format!("tag {tag} is a text of more than {MAX_TEXT_BYTES} bytes")));
+            return Err(source.malformed(format!("tag {tag} is a text of more than {MAX_TEXT_BYTES} bytes")));
         }
         let Some((_, bytes)) = self.raw(source, tag)? else { return Ok(None) };
         let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());

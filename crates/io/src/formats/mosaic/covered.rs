@@ -1,6 +1,26 @@
-//! How many cells lie in at least one of many rectangles: Klee's measure in the plane.
+//! Which cells a tile covers, and how many cells lie in at least one of many rectangles: Klee's measure in the plane.
 
 use crate::raster::CellWindow;
+
+/// The cells of a grid of `n_rows` × `n_cols` that a tile covers which begins at row and column `origin`; `None` if it lies
+/// outside. `bounds` is a rectangle of the grid that it is cut to, first and end row and column.
+pub(super) fn covered_area(
+    (n_rows, n_cols): (usize, usize),
+    (tile_rows, tile_cols): (usize, usize),
+    origin: (i64, i64),
+    bounds: Option<[i64; 4]>,
+) -> Option<CellWindow> {
+    let range = |n: usize, origin: i64, n_tile: usize, bounds: Option<(i64, i64)>| {
+        let (least, most) = bounds.unwrap_or((i64::MIN, i64::MAX));
+        let start = i128::from(origin).max(i128::from(least)).max(0);
+        let end = (i128::from(origin) + n_tile as i128).min(i128::from(most)).min(n as i128);
+        let (start, length) = (usize::try_from(start).ok()?, usize::try_from(end - start).ok()?);
+        (length > 0).then_some((start, length))
+    };
+    let (row, rows) = range(n_rows, origin.0, tile_rows, bounds.map(|[first, end, ..]| (first, end)))?;
+    let (col, cols) = range(n_cols, origin.1, tile_cols, bounds.map(|[_, _, first, end]| (first, end)))?;
+    Some(CellWindow { row, col, n_rows: rows, n_cols: cols })
+}
 
 /// Number of cells that at least one window covers.
 ///
@@ -87,15 +107,6 @@ mod tests {
 
     fn window(row: usize, col: usize, n_rows: usize, n_cols: usize) -> CellWindow {
         CellWindow { row, col, n_rows, n_cols }
-    }
-
-    #[test]
-    fn cells_are_counted_once() {
-        assert_eq!(n_covered_cells(&[]), 0);
-        assert_eq!(n_covered_cells(&[window(2, 3, 4, 5)]), 20);
-        // Two that overlap in 2 × 1 cells, one inside of another, one far off.
-        let windows = [window(0, 0, 4, 4), window(2, 3, 4, 5), window(3, 4, 1, 1), window(1 << 30, 1 << 30, 10, 10)];
-        assert_eq!(n_covered_cells(&windows), 16 + 20 - 2 + 100);
     }
 
     #[test]

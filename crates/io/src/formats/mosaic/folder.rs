@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
-use super::covered::n_covered_cells;
+use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
-use super::placed::covered_area;
-use super::tile::{Header, read_headers, told_once};
-use super::{Kind, MAX_SIDE, Mosaic, Nesting, Piece};
-use crate::error::{Error, Result, Warning};
-use crate::formats::cannot_read;
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
+use crate::error::{Cause, Error, Pair, ReadFault, Result, Wanted, two_crs};
+use crate::formats::oddity::{Odd, Oddity, each_once};
+use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
 /// How far the grids of two tiles may be apart \[cells\].
@@ -18,21 +17,23 @@ const MAX_SHIFT_CELLS: f64 = 1e-3;
 impl Mosaic {
     /// Opens a folder of tiles and reads their headers, no cell.
     ///
-    /// # Errors
-    /// If the folder cannot be read or holds no raster, a tile cannot be opened, or two of them differ in cell size, grid,
-    /// reference system or unit of height: the error names them.
-    pub fn open_folder(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mosaic> {
+    /// `open` reads the header of a tile of any format.
+    pub(in crate::formats) fn open_folder(
+        path: &Path,
+        open: fn(&Path, Nesting<'_>) -> Result<Header>,
+        odd: &mut Vec<Oddity>,
+    ) -> Result<Mosaic> {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
-        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened })?;
-        warnings.extend(told_once(headers.iter_mut(), &[]));
-        warn_of_bands(path, &headers, warnings);
+        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened, open })?;
+        odd.extend(each_once(headers.iter_mut().flat_map(|header| header.odd.drain(..))));
+        tell_of_bands(path, &headers, odd);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // What has no CRS is taken to be in that of the others.
         let named = headers.iter().find(|header| header.georef.crs().is_some());
         for other in &headers[1..] {
             if let Some(named) = named {
-                refuse_other_crs(path, named, other)?;
+                refuse_other_crs(named, other)?;
             }
             refuse_other_grid(path, first, other)?;
         }
@@ -43,7 +44,12 @@ impl Mosaic {
             let (col, row) = cells_from(&headers[0].georef, &header.georef);
             #[expect(clippy::cast_possible_truncation, reason = "within the checked size of the mosaic")]
             let (row, col) = ((row - first_row).round() as i64, (col - first_col).round() as i64);
-            let area = covered_area((georef.n_rows(), georef.n_cols()), &header.tile, (row, col), None)?;
+            let area = covered_area(
+                (georef.n_rows(), georef.n_cols()),
+                (header.tile.n_rows, header.tile.n_cols),
+                (row, col),
+                None,
+            )?;
             Some(Piece { tile: k, band: 0, row, col, area, rule: Rule::Heights })
         };
         let pieces: Vec<Piece> = headers.iter().enumerate().filter_map(place).collect();
@@ -67,7 +73,7 @@ impl Mosaic {
 
 /// The rasters in a folder, sorted by name.
 fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |e: std::io::Error| cannot_read(folder, &e);
+    let failed = |e: std::io::Error| cannot_read(&folder.into(), &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
@@ -84,8 +90,7 @@ fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 fn no_tiles(folder: &Path) -> Error {
-    let text = format!("cannot read `{}`: a folder without .tif, .tiff or .asc files, wanted tiles", folder.display());
-    Error::file(308, text).with_hint("folders in it are not looked into: name the one that holds the tiles")
+    Error::read(folder.display(), ReadFault::Nothing(Wanted::Tiles))
 }
 
 /// West and north edge of a grid in cells of another one, east and south of its north-west corner.
@@ -96,23 +101,11 @@ fn cells_from(reference: &GeoRef, grid: &GeoRef) -> (f64, f64) {
     )
 }
 
-/// The refusal of two tiles that do not belong together.
-fn refusal(folder: &Path, (first, other): (&Header, &Header), code: u16, (found, wanted): (&str, &str)) -> Error {
-    let text = format!(
-        "cannot put `{}` together: `{}` and `{}` {found}, wanted {wanted}",
-        folder.display(),
-        first.tile.path.display(),
-        other.tile.path.display()
-    );
-    Error::file(code, text)
-}
-
-fn refuse_other_crs(folder: &Path, first: &Header, other: &Header) -> Result<()> {
+fn refuse_other_crs(first: &Header, other: &Header) -> Result<()> {
     match (first.georef.crs(), other.georef.crs()) {
         (Some(a), Some(b)) if !a.same_as(b) => {
-            let found = format!("are in {} and {}", a.label(), b.label());
-            let hint = format!("gdalwarp -t_srs {} {} tile_reprojected.tif", a.label(), other.tile.path.display());
-            Err(refusal(folder, (first, other), 311, (&found, "one CRS")).with_hint(hint))
+            let [one, two] = [first, other].map(|header| header.tile.path.display());
+            Err(two_crs((one, a), (two, b), Pair::Tiles))
         }
         _ => Ok(()),
     }
@@ -122,8 +115,9 @@ fn refuse_other_crs(folder: &Path, first: &Header, other: &Header) -> Result<()>
 fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()> {
     let (one, two) = (&first.georef, &other.georef);
     let refuse = |found: String, wanted: &str| {
-        let hint = "`gdalbuildvrt ALL.vrt FILE …`, then `gdal_translate ALL.vrt ALL.tif`, brings them onto one grid";
-        Err(refusal(folder, (first, other), 307, (&found, wanted)).with_hint(hint))
+        let [a, b] = [first, other].map(|header| header.tile.path.display());
+        let what = format!("its tiles `{a}` and `{b}` {found}, wanted {wanted}");
+        Err(Error::read(folder.display(), ReadFault::Irregular(what)).because(Cause::OtherGrid))
     };
     let drift = |a: f64, b: f64, n: usize| (a - b).abs() * n as f64 > MAX_SHIFT_CELLS * a;
     if drift(one.cell_width(), two.cell_width(), two.n_cols())
@@ -157,11 +151,8 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     let (width, height) = (first.cell_width(), first.cell_height());
     let (n_cols, n_rows) = (((x_max - x_min) / width).round(), ((y_max - y_min) / height).round());
     let too_far = || {
-        let text = format!(
-            "cannot put `{}` together: its tiles lie in {n_cols} columns x {n_rows} rows, wanted at most {MAX_SIDE} a side",
-            folder.display()
-        );
-        Error::limit(501, text).with_hint("is there a tile of another place in the folder?")
+        let what = format!("its tiles lie in {n_cols} columns x {n_rows} rows, wanted at most {MAX_SIDE} a side");
+        Error::read(folder.display(), ReadFault::Memory(what)).because(Cause::FarTile)
     };
     if !(n_cols <= MAX_SIDE && n_rows <= MAX_SIDE) {
         return Err(too_far());
@@ -172,24 +163,13 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     GeoRef::new((x_min, y_max), (width, height), shape, crs.cloned()).ok_or_else(too_far)
 }
 
-/// Warns of tiles with several bands, and of scaled ones, which are read as single files are.
-fn warn_of_bands(folder: &Path, headers: &[Header], warnings: &mut Vec<Warning>) {
+/// Tells of tiles with several bands, and of scaled ones, which are read as single files are.
+fn tell_of_bands(folder: &Path, headers: &[Header], odd: &mut Vec<Oddity>) {
+    let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
     if let Some(header) = headers.iter().find(|header| header.n_bands > 1) {
-        let text = format!(
-            "tiles of `{}` have several bands (`{}` has {}): the first is read as heights",
-            folder.display(),
-            header.tile.path.display(),
-            header.n_bands
-        );
-        warnings.push(Warning::new(323, text));
+        tell(Odd::TileBands(header.tile.path.display().to_string(), header.n_bands));
     }
-    if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.scaling != (1.0, 0.0)) {
-        let (scale, offset) = tile.scaling;
-        let text = format!(
-            "tiles of `{}` store their heights scaled (`{}`: multiplied by {scale}, then {offset} added)",
-            folder.display(),
-            tile.path.display()
-        );
-        warnings.push(Warning::new(333, text));
+    if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
+        tell(Odd::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));
     }
 }

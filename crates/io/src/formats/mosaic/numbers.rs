@@ -1,6 +1,5 @@
 //! What becomes of a stored number on its way from a tile into a mosaic.
 
-use super::tile::Tile;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, is_nodata};
 
@@ -51,6 +50,15 @@ impl Sample {
     }
 }
 
+/// What the stored numbers of a tile mean.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::formats) struct TileNumbers {
+    /// The declared nodata value.
+    pub(in crate::formats) nodata: Option<f64>,
+    /// Factor and summand that turn the numbers of the first band into heights.
+    pub(in crate::formats) scaling: (f64, f64),
+}
+
 /// Which cells of a tile count, and as what.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
@@ -66,7 +74,7 @@ pub(super) enum Rule {
 impl Rule {
     /// The mosaic's number for a cell of a tile; `None` leaves what earlier tiles put there.
     #[inline]
-    pub(super) fn number(&self, tile: &Tile, stored: Stored) -> Option<f64> {
+    pub(super) fn number(&self, tile: TileNumbers, stored: Stored) -> Option<f64> {
         // What GDAL reads where a file stores nothing.
         let as_read = || match stored {
             Stored::Number(number) | Stored::Hidden(number) => number,

@@ -5,27 +5,26 @@
 //! pansharpened rasters, look-up tables, averages, kernels and sources of another cell size.
 
 use std::collections::HashMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::covered::n_covered_cells;
-use super::tile::{Header, read_headers, told_once};
+use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
 use super::vrt_source::Source;
-use super::{Kind, MAX_DEPTH, MAX_SIDE, Mosaic, Nesting, Piece};
+use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
-use crate::error::{Error, Result, Warning};
-use crate::formats::cannot_read;
-use crate::formats::file::open_file;
+use crate::error::{Cause, Error, Pair, ReadFault, Result, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
+use crate::formats::oddity::{Odd, Oddity, each_once};
 use crate::formats::sample::Sample;
+use crate::input::cannot_read;
 use crate::raster::GeoRef;
 
-/// Longest XML \[bytes\]: that of some hundred thousand sources.
-const MAX_XML_BYTES: u64 = 256 << 20;
+/// Most virtual rasters inside of each other.
+const MAX_DEPTH: usize = 4;
 /// Most sources of virtual rasters that are in others.
 const MOST_NESTED_FILES: usize = 10_000;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
@@ -48,43 +47,31 @@ impl Mosaic {
     /// Opens a virtual raster and reads the headers of its tiles, no cell.
     ///
     /// `nesting` is that of the file.
-    ///
-    /// # Errors
-    /// If the file is no XML of a virtual raster, or one that resamples or computes; if a tile cannot be opened, is of
-    /// another size or in another reference system than the virtual raster says, or is the virtual raster itself.
-    pub(in crate::formats) fn open_vrt(
-        path: &Path,
-        nesting: Nesting<'_>,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Mosaic> {
-        let this = std::fs::canonicalize(path).map_err(|e| cannot_read(path, &e))?;
-        let Nesting { ancestors, n_opened } = nesting;
+    pub(in crate::formats) fn open_vrt(path: &Path, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<Mosaic> {
+        let this = std::fs::canonicalize(path).map_err(|e| cannot_read(&path.into(), &e))?;
+        let Nesting { ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
-            let text = format!("cannot read `{}`: it is a source of itself, wanted rasters", path.display());
-            return Err(Error::file(302, text));
+            return Err(Error::malformed(path.display(), "it is a source of itself, wanted rasters"));
         }
         if ancestors.len() >= MAX_DEPTH {
-            let text =
-                format!("cannot read `{}`: virtual rasters in each other more than {MAX_DEPTH} deep", path.display());
-            return Err(Error::file(304, text).with_hint(translate_hint(path)));
+            let what = format!("virtual rasters in each other more than {MAX_DEPTH} deep");
+            return Err(Error::unsupported(path.display(), what).because(Cause::ForGdal));
         }
         let ancestors: Vec<PathBuf> = ancestors.iter().cloned().chain([this]).collect();
         let xml = read_xml(path)?;
-        let described = describe(path, &xml, warnings)?;
+        let described = describe(path, &xml, odd)?;
         let (paths, tile_of) = distinct(&described.sources);
         // A file that many name which many name is opened for each.
         let is_nested = ancestors.len() > 1;
         if is_nested && n_opened.fetch_add(paths.len(), Ordering::Relaxed) + paths.len() > MOST_NESTED_FILES {
-            let text = format!(
-                "cannot read `{}`: virtual rasters in each other with more than {MOST_NESTED_FILES} sources",
-                path.display()
-            );
-            return Err(Error::limit(502, text).with_hint(translate_hint(path)));
+            let what = format!("virtual rasters in each other with more than {MOST_NESTED_FILES} sources");
+            return Err(Error::read(path.display(), ReadFault::TooMany(what)).because(Cause::ForGdal));
         }
-        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, n_opened })
+        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
-        warnings.extend(told_once(headers.iter_mut(), &["W325", "W326", "W327", "W331", "W332"]));
+        let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
+        odd.extend(each_once(of_tiles.filter(|oddity| !oddity.odd.is_of_place())));
         for header in &headers {
             refuse_other_crs(path, &described.georef, header)?;
         }
@@ -107,8 +94,7 @@ impl Mosaic {
         let of_tiles = || headers.iter().find_map(|header| header.meters_per_height_unit);
         let unit = described.meters_per_height_unit.or_else(of_tiles);
         if let Some(unit) = unit.filter(|unit| (unit - 1.0).abs() > 1e-9) {
-            let text = format!("`{}` gives its heights in units of {unit} m; scenes convert them", path.display());
-            warnings.push(Warning::new(332, text));
+            odd.push(Oddity::new(path.display(), Odd::Unit(unit)));
         }
         let vertical = headers.iter().find_map(|header| header.vertical.clone());
         Ok(Mosaic {
@@ -125,11 +111,6 @@ impl Mosaic {
             n_gaps,
         })
     }
-}
-
-/// The way out where GDAL can do what is not done here.
-pub(super) fn translate_hint(path: &Path) -> String {
-    format!("let GDAL make one raster of it: `gdal_translate {} OUT.tif`", path.display())
 }
 
 /// The paths of the sources, each once, and the index of that of each source.
@@ -151,131 +132,20 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     if !contradicts(wanted, found) {
         return Ok(());
     }
-    let tile = header.tile.path.display();
-    let text = format!(
-        "cannot read `{}`: it is in {}, its source `{tile}` in {}, wanted one CRS",
-        path.display(),
-        wanted.label(),
-        found.label()
-    );
-    Err(Error::file(311, text).with_hint(format!("gdalwarp -t_srs {} {tile} tile_reprojected.tif", wanted.label())))
+    Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
 }
 
-fn read_xml(path: &Path) -> Result<String> {
-    let (file, len) = open_file(path)?;
-    if len > MAX_XML_BYTES {
-        let text =
-            format!("cannot read `{}`: {len} bytes of XML, wanted at most {} MiB", path.display(), MAX_XML_BYTES >> 20);
-        return Err(Error::limit(501, text));
-    }
-    let mut bytes = Vec::new();
-    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| Error::file(302, format!("cannot read `{}`: {e}, wanted XML in UTF-8", path.display())))?;
-    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
-}
-
-/// An XML being read, for what is said of it.
-#[derive(Clone, Copy)]
-pub(super) struct Vrt<'a> {
-    pub(super) path: &'a Path,
-    document: &'a Document<'a>,
-}
-
-impl Vrt<'_> {
-    /// An error at the line of an element.
-    pub(super) fn error(&self, code: u16, at: Node<'_, '_>, text: impl AsRef<str>) -> Error {
-        let line = self.document.text_pos_at(at.range().start).row;
-        Error::file(code, format!("cannot read `{}`: line {line}: {}", self.path.display(), text.as_ref()))
-    }
-
-    /// An error about what GDAL does and this program does not.
-    pub(super) fn unsupported(&self, at: Node<'_, '_>, found: impl AsRef<str>) -> Error {
-        let text = format!("{}, wanted sources that are copied cell by cell", found.as_ref());
-        self.error(304, at, text).with_hint(translate_hint(self.path))
-    }
-
-    /// The number that an element or attribute holds.
-    pub(super) fn number(&self, at: Node<'_, '_>, name: &str, text: &str) -> Result<f64> {
-        let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| self.error(302, at, format!("`{name}` is `{text}`, wanted a finite number")))
-    }
-
-    /// The number of a child element, if there is such an element.
-    pub(super) fn child_number(&self, parent: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
-        child(parent, name).map(|node| self.number(node, name, text_of(node))).transpose()
-    }
-}
-
-/// The first child element of a name; like GDAL in any case of letters.
-pub(super) fn child<'a, 'b>(parent: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
-    parent.children().find(|node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
-}
-
-/// An attribute in any case of letters.
-pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name)).map(|attribute| attribute.value())
-}
-
-/// The text in an element, without blanks around it.
-pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
-    node.text().unwrap_or_default().trim()
-}
-
-/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
-const MOST_ATTRIBUTES: usize = 500;
-
-/// Refuses elements with more attributes than any virtual raster has, and more namespaces.
-fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
-    let mut rest = xml;
-    let mut n_namespaces = 0;
-    while let Some(start) = rest.find('<') {
-        rest = &rest[start..];
-        let outside = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((begin, end)) = outside.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
-            rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
-            continue;
-        }
-        // Each value in quotes is that of an attribute.
-        let (mut n_attributes, mut quote) = (0, None);
-        let end = rest.find(|c| match (quote, c) {
-            (Some(open), c) if c == open => {
-                quote = None;
-                false
-            }
-            (None, '"' | '\'') => {
-                n_attributes += 1;
-                quote = Some(c);
-                false
-            }
-            (quote, c) => quote.is_none() && c == '>',
-        });
-        let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
-        n_namespaces += tag.matches("xmlns").count();
-        if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
-            let text = format!(
-                "cannot read `{}`: more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster",
-                path.display()
-            );
-            return Err(Error::limit(502, text));
-        }
-        rest = after;
-    }
-    Ok(())
-}
-
-fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Described> {
+fn describe(path: &Path, xml: &str, odd: &mut Vec<Oddity>) -> Result<Described> {
     refuse_crowds(path, xml)?;
     // Without document types there are no entities to blow up.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(xml, options).map_err(|e| {
-        Error::file(302, format!("cannot read `{}`: {e}, wanted the XML of a virtual raster", path.display()))
-    })?;
+    let document = Document::parse_with_options(xml, options)
+        .map_err(|e| Error::malformed(path.display(), format!("{e}, wanted the XML of a virtual raster")))?;
     let vrt = Vrt { path, document: &document };
     let root = document.root_element();
     if !root.tag_name().name().eq_ignore_ascii_case("VRTDataset") {
         let text = format!("`{}` at the root, wanted `VRTDataset`", root.tag_name().name());
-        return Err(vrt.error(302, root, text));
+        return Err(vrt.malformed(root, text));
     }
     if let Some(kind) = attribute(root, "subClass") {
         return Err(vrt.unsupported(root, format!("it is a `{kind}`")));
@@ -286,7 +156,7 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     let is_band =
         |node: &Node<'_, '_>| node.is_element() && node.tag_name().name().eq_ignore_ascii_case("VRTRasterBand");
     let mut bands = root.children().filter(is_band);
-    let Some(band) = bands.next() else { return Err(vrt.error(302, root, "it has no `VRTRasterBand`, wanted one")) };
+    let Some(band) = bands.next() else { return Err(vrt.malformed(root, "it has no `VRTRasterBand`, wanted one")) };
     let n_bands = 1 + bands.count();
     if let Some(kind) = attribute(band, "subClass").filter(|kind| !kind.eq_ignore_ascii_case("VRTSourcedRasterBand")) {
         return Err(vrt.unsupported(band, format!("its band is a `{kind}`")));
@@ -294,10 +164,11 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
     if let Some(mask) = child(band, "MaskBand") {
         return Err(vrt.unsupported(mask, "its band has a mask"));
     }
-    let georef = placement(vrt, root, warnings)?;
+    let georef = placement(vrt, root, odd)?;
     let type_name = attribute(band, "dataType").unwrap_or("Byte");
-    let numbers = Sample::of_gdal(type_name)
-        .ok_or_else(|| vrt.error(304, band, format!("numbers of type `{type_name}`, wanted integers or floats")))?;
+    let numbers = Sample::of_gdal(type_name).ok_or_else(|| {
+        vrt.error(band, ReadFault::Unsupported(format!("numbers of type `{type_name}`, wanted integers or floats")))
+    })?;
     let declared = match child(band, "NoDataValue") {
         None => None,
         Some(node) if text_of(node).eq_ignore_ascii_case("nan") => Some(f64::NAN),
@@ -322,58 +193,48 @@ fn describe(path: &Path, xml: &str, warnings: &mut Vec<Warning>) -> Result<Descr
 }
 
 /// Where the cells lie.
-fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, warnings: &mut Vec<Warning>) -> Result<GeoRef> {
+fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<GeoRef> {
     let side = |name: &str| {
         let text = attribute(root, name).unwrap_or_default();
         let side = text.trim().parse::<u32>().ok().filter(|side| *side > 0 && f64::from(*side) <= MAX_SIDE);
         side.map(|side| side as usize)
-            .ok_or_else(|| vrt.error(302, root, format!("`{name}` is `{text}`, wanted a whole number above 0")))
+            .ok_or_else(|| vrt.malformed(root, format!("`{name}` is `{text}`, wanted a whole number above 0")))
     };
     let (n_rows, n_cols) = (side("rasterYSize")?, side("rasterXSize")?);
-    let shown = vrt.path.display();
-    let crs = match child(root, "SRS").map(|node| crs::parse(text_of(node))) {
-        Some(Ok(crs)) => Some(crs),
-        Some(Err(error)) => {
-            let text = format!("`{shown}` names a coordinate reference system that is not known ({error}): ignored");
-            warnings.push(Warning::new(326, text));
-            None
-        }
-        None => {
-            let text =
-                format!("`{shown}` names no coordinate reference system: local coordinates in meters are assumed");
-            warnings.push(Warning::new(325, text));
-            None
-        }
-    };
+    let mut tell = |what| odd.push(Oddity::new(vrt.path.display(), what));
+    let crs = child(root, "SRS").map(|node| crs::parse(text_of(node))).transpose();
+    let crs = crs.unwrap_or_else(|error| {
+        tell(Odd::CrsIgnored(error.to_string()));
+        None
+    });
+    if child(root, "SRS").is_none() {
+        tell(Odd::NoCrs);
+    }
     if crs.as_ref().is_some_and(is_web_mercator) {
-        let text = format!(
-            "`{shown}` is in web Mercator, whose meters are stretched by 1/cos(latitude): distances and angles are off; resample it with `gdalwarp -t_srs EPSG:326NN`"
-        );
-        warnings.push(Warning::new(331, text));
+        tell(Odd::WebMercator);
     }
     let Some(node) = child(root, "GeoTransform") else {
         if let Some(list) = child(root, "GCPList") {
-            let error = vrt.error(307, list, "it is placed by ground control points, wanted a regular grid");
-            return Err(error.with_hint("resample it with `gdalwarp IN OUT`"));
+            let what = "it is placed by ground control points, wanted a regular grid";
+            return Err(vrt.error(list, ReadFault::Irregular(what.into())).because(Cause::ControlPoints));
         }
-        let text = format!(
-            "`{shown}` says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0"
-        );
-        warnings.push(Warning::new(327, text));
+        tell(Odd::NoPlace);
         return GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), crs)
-            .ok_or_else(|| vrt.error(307, root, "its cells are no grid"));
+            .ok_or_else(|| vrt.error(root, ReadFault::Irregular("its cells are no grid".into())));
     };
     let numbers: Vec<f64> =
         text_of(node).split(',').map(|text| vrt.number(node, "GeoTransform", text)).collect::<Result<_>>()?;
     let [x_min, width, shear_x, y_max, shear_y, height] = *numbers.as_slice() else {
-        return Err(vrt.error(302, node, format!("`GeoTransform` has {} numbers, wanted 6", numbers.len())));
+        return Err(vrt.malformed(node, format!("`GeoTransform` has {} numbers, wanted 6", numbers.len())));
     };
     let (off_x, off_y) = ((shear_x * n_rows as f64).abs(), (shear_y * n_cols as f64).abs());
     let is_north_up = width > 0.0 && height < 0.0;
     if !is_north_up || off_x > MAX_SHEAR_CELLS * width || off_y > MAX_SHEAR_CELLS * -height {
-        let error = vrt.error(306, node, format!("`GeoTransform` is `{}`, wanted a north-up raster", text_of(node)));
-        return Err(error.with_hint("resample it with `gdalwarp IN OUT`, which makes it north-up"));
+        return Err(vrt.error(
+            node,
+            ReadFault::Rotated(format!("`GeoTransform` is `{}`, wanted a north-up raster", text_of(node))),
+        ));
     }
     GeoRef::new((x_min, y_max), (width, -height), (n_rows, n_cols), crs)
-        .ok_or_else(|| vrt.error(307, node, "`GeoTransform` gives no regular grid"))
+        .ok_or_else(|| vrt.error(node, ReadFault::Irregular("`GeoTransform` gives no regular grid".into())))
 }

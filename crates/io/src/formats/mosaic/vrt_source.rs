@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
+use super::covered::covered_area;
 use super::numbers::Rule;
-use super::placed::covered_area;
-use super::tile::{Header, Tile};
-use super::vrt::{Vrt, attribute, child, text_of, translate_hint};
-use crate::error::{Error, Result};
+use super::tiles::{Header, Tile};
+use super::vrt_xml::{Vrt, attribute, child, text_of};
+use crate::error::{Cause, Error, ReadFault, Result};
 use crate::formats::sample::Sample;
 use crate::raster::CellWindow;
 
@@ -59,7 +59,7 @@ impl Source {
         let name = node.tag_name().name();
         let file = child(node, "SourceFilename").filter(|file| !text_of(*file).is_empty());
         let Some(file) = file else {
-            return Err(vrt.error(302, node, format!("`{name}` has no `SourceFilename`, wanted a file")));
+            return Err(vrt.malformed(node, format!("`{name}` has no `SourceFilename`, wanted a file")));
         };
         if let Some(options) = child(node, "OpenOptions") {
             return Err(vrt.unsupported(options, "`OpenOptions`"));
@@ -70,11 +70,11 @@ impl Source {
         let band = match child(node, "SourceBand").map(|node| (node, text_of(node))) {
             None => 1,
             Some((node, text)) => text.parse::<usize>().ok().filter(|band| *band > 0).ok_or_else(|| {
-                vrt.error(304, node, format!("`SourceBand` is `{text}`, wanted the number of a band"))
-                    .with_hint(translate_hint(vrt.path))
+                let what = format!("`SourceBand` is `{text}`, wanted the number of a band");
+                vrt.error(node, ReadFault::Unsupported(what)).because(Cause::ForGdal)
             })?,
         };
-        let rectangle = |name: &str| -> Result<Option<[f64; 4]>> {
+        let rectangle = |name: &str| -> Result<_> {
             let Some(node) = child(node, name) else { return Ok(None) };
             let value = |name: &str| vrt.number(node, name, attribute(node, name).unwrap_or_default());
             Ok(Some([value("xOff")?, value("yOff")?, value("xSize")?, value("ySize")?]))
@@ -90,15 +90,11 @@ impl Source {
     }
 
     /// Checks what is said of the file.
-    ///
-    /// # Errors
-    /// E302 if the file is of another size, or has no such band.
     pub(super) fn check(&self, vrt: &Path, header: &Header) -> Result<()> {
         let Tile { path, n_rows, n_cols, .. } = &header.tile;
         let refuse = |said: String, found: String| {
-            let text =
-                format!("cannot read `{}`: it says that `{}` {said}, found {found}", vrt.display(), path.display());
-            Err(Error::file(302, text).with_hint("make it again from the files as they are: `gdalbuildvrt`"))
+            let what = format!("it says that `{}` {said}, found {found}", path.display());
+            Err(Error::malformed(vrt.display(), what).because(Cause::StaleVrt))
         };
         let is = |said: f64, found: usize| (said - found as f64).abs() < 0.5;
         match self.size {
@@ -114,15 +110,12 @@ impl Source {
     }
 
     /// Where the tile lies in a raster of `n_rows` × `n_cols`; `None` if nothing of it does.
-    ///
-    /// # Errors
-    /// E304 if the source is resampled.
     pub(super) fn place(&self, vrt: &Path, tile: &Tile, (n_rows, n_cols): (usize, usize)) -> Result<Option<Place>> {
         let from = self.from.unwrap_or([0.0, 0.0, tile.n_cols as f64, tile.n_rows as f64]);
         let to = self.to.unwrap_or([0.0, 0.0, n_cols as f64, n_rows as f64]);
         let refuse = |found: String| {
-            let text = format!("cannot read `{}`: `{}` {found}", vrt.display(), self.path.display());
-            Err(Error::file(304, text).with_hint(translate_hint(vrt)))
+            let what = format!("`{}` {found}", self.path.display());
+            Err(Error::unsupported(vrt.display(), what).because(Cause::ForGdal))
         };
         let is_whole = |number: &f64| (number - number.round()).abs() <= MAX_FRACTION;
         // What is this far off lies outside of any raster; below it, whole numbers are exact.
@@ -143,7 +136,7 @@ impl Source {
         let [from, to] = [from, to].map(|rectangle| rectangle.map(|number| number.round() as i64));
         let origin = (to[1] - from[1], to[0] - from[0]);
         let bounds = [to[1], to[1] + to[3], to[0], to[0] + to[2]];
-        let area = covered_area((n_rows, n_cols), tile, origin, Some(bounds));
+        let area = covered_area((n_rows, n_cols), (tile.n_rows, tile.n_cols), origin, Some(bounds));
         Ok(area.map(|area| Place { origin, area }))
     }
 }

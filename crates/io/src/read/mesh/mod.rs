@@ -5,20 +5,19 @@
 //! the surface is the ground if that is known, else nodata. Meshes name no CRS: their coordinates are local meters with z
 //! up unless another CRS is given.
 
+mod faces;
 mod obj;
 mod ply;
 mod top_surface;
 
-use std::path::Path;
-
 use super::heights::warn_of_units;
 use super::receivers_grid::{GridRequest, receivers_grid};
-use super::refuse_degrees;
 use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
+use super::systems::refuse_degrees;
 use crate::city::City;
-use crate::crs::InputKind;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, InputKind, ReadFault, Result, Wanted, Warning};
+use crate::input::Input;
 use crate::quantity::{VOID, counted};
 
 /// How a mesh is read.
@@ -32,88 +31,47 @@ pub struct MeshOptions {
     pub cell_m: Option<f64>,
 }
 
-/// Vertices and the faces over them.
-#[derive(Debug, Default)]
-struct Mesh {
-    /// x, y \[CRS units\], z \[m above the datum\].
-    vertices: Vec<[f64; 3]>,
-    /// Numbers of vertices, face after face.
-    corners: Vec<u32>,
-    /// Where each face ends in `corners`.
-    ends: Vec<usize>,
-}
-
-impl Mesh {
-    /// Adds a face; the error says which vertex is not there.
-    fn add_face(&mut self, corners: &[u32]) -> std::result::Result<(), String> {
-        if let Some(k) = corners.iter().find(|k| **k as usize >= self.vertices.len()) {
-            return Err(format!("a face names vertex number {k}, of {} counted from 0", self.vertices.len()));
-        }
-        self.corners.extend(corners);
-        self.ends.push(self.corners.len());
-        Ok(())
-    }
-
-    /// The corners of each face.
-    fn faces(&self) -> impl Iterator<Item = impl Iterator<Item = [f64; 3]> + '_> + '_ {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        let ranges = starts.zip(&self.ends).map(|(from, to)| from..*to);
-        ranges.map(|range| self.corners[range].iter().map(|k| self.vertices[*k as usize]))
-    }
-
-    /// West, south, east, north of all faces; `None` without one.
-    fn bounds(&self) -> Option<[f64; 4]> {
-        self.faces().flatten().fold(None, |bounds, [x, y, _]| {
-            let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
-            Some([w.min(x), s.min(y), e.max(x), n.max(y)])
-        })
-    }
-}
-
 /// Reads a mesh from Wavefront OBJ or PLY, told apart by the extension.
 ///
 /// # Errors
 /// File errors for malformed files (with line or vertex) and meshes without faces; site errors for heights out of range;
 /// usage errors for bad numbers; limit errors for huge grids.
-pub fn read_mesh(path: &Path, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
-    let is_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    let mesh = if is_ply { ply::read(path)? } else { obj::read(path)? };
+pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
+    let input = &input.into();
+    let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
     let bad = mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite()));
     if let Some(k) = bad {
-        let text =
-            format!("cannot read {}: vertex number {k}, counted from 0, is not three finite numbers", path.display());
-        return Err(Error::file(302, text));
+        let what = format!("vertex number {k}, counted from 0, is not three finite numbers");
+        return Err(Error::malformed(input, what));
     }
     let Some(bounds) = mesh.bounds() else {
-        return Err(Error::file(308, format!("cannot use {}: it holds no face", path.display()))
-            .with_hint("of a cloud of points make a raster first"));
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Faces)));
     };
     let crs = options.surface.crs.as_ref();
     match crs {
         Some(crs) => {
-            refuse_degrees(path, crs, bounds, InputKind::Vector)?;
-            warn_of_units(path, crs, warnings);
+            refuse_degrees(input, crs, bounds, InputKind::Vector)?;
+            warn_of_units(input, crs, warnings);
         }
         None => warnings.push(Warning::new(
             325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", path.display()),
+            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
         )),
     }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
-    let grid = receivers_grid(path, request, None, Some(bounds), crs)?.with_crs(crs.cloned());
-    let surface = top_surface::top_surface(path, &mesh, &grid)?;
+    let grid = receivers_grid(input, request, None, Some(bounds), crs)?.with_crs(crs.cloned());
+    let surface = top_surface::top_surface(input, &mesh, &grid)?;
     let n_empty = surface.cells().iter().filter(|z| **z == VOID).count();
     if n_empty == surface.cells().len() {
-        let text = format!("cannot use {}: no face covers a cell of the grid, {}", path.display(), grid.description());
-        return Err(Error::file(312, text).with_hint("check `--extent`; a mesh with y up has to be turned first"));
+        return Err(Error::read(input, ReadFault::NoFaceInGrid(grid.description())));
     }
     if n_empty > 0 {
         let is_known = options.surface.terrain.is_some() || options.surface.ground_m.is_some();
         let done =
             if is_known { "taken as bare ground" } else { "nodata; `--ground Z` or `--terrain FILE` fills them" };
         let cells = counted(n_empty as u64, "cell", "cells");
-        warnings.push(Warning::new(367, format!("{}: {cells} without a face: {done}", path.display())));
+        warnings.push(Warning::new(367, format!("{}: {cells} without a face: {done}", input)));
     }
-    let sources = vec![source_of(path, options.surface.always_hash)?];
-    scene_of(path, (surface, Empty::Ground), sources, &options.surface, warnings)
+    let sources = vec![source_of(input, options.surface.always_hash)?];
+    scene_of(input, (surface, Empty::Ground), sources, &options.surface, warnings)
 }

@@ -3,15 +3,13 @@
 //! # References
 //! Wavefront, Advanced Visualizer manual, appendix B1 (1995): negative numbers count from the last vertex.
 
-use std::path::Path;
-
-use super::Mesh;
-use crate::error::{Error, Result};
-use crate::formats::cannot_read;
+use super::faces::Mesh;
+use crate::error::{Error, Place, Result};
+use crate::input::Input;
 
 /// Reads the vertices and faces of a file.
-pub(super) fn read(path: &Path) -> Result<Mesh> {
-    let bytes = std::fs::read(path).map_err(|e| cannot_read(path, &e))?;
+pub(super) fn read(input: &Input) -> Result<Mesh> {
+    let bytes = input.read()?;
     // Names of materials may be in any code page; numbers are the same in all of them.
     let text = String::from_utf8_lossy(&bytes);
     let mut mesh = Mesh::default();
@@ -25,8 +23,8 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
             statement.push_str(more);
         }
         add(&mut mesh, &statement).map_err(|found| {
-            let text = format!("cannot read {}: line {}: {found}, wanted a Wavefront OBJ mesh", path.display(), k + 1);
-            Error::file(302, text)
+            let what = format!("{found}, wanted a Wavefront OBJ mesh");
+            Error::malformed(input, what).at(Place::Line(k as u64 + 1))
         })?;
     }
     Ok(mesh)

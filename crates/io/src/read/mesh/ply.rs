@@ -3,23 +3,19 @@
 //! # References
 //! Turk, The PLY Polygon File Format (1994).
 
-use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
 
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
-use super::Mesh;
+use super::faces::Mesh;
 use crate::error::{Error, Result};
-use crate::formats::cannot_read;
+use crate::input::Input;
 
 /// Reads the vertices and faces of a file.
-pub(super) fn read(path: &Path) -> Result<Mesh> {
-    let unreadable = |e: std::io::Error| cannot_read(path, &e);
-    let wrong = |found: String| Error::file(302, format!("cannot read {}: {found}, wanted a PLY mesh", path.display()));
-    let file = File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+pub(super) fn read(input: &Input) -> Result<Mesh> {
+    let wrong = |found: String| Error::malformed(input, format!("{found}, wanted a PLY mesh"));
+    let (file, length) = input.open()?;
     let mut reader = Reader::new(BufReader::new(file));
     let parser = Parser::<Element>::new();
     let header = parser.read_header(&mut reader).map_err(|e| wrong(e.to_string()))?;

@@ -5,11 +5,10 @@
 //! edge leave no gap. Faces that stand upright cover no center. A face of more than three corners is taken as plane
 //! (Newell's normal through its first corner), its height kept within that of its corners.
 
-use std::path::Path;
-
-use super::Mesh;
-use crate::error::{Error, Result};
+use super::faces::Mesh;
+use crate::error::{Error, HeightOf, ReadFault, Result};
 use crate::formats::reserve_cells;
+use crate::input::Input;
 use crate::quantity::{Frame, STEPS_PER_UNIT, VOID, height_steps};
 use crate::raster::{GeoRef, Raster};
 
@@ -22,11 +21,8 @@ struct Corner {
 }
 
 /// The surface \[1/1024 m above the datum\], [`VOID`] where no face is.
-///
-/// # Errors
-/// E205 for a height beyond ±32768 m, E501 for a grid that does not fit in memory.
-pub(super) fn top_surface(path: &Path, mesh: &Mesh, grid: &GeoRef) -> Result<Raster<i32>> {
-    let mut cells: Vec<i32> = reserve_cells(path, grid)?;
+pub(super) fn top_surface(input: &Input, mesh: &Mesh, grid: &GeoRef) -> Result<Raster<i32>> {
+    let mut cells: Vec<i32> = reserve_cells(input, grid)?;
     cells.resize(grid.n_cells(), VOID);
     let mut surface = Surface { cells, n_rows: grid.n_rows(), n_cols: grid.n_cols(), crossings: Vec::new() };
     let frame =
@@ -35,11 +31,8 @@ pub(super) fn top_surface(path: &Path, mesh: &Mesh, grid: &GeoRef) -> Result<Ras
     for face in mesh.faces() {
         corners.clear();
         for [x, y, z] in face {
-            let z = height_steps(z).ok_or_else(|| {
-                let text =
-                    format!("cannot use {}: a vertex has height `{z}` m, wanted within ±32768 m", path.display());
-                Error::site(205, text)
-            })?;
+            let beyond = || Error::read(input, ReadFault::HeightRange(HeightOf::Vertex, z));
+            let z = height_steps(z).ok_or_else(beyond)?;
             let (x, y) = frame.lattice_from_world(x, y);
             corners.push(Corner { x, y, z });
         }
@@ -161,21 +154,8 @@ mod tests {
             mesh.add_face(&corners).expect("its own vertices");
         }
         let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).expect("a valid grid");
-        let raster = top_surface(Path::new("x.obj"), &mesh, &grid).expect("a surface");
+        let raster = top_surface(&"x.obj".into(), &mesh, &grid).expect("a surface");
         raster.cells().iter().map(|z| (*z != VOID).then(|| f64::from(*z) / 1024.0)).collect()
-    }
-
-    #[test]
-    fn a_sloping_roof_has_the_height_of_its_plane_at_each_center() {
-        // z = x + 2 y, and a lower face below it that does not count.
-        let roof = [[0.0, 0.0, 0.0], [4.0, 0.0, 4.0], [4.0, 4.0, 12.0], [0.0, 4.0, 8.0]];
-        let low = roof.map(|[x, y, _]| [x, y, -5.0]);
-        let cells = surface(4, &[&roof, &low]);
-        for (k, z) in cells.iter().enumerate() {
-            let (row, col) = (k / 4, k % 4);
-            let (x, y) = (col as f64 + 0.5, 3.5 - row as f64);
-            assert_eq!(*z, Some(x + 2.0 * y), "({x}, {y})");
-        }
     }
 
     #[test]

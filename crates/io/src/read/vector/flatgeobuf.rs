@@ -8,9 +8,7 @@
 //! # References
 //! FlatGeobuf specification, version 3.
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
 use std::sync::Arc;
 
 use flatgeobuf::{
@@ -18,9 +16,9 @@ use flatgeobuf::{
     size_prefixed_root_as_header,
 };
 
-use super::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
-use crate::error::{Error, Result};
-use crate::formats::{cannot_read, open_file};
+use super::feature::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use crate::error::{Cause, Error, Result};
+use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
 
 /// Bytes of a box in the index: four coordinates and an offset.
@@ -36,28 +34,28 @@ const PART_BYTES: usize = 4;
 const MOST_NESTED: usize = 16;
 
 /// Reads the features of a file, with `bounds` only those whose boxes meet them where the file has an index.
-pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
-    let (file, length) = open_file(path)?;
-    let mut source = Source { path, file: BufReader::new(file), at: 0, length };
+pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
+    let (file, length) = input.open()?;
+    let mut source = Source { input, file: BufReader::new(file), at: 0, length };
     let magic = source.take(8)?;
     if &magic[..3] != b"fgb" || &magic[4..7] != b"fgb" || magic[3] > 3 {
-        return Err(malformed(path, "a file that does not begin as FlatGeobuf does", "FlatGeobuf version 3"));
+        return Err(malformed(input, "a file that does not begin as FlatGeobuf does", "FlatGeobuf version 3"));
     }
     let head = source.prefixed()?;
     let header = size_prefixed_root_as_header(&head)
-        .map_err(|e| malformed(path, &format!("a header that is none ({e})"), "FlatGeobuf"))?;
-    let index = Index::of(&header, source.at, length).map_err(|found| malformed(path, &found, "FlatGeobuf"))?;
+        .map_err(|e| malformed(input, &format!("a header that is none ({e})"), "FlatGeobuf"))?;
+    let index = Index::of(&header, source.at, length).map_err(|found| malformed(input, &found, "FlatGeobuf"))?;
     let wanted = match (bounds, index.n_boxes) {
         (Some(bounds), 1..) => Some(index.offsets(&mut source, bounds)?),
         _ => None,
     };
     let names = names_of(header.columns().into_iter().flatten(), head.len())
-        .map_err(|found| malformed(path, &found, "FlatGeobuf"))?;
+        .map_err(|found| malformed(input, &found, "FlatGeobuf"))?;
     let mut features = Vec::new();
     let mut n_bytes = 0;
     let mut add = |source: &mut Source<'_>, number: u64| {
         let bytes = source.prefixed()?;
-        let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "FlatGeobuf");
+        let wrong = |found: String| malformed(input, &format!("feature {number}: {found}"), "FlatGeobuf");
         // An index that names a feature many times would make much of little.
         n_bytes += bytes.len() as u64;
         if n_bytes > length {
@@ -83,25 +81,24 @@ pub(super) fn read(path: &Path, bounds: Option<[f64; 4]>) -> Result<FeatureSet> 
             }
             let announced = header.features_count();
             if announced != 0 && announced != number {
-                let text = format!("cannot read {}: it ends after {number} of {announced} features", path.display());
-                return Err(Error::file(303, text));
+                return Err(Error::truncated(input, format!("it ends after {number} of {announced} features")));
             }
         }
     }
-    Ok(FeatureSet { crs: crs(path, &header), attribution: None, name_limit: None, features })
+    Ok(FeatureSet { crs: crs(input, &header), attribution: None, name_limit: None, features })
 }
 
 /// The file, read from one place to the next.
 struct Source<'a> {
-    path: &'a Path,
-    file: BufReader<File>,
+    input: &'a Input,
+    file: BufReader<Reader>,
     at: u64,
     length: u64,
 }
 
 impl Source<'_> {
     fn go_to(&mut self, at: u64) -> Result<()> {
-        self.file.seek(SeekFrom::Start(at)).map_err(|e| cannot_read(self.path, &e))?;
+        self.file.seek(SeekFrom::Start(at)).map_err(|e| cannot_read(self.input, &e))?;
         self.at = at;
         Ok(())
     }
@@ -110,17 +107,13 @@ impl Source<'_> {
     fn take(&mut self, n: u64) -> Result<Vec<u8>> {
         let left = self.length.saturating_sub(self.at);
         if n > left {
-            let text = format!(
-                "cannot read {}: at byte {} it announces {n} bytes, but {left} are left",
-                self.path.display(),
-                self.at
-            );
-            return Err(Error::file(303, text).with_hint("the file is cut off or damaged: copy it again"));
+            let what = format!("at byte {} it announces {n} bytes, but {left} are left", self.at);
+            return Err(Error::truncated(self.input, what).because(Cause::CutShort));
         }
         let mut bytes = Vec::new();
-        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.path, &e))?;
+        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.input, &e))?;
         self.at += bytes.len() as u64;
-        if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.path, "an early end", "FlatGeobuf")) }
+        if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.input, "an early end", "FlatGeobuf")) }
     }
 
     /// The next table with the length that stands before it.
@@ -178,12 +171,12 @@ impl Index {
     }
 }
 
-fn crs(path: &Path, header: &Header<'_>) -> Result<Option<Crs>> {
+fn crs(input: &Input, header: &Header<'_>) -> Result<Option<Crs>> {
     let Some(crs) = header.crs() else { return Ok(None) };
     let code = (crs.code() > 0).then(|| format!("{}:{}", crs.org().unwrap_or("EPSG"), crs.code()));
     match code.filter(|code| code.to_uppercase().starts_with("EPSG:")) {
-        Some(code) => crs_of(path, &code),
-        None => crs_of(path, crs.wkt().or(crs.code_string()).unwrap_or_default()),
+        Some(code) => crs_of(input, &code),
+        None => crs_of(input, crs.wkt().or(crs.code_string()).unwrap_or_default()),
     }
 }
 

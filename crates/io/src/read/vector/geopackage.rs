@@ -7,45 +7,45 @@
 //! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
 
 use std::io::Read;
-use std::path::Path;
 use std::sync::Arc;
 
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
+use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use super::wkb::polygons_of;
-use super::{Feature, FeatureSet, Property, crs_of, malformed};
-use crate::error::{Error, Result};
-use crate::formats::{cannot_read, open_file};
+use crate::error::{Cause, Error, ReadFault, Result, Wanted};
+use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
 
 /// Bytes of the header of an SQLite database.
 const SQLITE_HEADER_BYTES: u64 = 100;
 
 /// Reads the features of a table, of the only one where no `layer` is named.
-pub(super) fn read(path: &Path, layer: Option<&str>) -> Result<FeatureSet> {
-    let (_, length) = open_file(path)?;
-    refuse_open_changes(path)?;
-    refuse_cut_off(path, length)?;
-    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
+    if input.is_held() {
+        return Err(Error::unsupported(input, "SQLite reads a GeoPackage from a file, wanted its path"));
+    }
+    let (file, length) = input.open()?;
+    refuse_open_changes(input)?;
+    refuse_cut_off(input, file, length)?;
+    let broken = |e: rusqlite::Error| malformed(input, &e.to_string(), "a GeoPackage");
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let database = Connection::open_with_flags(uri(path), flags).map_err(broken)?;
+    let database = Connection::open_with_flags(uri(input), flags).map_err(broken)?;
     // What a column computes may not be larger than what the file holds.
     let longest = i32::try_from(length.max(LEAST_VALUE)).unwrap_or(i32::MAX);
     database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
     database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
-    refuse_views(path, &database).map_err(broken)??;
+    refuse_views(input, &database).map_err(broken)??;
     let layers = layers(&database).map_err(broken)?;
-    let layer = chosen(path, layer, &layers)?;
+    let layer = chosen(input, layer, &layers)?;
     let table = Table::of(&database, layer).map_err(broken)?;
     let Some(table) = table else {
-        let text = format!("cannot read {}: layer `{layer}` is no table with a geometry column", path.display());
-        return Err(Error::file(304, text)
-            .with_hint(format!("write a view as a table: `ogr2ogr table.gpkg {} {layer}`", path.display())));
+        return Err(Error::read(input, ReadFault::NoTable(layer.to_string())));
     };
-    let features = table.features(path, &database, length)?;
-    let crs = crs(path, &database, table.srs);
+    let features = table.features(input, &database, length)?;
+    let crs = crs(input, &database, table.srs);
     Ok(FeatureSet { crs, attribution: None, name_limit: None, features })
 }
 
@@ -56,34 +56,29 @@ const LEAST_VALUE: u64 = 1 << 20;
 const READS_PER_BYTE: u64 = 2;
 
 /// The tables that say what the others are must be tables: a view can compute without end.
-fn refuse_views(path: &Path, database: &Connection) -> rusqlite::Result<Result<()>> {
+fn refuse_views(input: &Input, database: &Connection) -> rusqlite::Result<Result<()>> {
     let query = "SELECT name FROM sqlite_master WHERE rootpage = 0
         AND lower(name) IN ('gpkg_contents', 'gpkg_geometry_columns', 'gpkg_spatial_ref_sys')";
     let found: Option<String> = database.query_row(query, [], |row| row.get(0)).optional()?;
     Ok(match found {
-        Some(name) => Err(malformed(path, &format!("`{name}`, which is no plain table"), "a GeoPackage")),
+        Some(name) => Err(malformed(input, &format!("`{name}`, which is no plain table"), "a GeoPackage")),
         None => Ok(()),
     })
 }
 
 /// A database that another program holds open keeps its last changes in a file beside it.
-fn refuse_open_changes(path: &Path) -> Result<()> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push("-wal");
-    let has_changes = std::fs::metadata(&beside).is_ok_and(|m| m.len() > 0);
-    if has_changes {
-        let beside = Path::new(&beside).display();
-        let text = format!("cannot read {}: {beside} holds changes that are not in it yet", path.display());
-        return Err(Error::file(304, text).with_hint("close the program that has it open"));
+fn refuse_open_changes(input: &Input) -> Result<()> {
+    if let Some(beside) = input.with_suffix("-wal").filter(|changes| changes.len() > 0) {
+        let what = format!("{beside} holds changes that are not in it yet");
+        return Err(Error::unsupported(input, what).because(Cause::OpenDatabase));
     }
     Ok(())
 }
 
 /// SQLite reads missing pages as far as it can; the header says how many there are.
-fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
+fn refuse_cut_off(input: &Input, file: Reader, length: u64) -> Result<()> {
     let mut header = Vec::new();
-    let file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
-    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| cannot_read(path, &e))?;
+    file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| cannot_read(input, &e))?;
     let word = |at: usize| header.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|w| u32::from_be_bytes(*w));
     // The number of pages counts only if the version that wrote the file last wrote it too.
     let (Some(n_pages), true) = (word(28), word(24) == word(92)) else { return Ok(()) };
@@ -93,16 +88,16 @@ fn refuse_cut_off(path: &Path, length: u64) -> Result<()> {
         bytes => u64::from(bytes),
     };
     if u64::from(n_pages) * page > length {
-        let text = format!("cannot read {}: it ends after {length} bytes of {n_pages} pages of {page}", path.display());
-        return Err(Error::file(303, text).with_hint("the file is cut off: copy it again"));
+        let what = format!("it ends after {length} bytes of {n_pages} pages of {page}");
+        return Err(Error::truncated(input, what).because(Cause::CutShort));
     }
     Ok(())
 }
 
 /// A path as SQLite takes it, with the promise that the file does not change.
-fn uri(path: &Path) -> String {
-    // Byte by byte, for a path need not be Unicode.
-    let bytes = path.as_os_str().as_encoded_bytes().iter();
+fn uri(input: &Input) -> String {
+    // Byte by byte, for a input need not be Unicode.
+    let bytes = input.as_path().as_os_str().as_encoded_bytes().iter();
     let escaped: String = bytes
         .map(|byte| match byte {
             b'\\' if cfg!(windows) => "/".to_string(),
@@ -121,21 +116,15 @@ fn layers(database: &Connection) -> rusqlite::Result<Vec<String>> {
     query.query_map([], |row| row.get(0))?.collect()
 }
 
-fn chosen<'a>(path: &Path, asked: Option<&'a str>, layers: &'a [String]) -> Result<&'a str> {
-    let listed = || layers.iter().map(|l| format!("`{l}`")).collect::<Vec<_>>().join(", ");
-    match (asked, layers) {
-        (Some(asked), layers) if layers.iter().any(|l| l == asked) => Ok(asked),
-        (_, []) => Err(Error::file(308, format!("cannot use {}: it holds no table of features", path.display()))),
-        (Some(asked), _) => {
-            let text = format!("cannot read {}: it has no layer `{asked}`, wanted one of {}", path.display(), listed());
-            Err(Error::usage(108, text))
-        }
-        (None, [only]) => Ok(only),
-        (None, _) => {
-            let text = format!("cannot choose a layer of {}: it has {}", path.display(), listed());
-            Err(Error::usage(108, text).with_hint("`--layer NAME` says which"))
-        }
-    }
+fn chosen<'a>(input: &Input, asked: Option<&'a str>, layers: &'a [String]) -> Result<&'a str> {
+    let fault = match (asked, layers) {
+        (Some(asked), layers) if layers.iter().any(|l| l == asked) => return Ok(asked),
+        (None, [only]) => return Ok(only),
+        (_, []) => ReadFault::Nothing(Wanted::Layers),
+        (Some(asked), _) => ReadFault::NoLayer(asked.to_string(), layers.to_vec()),
+        (None, _) => ReadFault::Layers(layers.to_vec()),
+    };
+    Err(Error::read(input, fault))
 }
 
 /// A table of features.
@@ -160,20 +149,20 @@ impl<'a> Table<'a> {
         Ok(found.map(|(geometry, srs)| Table { name, geometry, key, srs }))
     }
 
-    fn features(&self, path: &Path, database: &Connection, file_bytes: u64) -> Result<Vec<Feature>> {
-        let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+    fn features(&self, input: &Input, database: &Connection, file_bytes: u64) -> Result<Vec<Feature>> {
+        let broken = |e: rusqlite::Error| malformed(input, &e.to_string(), "a GeoPackage");
         let quoted = self.name.replace('"', "\"\"");
         let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(broken)?;
         let columns = self.columns(database).map_err(broken)?;
         if columns.len() != query.column_count() {
-            return Err(malformed(path, "a table whose columns are not those that it names", "a GeoPackage"));
+            return Err(malformed(input, "a table whose columns are not those that it names", "a GeoPackage"));
         }
         let mut rows = query.query([]).map_err(broken)?;
         let mut features = Vec::new();
         let mut n_bytes = 0;
         while let Some(row) = rows.next().map_err(broken)? {
             let number = features.len() + 1;
-            let wrong = |found: String| malformed(path, &format!("feature {number}: {found}"), "a GeoPackage");
+            let wrong = |found: String| malformed(input, &format!("feature {number}: {found}"), "a GeoPackage");
             // Damaged pages may lead in circles, and columns may have long values that stand in no row.
             n_bytes += 1 + bytes_of(row, columns.len());
             if n_bytes > READS_PER_BYTE * file_bytes {
@@ -254,16 +243,16 @@ fn property(value: ValueRef<'_>) -> Property {
     }
 }
 
-fn crs(path: &Path, database: &Connection, srs: i64) -> Result<Option<Crs>> {
-    let broken = |e: rusqlite::Error| malformed(path, &e.to_string(), "a GeoPackage");
+fn crs(input: &Input, database: &Connection, srs: i64) -> Result<Option<Crs>> {
+    let broken = |e: rusqlite::Error| malformed(input, &e.to_string(), "a GeoPackage");
     let query = "SELECT organization, organization_coordsys_id, definition FROM gpkg_spatial_ref_sys WHERE srs_id = ?1";
     let columns = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get::<_, i64>(1)?, row.get::<_, String>(2)?));
     let found = database.query_row(query, [srs], columns).optional().map_err(broken)?;
     match found {
         Some((organization, code, _)) if organization.eq_ignore_ascii_case("EPSG") => {
-            crs_of(path, &format!("EPSG:{code}"))
+            crs_of(input, &format!("EPSG:{code}"))
         }
-        Some((_, _, definition)) if definition != "undefined" => crs_of(path, &definition),
+        Some((_, _, definition)) if definition != "undefined" => crs_of(input, &definition),
         _ => Ok(None),
     }
 }

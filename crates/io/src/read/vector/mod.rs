@@ -5,7 +5,9 @@
 //! own size does not bear out.
 
 mod cityjson;
+mod feature;
 mod flatgeobuf;
+pub(super) mod geojson;
 #[cfg(feature = "geopackage")]
 mod geopackage;
 mod rings;
@@ -13,69 +15,12 @@ mod shapefile;
 #[cfg(feature = "geopackage")]
 mod wkb;
 
-use std::io::Read;
-use std::path::Path;
-use std::sync::Arc;
+pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
 
-use crate::crs;
-use crate::error::{Error, Result};
-use crate::formats::cannot_read;
-use crate::raster::Crs;
-
-/// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
-pub(super) type Polygon = Vec<Vec<[f64; 2]>>;
-
-/// What a file of vector data holds.
-#[derive(Debug)]
-pub(super) struct FeatureSet {
-    /// The CRS that the file names; an error that counts only where no other CRS is given.
-    pub(super) crs: Result<Option<Crs>>,
-    /// Whom a picture must credit.
-    pub(super) attribution: Option<String>,
-    /// Most characters that the format keeps of a property's name.
-    pub(super) name_limit: Option<usize>,
-    /// In the order of the file.
-    pub(super) features: Vec<Feature>,
-}
-
-/// A feature as found.
-#[derive(Debug, Default)]
-pub(super) struct Feature {
-    /// What the file calls it, if anything.
-    pub(super) id: Option<String>,
-    /// What is said of it.
-    pub(super) properties: Properties,
-    /// Its areas; empty where it is none.
-    pub(super) polygons: Vec<Polygon>,
-    /// Whether it has points or lines beside its areas.
-    pub(super) has_other_parts: bool,
-    /// Lowest and highest point of a solid \[m above the datum\].
-    pub(super) heights: Option<[f64; 2]>,
-}
-
-/// Properties by name; formats with columns share the names.
-pub(super) type Properties = Vec<(Arc<str>, Property)>;
-
-/// The value of a property.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Property {
-    /// A number.
-    Number(f64),
-    /// Text.
-    Text(String),
-    /// Nothing, or what can be neither a height nor a word.
-    Null,
-}
-
-/// Which part of a file is wanted.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Selection<'a> {
-    /// The table of a GeoPackage.
-    #[cfg_attr(not(feature = "geopackage"), expect(dead_code, reason = "no other format has tables"))]
-    pub(super) layer: Option<&'a str>,
-    /// West, south, east, north \[CRS units\]: features that do not meet it need not be read.
-    pub(super) bounds: Option<[f64; 4]>,
-}
+use crate::error::Result;
+#[cfg(not(feature = "geopackage"))]
+use crate::error::{Cause, Error};
+use crate::input::Input;
 
 /// The format of a file of vector data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,86 +48,29 @@ impl VectorFormat {
     }
 
     /// The format of a file by its name; GeoJSON where the name says nothing.
-    fn of(path: &Path) -> VectorFormat {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        VectorFormat::of_extension(&extension).unwrap_or(VectorFormat::Json)
+    fn of(input: &Input) -> VectorFormat {
+        VectorFormat::of_extension(&input.extension()).unwrap_or(VectorFormat::Json)
     }
 }
 
 /// Reads the features of a file.
-///
-/// # Errors
-/// File errors that name the file and, where there is one, the feature; `E304` for what the format allows but is not
-/// read.
-pub(super) fn read_features(path: &Path, selection: Selection<'_>) -> Result<FeatureSet> {
-    match VectorFormat::of(path) {
+pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
+    match VectorFormat::of(input) {
         VectorFormat::Json => {
-            let document = super::geojson_file::read_document(path)?;
+            let document = geojson::read_document(input)?;
             if cityjson::is_cityjson(&document) {
-                cityjson::features(path, &document)
+                cityjson::features(input, &document)
             } else {
-                super::geojson_file::feature_set(path, document)
+                geojson::feature_set(input, document)
             }
         }
-        VectorFormat::Shapefile => shapefile::read(path),
-        VectorFormat::FlatGeobuf => flatgeobuf::read(path, selection.bounds),
+        VectorFormat::Shapefile => shapefile::read(input),
+        VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
         #[cfg(feature = "geopackage")]
-        VectorFormat::GeoPackage => geopackage::read(path, selection.layer),
+        VectorFormat::GeoPackage => geopackage::read(input, selection.layer),
         #[cfg(not(feature = "geopackage"))]
         VectorFormat::GeoPackage => {
-            let text = format!("cannot read {}: this build reads no GeoPackage", path.display());
-            Err(Error::file(304, text).with_hint("convert it, for example with `ogr2ogr city.fgb city.gpkg`"))
+            Err(Error::unsupported(input, "this build reads no GeoPackage").because(Cause::NotBuilt))
         }
     }
-}
-
-impl Feature {
-    /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
-    pub(super) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
-        let find = |name: &str| self.properties.iter().find(|(n, _)| **n == *name).map(|(_, value)| value);
-        let found = find(name).or_else(|| {
-            let cut: String = name.chars().take(name_limit?).collect();
-            // GDAL writes an underscore for a colon, too.
-            find(&cut).or_else(|| find(&cut.replace(':', "_")))
-        });
-        found.filter(|value| **value != Property::Null)
-    }
-}
-
-impl Property {
-    /// As text.
-    pub(super) fn text(&self) -> Option<String> {
-        match self {
-            Property::Number(n) => Some(n.to_string()),
-            Property::Text(text) => Some(text.clone()),
-            Property::Null => None,
-        }
-    }
-}
-
-/// The whole of a file that is read at once.
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut file = std::fs::File::open(path).map_err(|e| cannot_read(path, &e))?;
-    file.read_to_end(&mut bytes).map_err(|e| cannot_read(path, &e))?;
-    Ok(bytes)
-}
-
-/// E302: the file is not what its name says.
-fn malformed(path: &Path, found: &str, wanted: &str) -> Error {
-    Error::file(302, format!("cannot read {}: {found}, wanted {wanted}", path.display()))
-}
-
-/// The CRS that a text in a file describes.
-///
-/// # Errors
-/// E310 if it is not known.
-fn crs_of(path: &Path, text: &str) -> Result<Option<Crs>> {
-    if text.trim().is_empty() {
-        return Ok(None);
-    }
-    crs::parse(text).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its coordinate reference system: {e}", path.display()))
-            .with_hint("override it with `--crs EPSG:n`")
-    })
 }

@@ -1,6 +1,6 @@
 //! Rings into polygons, for formats that tell shells from holes by nothing but their sense of rotation.
 
-use super::Polygon;
+use super::feature::Polygon;
 
 /// Twice the area of a ring, positive where it runs counterclockwise, relative to its first point so that large
 /// coordinates lose nothing.

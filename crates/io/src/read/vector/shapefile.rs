@@ -4,7 +4,6 @@
 //! ESRI Shapefile Technical Description (1998).
 
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
 
 use shapefile::dbase::encoding::{DynEncoding, UnicodeLossy};
 use shapefile::dbase::{FieldValue, ReaderBuilder, Record};
@@ -12,9 +11,10 @@ use shapefile::record::polygon::GenericPolygon;
 use shapefile::record::traits::HasXY;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
+use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
 use super::rings::assembled;
-use super::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed, read_bytes};
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, ReadFault, Result};
+use crate::input::Input;
 
 /// Most characters of a column's name in a `.dbf`.
 const NAME_LIMIT: usize = 10;
@@ -26,87 +26,71 @@ const POINT_BYTES: usize = 16;
 const HEADER_BYTES: usize = 100;
 
 /// Reads a shapefile with its sidecar files.
-pub(super) fn read(path: &Path) -> Result<FeatureSet> {
-    let shp = read_bytes(path)?;
-    let shx = sidecar(path, "shx")?.ok_or_else(|| {
-        missing(path, "shx", "its index").with_hint(format!(
-            "copy it too, or make it anew: `ogrinfo --config SHAPE_RESTORE_SHX YES {}`",
-            path.display()
-        ))
-    })?;
-    let dbf = sidecar(path, "dbf")?.ok_or_else(|| {
-        missing(path, "dbf", "the table with its heights")
-            .with_hint("a shapefile is .shp, .shx, .dbf and .prj together")
-    })?;
-    check_index(path, &shx, shp.len())?;
-    let broken = |e: shapefile::Error| malformed(path, &e.to_string(), "a shapefile");
+pub(super) fn read(input: &Input) -> Result<FeatureSet> {
+    let shp = input.read()?;
+    let shx = input.beside("shx").ok_or_else(|| missing(input, "shx", "its index"))?;
+    let dbf = input.beside("dbf").ok_or_else(|| missing(input, "dbf", "the table with its heights"))?;
+    let shx = shx.read()?;
+    check_index(input, &shx, shp.len())?;
+    let broken = |e: shapefile::Error| malformed(input, &e.to_string(), "a shapefile");
     let n_bytes = shp.len();
     let mut reader = ShapeReader::with_shx(Cursor::new(shp), Cursor::new(shx)).map_err(broken)?;
     let n_indexed = reader.shape_count().map_err(broken)?;
     let (mut shapes, mut n_points) = (Vec::new(), 0);
     for (number, shape) in reader.iter_shapes().enumerate() {
-        let shape = shape.map_err(|e| malformed(path, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
-        let polygons = polygons_of(path, shape)?;
+        let shape = shape.map_err(|e| malformed(input, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
+        let polygons = polygons_of(input, shape)?;
         // An index that names a shape many times would make much of little.
         n_points += polygons.iter().flatten().map(Vec::len).sum::<usize>();
         if n_points > n_bytes / POINT_BYTES {
             let found = format!("feature {}: with it more points than {n_bytes} bytes hold", number + 1);
-            return Err(malformed(path, &found, "a shapefile"));
+            return Err(malformed(input, &found, "a shapefile"));
         }
         shapes.push(polygons);
     }
-    let rows = table(path, dbf)?;
+    let rows = table(input, &dbf)?;
     if shapes.len() != n_indexed || shapes.len() != rows.len() {
-        let text = format!(
-            "cannot read {}: it holds {} shapes, its index {n_indexed} and its table {} rows, wanted as many of each",
-            path.display(),
+        let what = format!(
+            "it holds {} shapes, its index {n_indexed} and its table {} rows, wanted as many of each",
             shapes.len(),
             rows.len()
         );
-        return Err(Error::file(303, text).with_hint("copy its files again, all from one place"));
+        return Err(Error::truncated(input, what).because(Cause::MixedFiles));
     }
     let features = shapes.into_iter().zip(rows);
     let features = features.map(|(polygons, properties)| Feature { polygons, properties, ..Feature::default() });
-    let crs = sidecar(path, "prj").and_then(|prj| match prj {
-        Some(bytes) => crs_of(path, &String::from_utf8_lossy(&bytes)),
+    let crs = match input.beside("prj") {
+        Some(prj) => prj.read().and_then(|bytes| crs_of(input, &String::from_utf8_lossy(&bytes))),
         None => Ok(None),
-    });
+    };
     Ok(FeatureSet { crs, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
 }
 
-/// A file beside the `.shp`, whatever the case of its extension; `None` if there is none.
-fn sidecar(path: &Path, extension: &str) -> Result<Option<Vec<u8>>> {
-    let spelled = [extension.to_string(), extension.to_uppercase()].map(|e| path.with_extension(e));
-    let found: Option<&PathBuf> = spelled.iter().find(|p| p.is_file());
-    found.map(|p| read_bytes(p)).transpose()
-}
-
-fn missing(path: &Path, extension: &str, what: &str) -> Error {
-    let wanted = path.with_extension(extension);
-    Error::file(301, format!("cannot read {}: {} is missing, {what}", path.display(), wanted.display()))
+fn missing(input: &Input, extension: &str, holds: &'static str) -> Error {
+    let wanted = input.as_path().with_extension(extension);
+    Error::read(input, ReadFault::NoSidecar(wanted.display().to_string(), holds))
 }
 
 /// Refuses an index whose records would be more than the file: it could have one shape read many times.
-fn check_index(path: &Path, shx: &[u8], shp_bytes: usize) -> Result<()> {
+fn check_index(input: &Input, shx: &[u8], shp_bytes: usize) -> Result<()> {
     let entries = shx.get(HEADER_BYTES..).unwrap_or_default().chunks_exact(8);
     let length = |entry: &[u8]| 2 * u64::from(u32::from_be_bytes([entry[4], entry[5], entry[6], entry[7]]));
     let indexed: u64 = entries.map(length).sum();
     if indexed > shp_bytes as u64 {
         let found = format!("its index names {indexed} bytes of shapes in a file of {shp_bytes}");
-        return Err(malformed(path, &found, "an index of this file"));
+        return Err(malformed(input, &found, "an index of this file"));
     }
     Ok(())
 }
 
 /// The areas of a shape; points, lines and empty shapes have none.
-fn polygons_of(path: &Path, shape: Shape) -> Result<Vec<Polygon>> {
+fn polygons_of(input: &Input, shape: Shape) -> Result<Vec<Polygon>> {
     match shape {
         Shape::Polygon(polygon) => Ok(rings_of(&polygon)),
         Shape::PolygonM(polygon) => Ok(rings_of(&polygon)),
         Shape::PolygonZ(polygon) => Ok(rings_of(&polygon)),
         Shape::Multipatch(_) => {
-            let text = format!("cannot read {}: it holds multipatches, wanted polygons", path.display());
-            Err(Error::file(304, text).with_hint("give the buildings as CityJSON, or as a mesh in .obj or .ply"))
+            Err(Error::unsupported(input, "it holds multipatches, wanted polygons").because(Cause::Multipatch))
         }
         _ => Ok(Vec::new()),
     }
@@ -125,15 +109,18 @@ fn rings_of<P: HasXY>(polygon: &GenericPolygon<P>) -> Vec<Polygon> {
 }
 
 /// The rows of the table, each by column name.
-fn table(path: &Path, dbf: Vec<u8>) -> Result<Vec<Properties>> {
-    let table = path.with_extension("dbf");
-    let code_page = sidecar(path, "cpg")?.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_string());
+fn table(input: &Input, table: &Input) -> Result<Vec<Properties>> {
+    let dbf = table.read()?;
+    let code_page = match input.beside("cpg") {
+        Some(cpg) => Some(String::from_utf8_lossy(&cpg.read()?).trim().to_string()),
+        None => None,
+    };
     let encoding = code_page.and_then(|name| DynEncoding::from_name(&name));
-    let broken = |e: shapefile::dbase::Error| malformed(&table, &e.to_string(), "a dBase table");
+    let broken = |e: shapefile::dbase::Error| malformed(table, &e.to_string(), "a dBase table");
     let built = match encoding {
         Some(encoding) => ReaderBuilder::new().with_encoding(encoding).build(Cursor::new(dbf)),
         // A table that names no code page, or an unknown one, still has its numbers.
-        None => match ReaderBuilder::new().build(Cursor::new(dbf.as_slice())) {
+        None => match ReaderBuilder::new().build(Cursor::new(&dbf)) {
             Ok(_) => ReaderBuilder::new().build(Cursor::new(dbf)),
             Err(_) => ReaderBuilder::new().with_encoding(UnicodeLossy).build(Cursor::new(dbf)),
         },

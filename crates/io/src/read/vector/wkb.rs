@@ -3,7 +3,7 @@
 //! Counts are never trusted: a geometry takes at least the bytes that its count stands for, so nothing is reserved that
 //! is not there, and collections may nest only so deep.
 
-use super::Polygon;
+use super::feature::Polygon;
 
 /// How deep collections may nest; a multipolygon in a collection is two.
 const MOST_NESTED: usize = 16;

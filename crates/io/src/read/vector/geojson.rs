@@ -3,36 +3,27 @@
 //! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
 //! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
 
-use std::path::Path;
-
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
-use super::source::{input_name, read_input};
-use super::vector::{self, FeatureSet, Polygon, Property};
+use super::feature::{self, FeatureSet, Polygon, Property};
 use crate::crs;
-use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
+use crate::input::Input;
 use crate::raster::Crs;
 
 /// Parses a GeoJSON document.
-///
-/// # Errors
-/// If the file cannot be read, is not UTF-8, or is not JSON (with line and column).
-pub(super) fn read_document(path: &Path) -> Result<Value> {
-    let (bytes, name) = (read_input(path)?, input_name(path));
-    let text = String::from_utf8(bytes.into_owned()).map_err(|e| {
-        let place = e.utf8_error().valid_up_to();
-        Error::file(302, format!("cannot read {name}: byte {place} is not UTF-8, wanted GeoJSON text"))
-    })?;
+pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
+    let text = input.text("GeoJSON text")?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     if text.trim().is_empty() {
-        return Err(Error::file(302, format!("cannot read {name}: the file is empty, wanted GeoJSON")));
+        return Err(Error::malformed(input, "the file is empty, wanted GeoJSON"));
     }
     serde_json::from_str(text).map_err(|e| {
         let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
-        let error = Error::file(302, format!("cannot read {name}: {found}, wanted one GeoJSON document"));
+        let error = Error::malformed(input, format!("{found}, wanted one GeoJSON document"));
         if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
-            error.with_hint("for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`")
+            error.because(Cause::FeatureALine)
         } else {
             error
         }
@@ -45,14 +36,8 @@ fn is_one_feature_a_line(text: &str) -> bool {
 }
 
 /// The features of a document: of a collection, of a single feature, or of a bare geometry.
-///
-/// # Errors
-/// If the document is none of these.
-pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
-    let wrong = |found: String| {
-        let name = input_name(path);
-        Error::file(302, format!("cannot read {name}: found {found}, wanted a GeoJSON FeatureCollection"))
-    };
+pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Value>> {
+    let wrong = |found: String| Error::malformed(input, format!("found {found}, wanted a GeoJSON FeatureCollection"));
     let Value::Object(mut object) = document else {
         return Err(wrong(format!("{} at the top level", kind_of(&document))));
     };
@@ -77,32 +62,25 @@ pub(super) fn features(path: &Path, document: Value) -> Result<Vec<Value>> {
 }
 
 /// The CRS that a document's `crs` member names, if it has one.
-///
-/// # Errors
-/// If it names one that is not known.
-pub(super) fn named_crs(path: &Path, document: &Value) -> Result<Option<Crs>> {
+pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
         let kind = member.get("type").and_then(Value::as_str).unwrap_or("nothing");
-        let text = format!("cannot read {}: its `crs` is of type `{kind}`, wanted a name", input_name(path));
-        return Err(Error::file(310, text).with_hint("say it with `--crs EPSG:n`"));
+        return Err(Error::read(input, ReadFault::CrsMember(kind.to_string())));
     };
-    crs::parse(name).map(Some).map_err(|e| {
-        Error::file(310, format!("cannot read {}: its `crs` is `{name}`: {e}", input_name(path)))
-            .with_hint("override it with `--crs EPSG:n`")
-    })
+    let said = || format!("its `crs` is `{name}`");
+    crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
 }
 
 /// The features of a GeoJSON document.
-pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
+pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
     let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
-    let crs = named_crs(path, &document);
+    let crs = named_crs(input, &document);
     let mut found = Vec::new();
-    for (number, value) in features(path, document)?.into_iter().enumerate() {
+    for (number, value) in features(input, document)?.into_iter().enumerate() {
         let refuse = |found: String| {
-            let text =
-                format!("cannot read {}: feature {}: {found}, wanted a GeoJSON feature", path.display(), number + 1);
-            Error::file(302, text)
+            let what = format!("{found}, wanted a GeoJSON feature");
+            Error::malformed(input, what).at(Place::Feature(number as u64 + 1))
         };
         let feature: Feature =
             serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;
@@ -112,7 +90,7 @@ pub(super) fn feature_set(path: &Path, document: Value) -> Result<FeatureSet> {
 }
 
 /// A feature with its areas; the error says what is wrong with its positions.
-fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> {
+fn feature_of(feature: Feature) -> std::result::Result<feature::Feature, String> {
     let (mut polygons, mut has_other_parts) = (Vec::new(), false);
     if let Some(geometry) = &feature.geometry {
         collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
@@ -123,7 +101,7 @@ fn feature_of(feature: Feature) -> std::result::Result<vector::Feature, String> 
     });
     let properties = feature.properties.into_iter().flatten();
     let properties = properties.map(|(name, value)| (name.into(), Property::of_json(&value))).collect();
-    Ok(vector::Feature { id, properties, polygons, has_other_parts, heights: None })
+    Ok(feature::Feature { id, properties, polygons, has_other_parts, heights: None })
 }
 
 fn collect_polygons(
@@ -156,7 +134,7 @@ fn collect_polygons(
 
 impl Property {
     /// A JSON value as a property; lists and objects are none.
-    pub(super) fn of_json(value: &Value) -> Property {
+    pub(in crate::read) fn of_json(value: &Value) -> Property {
         match value {
             Value::Number(n) => n.as_f64().map_or(Property::Null, Property::Number),
             Value::String(text) => Property::Text(text.clone()),

@@ -1,0 +1,75 @@
+//! Formats of outputs, told by their extensions.
+
+/// A file format, told by the extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Picture, or one pixel per cell with `--bare`.
+    Png,
+    /// Picture as vectors.
+    Svg,
+    /// Picture as vectors on a page.
+    Pdf,
+    /// GeoTIFF.
+    GeoTiff,
+    /// OpenEXR.
+    Exr,
+    /// Esri ASCII grid.
+    AsciiGrid,
+    /// Raw numbers with a header.
+    Bil,
+    /// Numpy archive.
+    Npz,
+    /// Overlays for Google Earth.
+    Kmz,
+    /// Table.
+    Csv,
+    /// Document.
+    Json,
+    /// Features.
+    GeoJson,
+    /// Features with a spatial index.
+    FlatGeobuf,
+    /// Scene of Mitsuba, with its meshes.
+    Mitsuba,
+    /// Web page.
+    Html,
+    /// The document on standard output.
+    Stdout,
+}
+
+/// What tells a format; of several the first stands for it.
+const EXTENSIONS: [(&str, Format); 16] = [
+    ("png", Format::Png),
+    ("svg", Format::Svg),
+    ("pdf", Format::Pdf),
+    ("tif", Format::GeoTiff),
+    ("tiff", Format::GeoTiff),
+    ("exr", Format::Exr),
+    ("asc", Format::AsciiGrid),
+    ("bil", Format::Bil),
+    ("npz", Format::Npz),
+    ("kmz", Format::Kmz),
+    ("csv", Format::Csv),
+    ("json", Format::Json),
+    ("geojson", Format::GeoJson),
+    ("fgb", Format::FlatGeobuf),
+    ("xml", Format::Mitsuba),
+    ("html", Format::Html),
+];
+
+impl Format {
+    /// The format that an extension (lower case, without its point) tells.
+    pub(super) fn of_extension(extension: &str) -> Option<Format> {
+        EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format)
+    }
+
+    /// Whether it holds a picture.
+    pub fn is_picture(self) -> bool {
+        matches!(self, Format::Png | Format::Svg | Format::Pdf)
+    }
+
+    /// The extension that stands for it, without its point; `None` of standard output.
+    pub fn extension(self) -> Option<&'static str> {
+        EXTENSIONS.iter().find(|(_, format)| *format == self).map(|(extension, _)| *extension)
+    }
+}

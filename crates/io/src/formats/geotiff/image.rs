@@ -1,0 +1,81 @@
+//! What goes into a GeoTIFF: bands, names and colors of classes, metadata, and how the cells are arranged.
+
+use crate::raster::GeoRef;
+
+/// How the cells of a file are arranged and compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TiffLayout {
+    /// Tiles of 256 × 256 cells, deflated, with overviews: a cloud optimized GeoTIFF.
+    #[default]
+    Cog,
+    /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other without gaps, north
+    /// first, so a band is one stretch of little-endian numbers; the first begins behind the header, at byte 8, or 16 of a
+    /// BigTIFF.
+    Plain,
+}
+
+/// The bands of an image: name and values row by row from the north-west cell, all of one type.
+#[derive(Debug, Clone)]
+pub enum Bands<'a> {
+    /// Classes; overviews show the most frequent one, the smaller on a tie.
+    Byte(Vec<(String, &'a [u8])>),
+    /// Measures; overviews show one of the cells.
+    Float(Vec<(String, &'a [f32])>),
+    /// Counts or sets of bits; overviews show one of the cells.
+    UInt32(Vec<(String, &'a [u32])>),
+}
+
+/// How a class is called and drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClassColor {
+    /// The cell value.
+    pub value: u8,
+    /// The name shown in a legend.
+    pub name: String,
+    /// Red, green, blue, opacity.
+    pub rgba: [u8; 4],
+}
+
+/// Everything that goes into a GeoTIFF file.
+#[derive(Debug, Clone)]
+pub struct GeoTiffImage<'a> {
+    /// Where the cells lie.
+    pub georef: &'a GeoRef,
+    /// The values.
+    pub bands: Bands<'a>,
+    /// The value that means no data, in all bands.
+    pub nodata: Option<f64>,
+    /// Colors of a single byte band. TIFF has no opacity: it is left to the renderer.
+    pub palette: Option<&'a [ClassColor]>,
+    /// Items of GDAL's metadata: key and value.
+    pub metadata: &'a [(String, String)],
+    /// Arrangement of the cells.
+    pub layout: TiffLayout,
+}
+
+/// What a file of classes is, without its cells.
+#[derive(Debug, Clone, Copy)]
+pub struct ClassImage<'a> {
+    /// Where the cells lie.
+    pub georef: &'a GeoRef,
+    /// The value that means no data.
+    pub nodata: Option<f64>,
+    /// Colors of the classes.
+    pub palette: Option<&'a [ClassColor]>,
+    /// What the band is called.
+    pub name: &'a str,
+}
+
+impl<'a> ClassImage<'a> {
+    /// An image of the class without its cells.
+    pub(super) fn head(&self, metadata: &'a [(String, String)], layout: TiffLayout) -> GeoTiffImage<'a> {
+        GeoTiffImage {
+            georef: self.georef,
+            bands: Bands::Byte(vec![(self.name.to_string(), &[])]),
+            nodata: self.nodata,
+            palette: self.palette,
+            metadata,
+            layout,
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! A mosaic: its tiles, where each part of them goes, and how a window is put together. Of each tile little is kept, for
+//! thousands are common.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+
+use rayon::prelude::*;
+
+use super::numbers::{Rule, TileNumbers};
+use crate::crs::VerticalCrs;
+use crate::error::{Error, Result, Warning};
+use crate::formats::oddity::{Odd, Oddity};
+use crate::formats::reserve::reserve_cells;
+use crate::formats::sample::Sample;
+use crate::formats::voids::{Stored, Voids, is_nodata};
+use crate::formats::{AsciiGrid, GeoTiff};
+use crate::quantity::counted;
+use crate::raster::{CellWindow, GeoRef, Raster};
+
+/// Cells that are put together at a time, unless one row has more.
+const BAND_CELLS: usize = 1 << 24;
+/// Most columns or rows, as in GDAL.
+pub(super) const MAX_SIDE: f64 = 2_147_483_647.0;
+
+/// Where a file stands among virtual rasters that are in each other.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::formats) struct Nesting<'a> {
+    /// Those that it is in, outermost first.
+    pub(in crate::formats) ancestors: &'a [PathBuf],
+    /// Files that were opened for all but the outermost.
+    pub(in crate::formats) n_opened: &'a AtomicUsize,
+    /// What reads the header of a tile of any format.
+    pub(in crate::formats) open: fn(&Path, Nesting<'_>) -> Result<Header>,
+}
+
+/// A raster made of many, the headers of its tiles read and checked.
+#[derive(Debug, Clone)]
+pub struct Mosaic {
+    pub(super) path: PathBuf,
+    pub(super) kind: Kind,
+    pub(super) georef: GeoRef,
+    pub(super) tiles: Vec<Tile>,
+    /// In the order in which they lie over each other, the lowest first.
+    pub(super) pieces: Vec<Piece>,
+    /// The number of cells in no tile.
+    pub(super) empty: f64,
+    /// The number of cells without a height.
+    pub(super) nodata: Option<f64>,
+    /// Factor and summand that turn numbers into heights.
+    pub(super) scaling: (f64, f64),
+    pub(super) meters_per_height_unit: Option<f64>,
+    pub(super) vertical: Option<VerticalCrs>,
+    /// Cells in no tile.
+    pub(super) n_gaps: u64,
+}
+
+/// What a mosaic was opened from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    VirtualRaster { numbers: Sample, n_bands: usize },
+    Folder,
+}
+
+/// A part of a tile, or all of it, in its place.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    /// Index of the tile, and its band.
+    pub(super) tile: usize,
+    pub(super) band: usize,
+    /// Row and column of the mosaic at which the tile would begin.
+    pub(super) row: i64,
+    pub(super) col: i64,
+    /// The cells of the mosaic that it covers, inside of both.
+    pub(super) area: CellWindow,
+    pub(super) rule: Rule,
+}
+
+/// What tiles of a folder hold that deserves a word.
+#[derive(Debug, Default)]
+struct Oddities {
+    /// Times that a height was laid over another one.
+    n_differing: u64,
+    /// Cells of tiles that hold NaN or an infinite number.
+    n_not_finite: u64,
+}
+
+impl Mosaic {
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        &self.georef
+    }
+
+    /// Meters per unit of height, where the virtual raster or the tiles say so; [`Mosaic::read`] converts nothing.
+    pub fn meters_per_height_unit(&self) -> Option<f64> {
+        self.meters_per_height_unit
+    }
+
+    /// What heights are above, where a tile names it.
+    pub fn vertical(&self) -> Option<&VerticalCrs> {
+        self.vertical.as_ref()
+    }
+
+    /// What its numbers mean.
+    pub(in crate::formats) fn numbers(&self) -> TileNumbers {
+        TileNumbers { nodata: self.nodata, scaling: self.scaling }
+    }
+
+    /// What it is made of, in a few words: `mosaic of 24 tiles, 1200 cells in no tile`.
+    pub fn description(&self) -> String {
+        let tiles = counted(self.tiles.len() as u64, "tile", "tiles");
+        let mut text = match self.kind {
+            Kind::VirtualRaster { numbers, .. } => format!("virtual raster of {tiles}, {}", numbers.name()),
+            Kind::Folder => format!("mosaic of {tiles}"),
+        };
+        if let (Kind::VirtualRaster { .. }, Some(nodata)) = (self.kind, self.nodata) {
+            text += &format!(", nodata {nodata}");
+        }
+        if self.n_gaps > 0 {
+            text += &format!(", {} in no tile", counted(self.n_gaps, "cell", "cells"));
+        }
+        text
+    }
+
+    /// The files of the tiles, each once, in their order.
+    pub fn tile_paths(&self) -> Vec<&Path> {
+        let mut paths: Vec<&Path> = Vec::with_capacity(self.tiles.len());
+        let mut seen = std::collections::HashSet::new();
+        for tile in &self.tiles {
+            paths.extend(std::iter::once(tile.path.as_path()).chain(tile.parts()).filter(|path| seen.insert(*path)));
+        }
+        paths
+    }
+
+    /// Reads a part as [`crate::formats::RasterFile::read`] does; an error names the tile. Memory is that of the result and
+    /// of one band of rows.
+    pub fn read<T: bytemuck::Pod>(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+        mut convert: impl FnMut(f64) -> T,
+    ) -> Result<Raster<T>> {
+        let georef = self.georef.part(window);
+        let mut cells = reserve_cells(&self.path.display(), &georef)?;
+        let mut voids = Voids::new(self.nodata);
+        let (scale, offset) = self.scaling;
+        let odd = self.for_each_number(window, |row, col, number| {
+            cells.push(convert(voids.height(row, col, number) * scale + offset));
+        })?;
+        self.warn(&odd, warnings);
+        voids.report(&self.path.display(), warnings)?;
+        Ok(Raster::new(georef, cells))
+    }
+
+    /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
+    fn for_each_number(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<Oddities> {
+        let mut odd = Oddities::default();
+        let mut rest = window;
+        while rest.n_rows > 0 {
+            let band = CellWindow { n_rows: self.rows_at_once(rest), ..rest };
+            let numbers = self.put_together(band, &mut odd)?;
+            for (row, numbers) in (band.row..).zip(numbers.chunks_exact(band.n_cols)) {
+                (band.col..).zip(numbers).for_each(|(col, number)| visit(row, col, *number));
+            }
+            rest = CellWindow { row: rest.row + band.n_rows, n_rows: rest.n_rows - band.n_rows, ..rest };
+        }
+        Ok(odd)
+    }
+
+    /// How many of the first rows of a window to put together: up to the edge of a tile where one is near, so that no tile
+    /// is opened twice without need.
+    fn rows_at_once(&self, window: CellWindow) -> usize {
+        let most = (BAND_CELLS / window.n_cols).clamp(1, window.n_rows);
+        if most == window.n_rows {
+            return most;
+        }
+        let ends = self.pieces.iter().filter(|piece| overlap(piece.area, window).is_some()).map(|piece| {
+            let end = piece.area.row + piece.area.n_rows;
+            end.saturating_sub(window.row)
+        });
+        ends.filter(|rows| (1..=most).contains(rows)).max().unwrap_or(most)
+    }
+
+    /// The numbers of a window, row by row.
+    fn put_together(&self, window: CellWindow, odd: &mut Oddities) -> Result<Vec<f64>> {
+        let mut numbers = reserve_cells(&self.path.display(), &self.georef.part(window))?;
+        numbers.resize(window.n_rows * window.n_cols, self.empty);
+        for piece in &self.pieces {
+            if let Some(area) = overlap(piece.area, window) {
+                self.lay(piece, area, (window, &mut numbers), odd)?;
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// Lays the part of a piece that covers `area` over what is there.
+    fn lay(
+        &self,
+        piece: &Piece,
+        area: CellWindow,
+        (window, numbers): (CellWindow, &mut [f64]),
+        odd: &mut Oddities,
+    ) -> Result<()> {
+        let tile = &self.tiles[piece.tile];
+        // `area` lies inside of the tile, so neither difference is negative.
+        let in_tile = |at: usize, origin: i64| usize::try_from(at as i128 - i128::from(origin)).unwrap_or(0);
+        let part = CellWindow { row: in_tile(area.row, piece.row), col: in_tile(area.col, piece.col), ..area };
+        let is_folder = self.kind == Kind::Folder;
+        let laid = tile.for_each_stored(piece.band, part, |row, col, stored| {
+            let (row, col) = (area.row - window.row + (row - part.row), area.col - window.col + (col - part.col));
+            let at = &mut numbers[row * window.n_cols + col];
+            match piece.rule.number(tile.numbers, stored) {
+                Some(number) => {
+                    if is_folder {
+                        odd.n_differing += u64::from(differ(*at, number));
+                    }
+                    *at = number;
+                }
+                None if is_folder => odd.n_not_finite += u64::from(tile.is_not_finite(stored)),
+                None => {}
+            }
+        });
+        laid.map_err(|error| error.within(format!("a tile of `{}`", self.path.display())))
+    }
+
+    fn warn(&self, odd: &Oddities, warnings: &mut Vec<Warning>) {
+        let path = self.path.display();
+        if let Kind::VirtualRaster { n_bands: n_bands @ 2.., .. } = self.kind {
+            warnings.push(Oddity::new(&path, Odd::Bands(n_bands)).into());
+        }
+        if odd.n_differing > 0 {
+            let heights = counted(odd.n_differing, "height lies", "heights lie");
+            let text = format!(
+                "tiles of `{path}` overlap and differ: {heights} under another one of a later tile by name, which counts (a folder should hold one raster of each place)"
+            );
+            warnings.push(Warning::new(336, text));
+        }
+        if odd.n_not_finite > 0 {
+            let cells = counted(odd.n_not_finite, "cell", "cells");
+            let text = format!("tiles of `{path}` have {cells} with NaN or an infinite height: read as void");
+            warnings.push(Warning::new(320, text));
+        }
+        if self.n_gaps > 0 && self.nodata.is_none() && self.kind != Kind::Folder {
+            let cells = counted(self.n_gaps, "cell", "cells");
+            let text = format!(
+                "`{path}` has {cells} in no source and declares no nodata value: they are {} there, as in GDAL; give it one with `gdalbuildvrt -vrtnodata -9999`",
+                self.empty
+            );
+            warnings.push(Warning::new(337, text));
+        }
+        if self.scaling != (1.0, 0.0) {
+            warnings.push(Oddity::new(path, Odd::Scaled(self.scaling.0, self.scaling.1)).into());
+        }
+    }
+}
+
+/// A raster of a mosaic.
+#[derive(Debug, Clone)]
+pub(in crate::formats) struct Tile {
+    pub(in crate::formats) path: PathBuf,
+    pub(in crate::formats) n_rows: usize,
+    pub(in crate::formats) n_cols: usize,
+    pub(in crate::formats) numbers: TileNumbers,
+    pub(in crate::formats) content: Content,
+}
+
+/// What is kept of a tile beside its place: the table of a GeoTIFF's blocks can be large, and is read again.
+#[derive(Debug, Clone)]
+pub(in crate::formats) enum Content {
+    GeoTiff,
+    AsciiGrid(Box<AsciiGrid>),
+    Mosaic(Box<Mosaic>),
+}
+
+/// What the header of a tile says, needed while the mosaic is put together.
+#[derive(Debug)]
+pub(in crate::formats) struct Header {
+    pub(in crate::formats) tile: Tile,
+    pub(in crate::formats) georef: GeoRef,
+    pub(in crate::formats) n_bands: usize,
+    pub(in crate::formats) meters_per_height_unit: Option<f64>,
+    pub(in crate::formats) vertical: Option<VerticalCrs>,
+    pub(in crate::formats) odd: Vec<Oddity>,
+}
+
+/// Reads the headers of all tiles, in parallel; the error is that of the first bad one.
+///
+/// `nesting` is that of the virtual raster that the tiles are in.
+pub(super) fn read_headers(paths: &[PathBuf], nesting: Nesting<'_>) -> Result<Vec<Header>> {
+    let headers: Vec<Result<Header>> = paths.par_iter().map(|path| (nesting.open)(path, nesting)).collect();
+    headers.into_iter().collect()
+}
+
+impl Tile {
+    /// Calls `visit` with row, column and content of each cell of a part of one band; rows may come in any order.
+    fn for_each_stored(
+        &self,
+        band: usize,
+        window: CellWindow,
+        mut visit: impl FnMut(usize, usize, Stored),
+    ) -> Result<()> {
+        match &self.content {
+            Content::GeoTiff => {
+                // What is odd about its header was told when the mosaic was opened.
+                let tiff = GeoTiff::open(&self.path, &mut Vec::new())?;
+                let (n_rows, n_cols) = (tiff.georef().n_rows(), tiff.georef().n_cols());
+                if (n_rows, n_cols, tiff.nodata().map(f64::to_bits))
+                    != (self.n_rows, self.n_cols, self.numbers.nodata.map(f64::to_bits))
+                {
+                    return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
+                }
+                tiff.for_each_stored(band, window, visit)
+            }
+            Content::AsciiGrid(grid) => {
+                grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
+            }
+            Content::Mosaic(mosaic) => {
+                let visited = mosaic.for_each_number(window, |row, col, number| {
+                    visit(row, col, Stored::Number(number));
+                });
+                visited.map(drop)
+            }
+        }
+    }
+
+    /// Whether a cell holds a number that is neither a height nor declared as none.
+    fn is_not_finite(&self, stored: Stored) -> bool {
+        matches!(stored, Stored::Number(number) if !number.is_finite() && !is_nodata(self.numbers.nodata, number))
+    }
+
+    /// The files that the tile is made of, beside itself.
+    fn parts(&self) -> Vec<&Path> {
+        match &self.content {
+            Content::Mosaic(mosaic) => mosaic.tile_paths(),
+            Content::GeoTiff | Content::AsciiGrid(_) => Vec::new(),
+        }
+    }
+}
+
+/// Whether a height is laid over another one; NaN is no height.
+#[expect(clippy::float_cmp, reason = "copies of one height are equal to the last digit")]
+fn differ(below: f64, above: f64) -> bool {
+    !below.is_nan() && below != above
+}
+
+/// The cells that lie in both windows, if there are any.
+fn overlap(a: CellWindow, b: CellWindow) -> Option<CellWindow> {
+    let (row, col) = (a.row.max(b.row), a.col.max(b.col));
+    let n_rows = (a.row + a.n_rows).min(b.row + b.n_rows).checked_sub(row)?;
+    let n_cols = (a.col + a.n_cols).min(b.col + b.n_cols).checked_sub(col)?;
+    (n_rows > 0 && n_cols > 0).then_some(CellWindow { row, col, n_rows, n_cols })
+}

@@ -1,0 +1,119 @@
+//! The XML of a virtual raster: read within limits, and what is said of a place in it.
+
+use std::fmt::Display;
+use std::io::Read;
+use std::path::Path;
+
+use roxmltree::{Document, Node};
+
+use crate::error::{Cause, Error, Place, ReadFault, Result};
+use crate::input::{Input, cannot_read};
+
+/// Longest XML \[bytes\]: that of some hundred thousand sources.
+const MAX_XML_BYTES: u64 = 256 << 20;
+
+/// The text of the file.
+pub(super) fn read_xml(path: &Path) -> Result<String> {
+    let input = Input::path(path);
+    let (file, len) = input.open()?;
+    if len > MAX_XML_BYTES {
+        let what = format!("{len} bytes of XML, wanted at most {} MiB", MAX_XML_BYTES >> 20);
+        return Err(Error::read(&input, ReadFault::Memory(what)));
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_XML_BYTES).read_to_end(&mut bytes).map_err(|e| cannot_read(&input, &e))?;
+    let text = String::from_utf8(bytes).map_err(|e| Error::malformed(&input, format!("{e}, wanted XML in UTF-8")))?;
+    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+}
+
+/// An XML being read, for what is said of it.
+#[derive(Clone, Copy)]
+pub(super) struct Vrt<'a> {
+    pub(super) path: &'a Path,
+    pub(super) document: &'a Document<'a>,
+}
+
+impl Vrt<'_> {
+    /// An error at the line of an element.
+    pub(super) fn error(&self, at: Node<'_, '_>, fault: ReadFault) -> Error {
+        let line = self.document.text_pos_at(at.range().start).row;
+        Error::read(self.path.display(), fault).at(Place::Line(line.into()))
+    }
+
+    /// E302, at the line of an element.
+    pub(super) fn malformed(&self, at: Node<'_, '_>, what: impl Into<String>) -> Error {
+        self.error(at, ReadFault::Malformed(what.into()))
+    }
+
+    /// E304: what GDAL does and this program does not.
+    pub(super) fn unsupported(&self, at: Node<'_, '_>, found: impl Display) -> Error {
+        let what = format!("{found}, wanted sources that are copied cell by cell");
+        self.error(at, ReadFault::Unsupported(what)).because(Cause::ForGdal)
+    }
+
+    /// The number that an element or attribute holds.
+    pub(super) fn number(&self, at: Node<'_, '_>, name: &str, text: &str) -> Result<f64> {
+        let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| self.malformed(at, format!("`{name}` is `{text}`, wanted a finite number")))
+    }
+
+    /// The number of a child element, if there is such an element.
+    pub(super) fn child_number(&self, parent: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
+        child(parent, name).map(|node| self.number(node, name, text_of(node))).transpose()
+    }
+}
+
+/// The first child element of a name; like GDAL in any case of letters.
+pub(super) fn child<'a, 'b>(parent: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
+    parent.children().find(|node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
+}
+
+/// An attribute in any case of letters.
+pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name)).map(|attribute| attribute.value())
+}
+
+/// The text in an element, without blanks around it.
+pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
+    node.text().unwrap_or_default().trim()
+}
+
+/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
+const MOST_ATTRIBUTES: usize = 500;
+
+/// Refuses elements with more attributes than any virtual raster has, and more namespaces.
+pub(super) fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
+    let mut rest = xml;
+    let mut n_namespaces = 0;
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start..];
+        let outside = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+        if let Some((begin, end)) = outside.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
+            rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
+            continue;
+        }
+        // Each value in quotes is that of an attribute.
+        let (mut n_attributes, mut quote) = (0, None);
+        let end = rest.find(|c| match (quote, c) {
+            (Some(open), c) if c == open => {
+                quote = None;
+                false
+            }
+            (None, '"' | '\'') => {
+                n_attributes += 1;
+                quote = Some(c);
+                false
+            }
+            (quote, c) => quote.is_none() && c == '>',
+        });
+        let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
+        n_namespaces += tag.matches("xmlns").count();
+        if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
+            let what =
+                format!("more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster");
+            return Err(Error::read(path.display(), ReadFault::TooMany(what)));
+        }
+        rest = after;
+    }
+    Ok(())
+}

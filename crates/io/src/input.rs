@@ -1,0 +1,202 @@
+//! What readers take: a file by its path, or bytes that the caller holds.
+
+use std::borrow::Cow;
+use std::ffi::OsStr;
+use std::fmt;
+use std::fs::File;
+use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use crate::error::{Error, ReadFault, Result, io_words};
+
+/// A file by its path, or bytes that the caller holds under a name, with the files beside it.
+///
+/// The name tells the format where a reader knows several (`city.shp`), and stands in messages. The path `-` is standard
+/// input, of which tables and GeoJSON are read.
+///
+/// ```
+/// use skyshed_io::Input;
+///
+/// let on_disk = Input::path("maps/city.shp");
+/// let held = Input::bytes("city.shp", vec![0; 100]).with_beside("city.dbf", vec![0; 32]);
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    path: PathBuf,
+    held: Option<Held>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Held {
+    bytes: Arc<[u8]>,
+    /// File names and bytes.
+    beside: Vec<(PathBuf, Arc<[u8]>)>,
+}
+
+impl Input {
+    /// A file, opened when it is read; its sidecars are looked for beside it.
+    pub fn path(path: impl Into<PathBuf>) -> Input {
+        Input { path: path.into(), held: None }
+    }
+
+    /// Bytes under a name, such as `city.geojson`.
+    pub fn bytes(name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
+        Input { path: name.into(), held: Some(Held { bytes: bytes.into(), beside: Vec::new() }) }
+    }
+
+    /// The same bytes with those of a sidecar, such as `city.prj`. A file on disk has its own beside it.
+    #[must_use]
+    pub fn with_beside(mut self, name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
+        if let Some(held) = &mut self.held {
+            held.beside.push((name.into(), bytes.into()));
+        }
+        self
+    }
+
+    /// The path, or the name.
+    pub fn as_path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether the bytes are held, so that no path of a file is known.
+    pub(crate) fn is_held(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// Whether it is a folder.
+    pub(crate) fn is_folder(&self) -> bool {
+        self.held.is_none() && self.path.is_dir()
+    }
+
+    /// Whether it is standard input.
+    pub(crate) fn is_standard_input(&self) -> bool {
+        self.held.is_none() && self.path.as_os_str() == "-"
+    }
+
+    /// The extension in lower case, without the point.
+    pub(crate) fn extension(&self) -> String {
+        self.path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+    }
+
+    /// Length \[bytes\], 0 where that is not known.
+    pub(crate) fn len(&self) -> u64 {
+        match &self.held {
+            Some(held) => held.bytes.len() as u64,
+            None => std::fs::metadata(&self.path).map_or(0, |metadata| metadata.len()),
+        }
+    }
+
+    /// The file of the same name with another extension, in lower or upper case, if there is one.
+    pub(crate) fn beside(&self, extension: &str) -> Option<Input> {
+        [extension.to_string(), extension.to_uppercase()].iter().find_map(|e| self.other(self.path.with_extension(e)))
+    }
+
+    /// The file whose name is longer by a suffix, such as `.msk`, if there is one.
+    pub(crate) fn with_suffix(&self, suffix: &str) -> Option<Input> {
+        let mut name = self.path.clone().into_os_string();
+        name.push(suffix);
+        self.other(name.into())
+    }
+
+    fn other(&self, path: PathBuf) -> Option<Input> {
+        let Some(held) = &self.held else { return path.is_file().then(|| Input::path(path)) };
+        let of = |path: &Path| path.file_name().map(OsStr::to_ascii_lowercase);
+        let (_, bytes) = held.beside.iter().find(|(name, _)| of(name) == of(&path))?;
+        Some(Input::bytes(path, Arc::clone(bytes)))
+    }
+
+    /// Opens it for reading in any order, and says how long it is \[bytes\].
+    pub(crate) fn open(&self) -> Result<(Reader, u64)> {
+        if let Some(held) = &self.held {
+            return Ok((Reader::Held(Cursor::new(Arc::clone(&held.bytes))), held.bytes.len() as u64));
+        }
+        let fail = |cause: std::io::Error| cannot_read(self, &cause);
+        // Opening a pipe waits for who writes into it.
+        let metadata = std::fs::metadata(&self.path).map_err(fail)?;
+        if metadata.is_dir() {
+            return Err(fail(ErrorKind::IsADirectory.into()));
+        }
+        if !metadata.is_file() {
+            return Err(Error::read(self, ReadFault::NoFile));
+        }
+        Ok((Reader::File(File::open(&self.path).map_err(fail)?), metadata.len()))
+    }
+
+    /// All bytes; those of standard input are kept, since they can be read once.
+    pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
+        static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
+        if let Some(held) = &self.held {
+            return Ok(Cow::Borrowed(&held.bytes));
+        }
+        if !self.is_standard_input() {
+            return std::fs::read(&self.path).map(Cow::Owned).map_err(|e| cannot_read(self, &e));
+        }
+        if STANDARD_INPUT.get().is_none() {
+            let mut bytes = Vec::new();
+            std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| cannot_read(self, &e))?;
+            let _ = STANDARD_INPUT.set(bytes);
+        }
+        Ok(Cow::Borrowed(STANDARD_INPUT.get().map_or(&[], Vec::as_slice)))
+    }
+
+    /// All text; `wanted` says what it was to be, for a message.
+    pub(crate) fn text(&self, wanted: &str) -> Result<String> {
+        String::from_utf8(self.read()?.into_owned()).map_err(|e| {
+            let place = e.utf8_error().valid_up_to();
+            Error::malformed(self, format!("byte {place} is not UTF-8, wanted {wanted}"))
+        })
+    }
+}
+
+/// The path, or the name.
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_standard_input() { f.write_str("standard input") } else { self.path.display().fmt(f) }
+    }
+}
+
+impl<P: Into<PathBuf>> From<P> for Input {
+    fn from(path: P) -> Input {
+        Input::path(path)
+    }
+}
+
+impl From<&Input> for Input {
+    fn from(input: &Input) -> Input {
+        input.clone()
+    }
+}
+
+/// What is read in any order: a file, or bytes in memory.
+#[derive(Debug)]
+pub(crate) enum Reader {
+    File(File),
+    Held(Cursor<Arc<[u8]>>),
+}
+
+impl Read for Reader {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        match self {
+            Reader::File(file) => file.read(bytes),
+            Reader::Held(held) => held.read(bytes),
+        }
+    }
+}
+
+impl Seek for Reader {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        match self {
+            Reader::File(file) => file.seek(to),
+            Reader::Held(held) => held.seek(to),
+        }
+    }
+}
+
+/// E301: a file that the system does not give.
+pub fn cannot_read(input: &Input, cause: &std::io::Error) -> Error {
+    Error::read(
+        input,
+        if cause.kind() == ErrorKind::NotFound { ReadFault::Missing } else { ReadFault::CannotOpen(io_words(cause)) },
+    )
+}

@@ -1,0 +1,140 @@
+//! How footprints are read.
+
+use super::projection::Projection;
+use crate::city::NodataAs;
+use crate::input::Input;
+use crate::raster::Crs;
+
+/// What to do with footprints whose height is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MissingHeight {
+    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
+    #[default]
+    Few,
+    /// Refuse the file.
+    Fail,
+    /// Leave the footprint out, and say so.
+    Drop,
+    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
+    /// is missing too.
+    Levels,
+    /// The median of the known heights.
+    Median,
+}
+
+/// Which of the terrain columns that a footprint's area overlaps it stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BaseRule {
+    /// The lowest, as OpenStreetMap defines `height`.
+    #[default]
+    Lowest,
+    /// Their mean, each weighted by the area that is overlapped.
+    Mean,
+    /// The highest.
+    Highest,
+}
+
+/// Where the ground of a footprint scene is known, as it was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DataAreaChoice {
+    /// Near the footprints; everywhere if the extent was typed.
+    #[default]
+    Auto,
+    /// Everywhere.
+    All,
+    /// Within the polygons of a file.
+    Within(Input),
+}
+
+/// How footprints are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FootprintOptions {
+    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
+    pub height_field: Option<String>,
+    /// Property that holds the absolute height of the top above the datum, instead.
+    pub top_field: Option<String>,
+    /// Unit of heights that name none.
+    pub height_unit: HeightUnit,
+    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
+    pub levels_field: String,
+    /// Policy for missing heights.
+    pub missing: MissingHeight,
+    /// Table of a GeoPackage; needed where it has several.
+    pub layer: Option<String>,
+    /// Terrain model, in the same CRS unless `project` is given.
+    pub terrain: Option<Input>,
+    /// Height of flat ground \[m above the datum\], 0 by default.
+    pub ground_m: Option<f64>,
+    /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
+    pub extent: Option<[f64; 4]>,
+    /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
+    pub cell_m: Option<f64>,
+    /// The CRS to assume.
+    pub crs: Option<Crs>,
+    /// Another CRS for the scene than that of the file.
+    pub project: Option<Projection>,
+    /// What nodata cells of the terrain, and ground beyond it, do.
+    pub nodata_as: NodataAs,
+    /// Which ground a footprint stands on.
+    pub base: BaseRule,
+    /// Where the ground is known.
+    pub data_area: DataAreaChoice,
+    /// Whether to hash inputs of any size.
+    pub always_hash: bool,
+}
+
+impl Default for FootprintOptions {
+    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
+    fn default() -> Self {
+        FootprintOptions {
+            height_field: None,
+            top_field: None,
+            height_unit: HeightUnit::default(),
+            levels_field: "building:levels".into(),
+            missing: MissingHeight::default(),
+            layer: None,
+            terrain: None,
+            ground_m: None,
+            extent: None,
+            cell_m: None,
+            crs: None,
+            project: None,
+            nodata_as: NodataAs::default(),
+            base: BaseRule::default(),
+            data_area: DataAreaChoice::default(),
+            always_hash: false,
+        }
+    }
+}
+
+/// The unit of heights that name none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HeightUnit {
+    /// Meters.
+    #[default]
+    Meters,
+    /// International feet, 0.3048 m.
+    Feet,
+}
+
+impl HeightUnit {
+    /// Length of the unit \[m\].
+    pub fn meters(self) -> f64 {
+        match self {
+            HeightUnit::Meters => 1.0,
+            HeightUnit::Feet => METERS_PER_FOOT,
+        }
+    }
+}
+
+pub(super) const METERS_PER_FOOT: f64 = 0.3048;
+
+/// The property of a height where none is named.
+pub(super) const HEIGHT: &str = "height";
+
+impl FootprintOptions {
+    /// The property that heights are read from.
+    pub(super) fn height_property(&self) -> &str {
+        self.top_field.as_deref().or(self.height_field.as_deref()).unwrap_or(HEIGHT)
+    }
+}

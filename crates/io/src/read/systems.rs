@@ -1,0 +1,34 @@
+//! Reference systems that cannot be combined, or are no metric ones: refused.
+
+use std::fmt::Display;
+
+use crate::error::{Error, InputKind, Pair, ReadFault, Result, two_crs};
+use crate::input::Input;
+use crate::raster::{Crs, CrsKind};
+
+/// Refuses to combine files in different CRSs, told apart by EPSG code, or by definition where neither has one. A CRS that is
+/// not known is taken for the other's.
+///
+/// # Errors
+/// E311.
+pub fn refuse_two_crs(
+    (a_name, a): (impl Display, Option<&Crs>),
+    (b_name, b): (impl Display, Option<&Crs>),
+    pair: Pair,
+) -> Result<()> {
+    match (a, b) {
+        (Some(a), Some(b)) if !a.same_as(b) => Err(two_crs((a_name, a), (b_name, b), pair)),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a CRS in degrees; `bounds` is `[west, south, east, north]`.
+pub(crate) fn refuse_degrees(what: &Input, crs: &Crs, bounds: [f64; 4], kind: InputKind) -> Result<()> {
+    match crs.kind() {
+        CrsKind::Geographic => {
+            let center = ((bounds[0] + bounds[2]) / 2.0, (bounds[1] + bounds[3]) / 2.0);
+            Err(Error::read(what, ReadFault::Degrees { crs: crs.label(), kind, center }))
+        }
+        CrsKind::Projected { .. } | CrsKind::Other => Ok(()),
+    }
+}

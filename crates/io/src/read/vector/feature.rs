@@ -1,0 +1,122 @@
+//! What every format of vector data is made into: features with properties and polygons.
+
+use std::sync::Arc;
+
+use crate::crs;
+use crate::error::{Error, ReadFault, Result};
+use crate::input::Input;
+use crate::raster::Crs;
+
+/// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
+pub(in crate::read) type Polygon = Vec<Vec<[f64; 2]>>;
+
+/// What a file of vector data holds.
+#[derive(Debug)]
+pub(in crate::read) struct FeatureSet {
+    /// The CRS that the file names; an error that counts only where no other CRS is given.
+    pub(in crate::read) crs: Result<Option<Crs>>,
+    /// Whom a picture must credit.
+    pub(in crate::read) attribution: Option<String>,
+    /// Most characters that the format keeps of a property's name.
+    pub(in crate::read) name_limit: Option<usize>,
+    /// In the order of the file.
+    pub(in crate::read) features: Vec<Feature>,
+}
+
+/// A feature as found.
+#[derive(Debug, Default)]
+pub(in crate::read) struct Feature {
+    /// What the file calls it, if anything.
+    pub(in crate::read) id: Option<String>,
+    /// What is said of it.
+    pub(in crate::read) properties: Properties,
+    /// Its areas; empty where it is none.
+    pub(in crate::read) polygons: Vec<Polygon>,
+    /// Whether it has points or lines beside its areas.
+    pub(in crate::read) has_other_parts: bool,
+    /// Lowest and highest point of a solid \[m above the datum\].
+    pub(in crate::read) heights: Option<[f64; 2]>,
+}
+
+/// Properties by name; formats with columns share the names.
+pub(in crate::read) type Properties = Vec<(Arc<str>, Property)>;
+
+/// The value of a property.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::read) enum Property {
+    /// A number.
+    Number(f64),
+    /// Text.
+    Text(String),
+    /// Nothing, or what can be neither a height nor a word.
+    Null,
+}
+
+/// Which part of a file is wanted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::read) struct Selection<'a> {
+    /// The table of a GeoPackage.
+    #[cfg_attr(not(feature = "geopackage"), expect(dead_code, reason = "no other format has tables"))]
+    pub(in crate::read) layer: Option<&'a str>,
+    /// West, south, east, north \[CRS units\]: features that do not meet it need not be read.
+    pub(in crate::read) bounds: Option<[f64; 4]>,
+}
+
+impl Feature {
+    /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
+    pub(in crate::read) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
+        let find = |name: &str| self.properties.iter().find(|(n, _)| **n == *name).map(|(_, value)| value);
+        let found = find(name).or_else(|| {
+            let cut: String = name.chars().take(name_limit?).collect();
+            // GDAL writes an underscore for a colon, too.
+            find(&cut).or_else(|| find(&cut.replace(':', "_")))
+        });
+        found.filter(|value| **value != Property::Null)
+    }
+}
+
+impl Property {
+    /// As text.
+    pub(in crate::read) fn text(&self) -> Option<String> {
+        match self {
+            Property::Number(n) => Some(n.to_string()),
+            Property::Text(text) => Some(text.clone()),
+            Property::Null => None,
+        }
+    }
+}
+
+/// E302: the file is not what its name says.
+pub(super) fn malformed(input: &Input, found: &str, wanted: &str) -> Error {
+    Error::malformed(input, format!("{found}, wanted {wanted}"))
+}
+
+/// The CRS that a text in a file describes.
+pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
+    if text.trim().is_empty() {
+        return Ok(None);
+    }
+    let said = || "its coordinate reference system".to_string();
+    crs::parse(text).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
+}
+
+/// West, south, east, north of polygons; `None` if they have no position.
+pub(in crate::read) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
+    polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
+        let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
+        Some([w.min(x), s.min(y), e.max(x), n.max(y)])
+    })
+}
+
+/// Rings without the last point where it repeats the first, and how many do not end where they begin.
+pub(in crate::read) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
+    let mut unclosed = 0;
+    for ring in polygons.iter_mut().flatten() {
+        if ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        } else {
+            unclosed += usize::from(!ring.is_empty());
+        }
+    }
+    (polygons, unclosed)
+}

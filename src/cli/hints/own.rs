@@ -1,0 +1,98 @@
+//! Remedies for what is asked of the library as a whole.
+
+use crate::error::{InputError, LimitError, OfGenerated, PlacesError, RequestError};
+use crate::los_probability::models::Model;
+
+pub(super) fn of_request(error: &RequestError) -> Option<String> {
+    use RequestError as R;
+    let hint = match error {
+        R::Goal { .. } => {
+            "wanted p_los or margin, alone or with (street), (crossroad), (courtyard), (rooftop), (area), or p_los(weights)"
+        }
+        R::NotNamedAfterUavs(_) => "write `{site}` into every name, or into none",
+        R::Scratch(_) => "it holds 4 bytes a cell while the map is made",
+        R::OfAnotherRun(_) => "`--overwrite` replaces it",
+        R::GdalValues { .. } => "choose one UAV and `--layers los`",
+        R::TooFewToCompare(_) => "repeat `--uav X,Y,H`, or give `--uavs FILE` or `--mask FILE`",
+        R::NoCrs(_) => "`--crs EPSG:N` names that of a file; a generated city has none",
+        R::Number { what: "the tolerance", .. } => "`--tolerance 0.005` is half a percentage point",
+        R::MixedHeights => "--height 20:200:10",
+        R::Idle { option: "resume", .. } => "`-o FILE` names one",
+        R::NoPolygons(_) => "`--polygons los` makes them",
+        R::OneCity(_) => "generate cities: itu:urban, itu:α,β,γ",
+        R::RealCity { what: OfGenerated::Sweep, .. } => "sweep a generated city: itu:α,β,γ",
+        R::RealCity { what: OfGenerated::Azimuth, .. } => "its streets have no common direction",
+        R::RealCity { what: OfGenerated::Middle, .. } => "wanted anywhere, street, crossroad or rooftop",
+        R::CoarseZones(_) => "wanted ground, roof or all",
+        R::ToleranceOfApproximate => "leave `--method` out",
+        R::NoZones | R::NoTiles | R::NoReceivers(_) => "give `--terrain FILE` or `--ground Z`",
+        R::Engine { instead, .. } => return Some(format!("`--method maps` takes `{instead}` here")),
+        R::MapsOfGenerated(_) => "`--method city` draws whole cities; `skyshed map` maps one",
+        R::UnknownMethod(word) if word.starts_with("icc") || word.starts_with("mohammed2021") => {
+            "the formula of that model is not public; give its curve as a table: --curve NAME=FILE.csv"
+        }
+        R::UnknownMethod(_) => {
+            let ids: Vec<&str> = Model::ALL.iter().map(|model| model.id()).collect();
+            return Some(format!("models are {}", ids.join(", ")));
+        }
+        R::UnknownCity { .. } => "`--method maps` needs no α, β, γ; `itu:α,β,γ` beside it lays a city of yours over it",
+        R::OutsideModel { .. } => "`--method models` takes all that apply",
+        R::HeatAxes(_) => "--plot curves",
+        R::TooManyDrawn { .. } => "sweep less in one run, or write the table alone: -o table.csv",
+        _ => return None,
+    };
+    Some(hint.to_string())
+}
+
+pub(super) fn of_places(error: &PlacesError) -> Option<String> {
+    use PlacesError as P;
+    let hint = match error {
+        P::Receiver { height, why, .. } => return super::core::of_receiver(*height, why),
+        P::LongLink { .. } => "check the coordinate reference systems of both ends",
+        P::NoWeights(_) => "check its extent and its CRS",
+        P::NoCandidate { .. } => "ask for higher `--height`, or fewer constraints",
+        P::NoWinner(_) => "without `--map` the other results are written",
+        P::NoSampledDisc { .. } => {
+            "a smaller `--radius`, a larger `--extent`, or, if the ground between is known, `--data-area all` or a polygon of it"
+        }
+        P::NoDisc(_) => "a smaller `--radius`, or a larger `--extent`",
+        _ => return None,
+    };
+    Some(hint.to_string())
+}
+
+pub(super) fn of_input(error: &InputError) -> Option<String> {
+    let hint = match error {
+        InputError::Mask { .. } => "`skyshed map SCENE --uav X,Y,H -o FILE.tif` writes such a mask",
+        InputError::OtherGrid { .. } => "make the map again with the scene flags of this comparison",
+        InputError::Curve { some_are_good, .. } => {
+            let hint = "a curve is a table with the columns `theta_deg,p_los` or `distance_m,p_los`, separated by commas, \
+                        semicolons or tabs";
+            return Some(super::io::with_skipping(hint, *some_are_good));
+        }
+        InputError::Weights { .. } => return None,
+    };
+    Some(hint.to_string())
+}
+
+pub(super) fn of_limit(error: &LimitError) -> Option<String> {
+    use LimitError as L;
+    let hint = match error {
+        L::Program { .. } => "allow more",
+        L::Exceeded(_) | L::Memory { .. } => {
+            "allow more, or choose larger cells, a smaller extent, or fewer sites and layers; `map --strips` for a raster"
+        }
+        L::Strips { .. } => "write .tif, .png, .csv and .json of one UAV, or cut out a part",
+        L::LargeRaster { .. } => "with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read",
+        L::StripsOfMany { .. } => "a file for each: `-o NAME-{site}.tif`",
+        L::Candidates { .. } => "choose a longer `--step`, or fewer heights",
+        L::Placements { .. } => "`skyshed map` makes maps and tables of any number",
+        L::Blocks { .. } => "choose larger blocks: `--block M`",
+        L::Combinations { .. } => return None,
+        L::Track { .. } => "choose longer steps: `--every M`",
+        L::Tiles { .. } => "choose a larger `--tile`",
+        L::Extent { .. } => "choose a part of it with `--extent`",
+        L::Threads { .. } => "fewer with `-j N`, or allow this user more processes (`ulimit -u`)",
+    };
+    Some(hint.to_string())
+}

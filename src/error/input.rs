@@ -1,0 +1,30 @@
+//! Files that are read well, and are not what they were given as.
+
+/// What is wrong with an input (E3xx).
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum InputError {
+    /// E302: a file that cannot be a mask of an earlier run, and why.
+    #[error("cannot use {name} as a mask: {why}")]
+    Mask { name: String, why: String },
+    /// E302: a raster that cannot be weights, and why.
+    #[error("cannot use {name} as weights: {why}")]
+    Weights { name: String, why: String },
+    /// E312: a mask on another grid than the scene's; both with their grids.
+    #[error("cannot compare {mask} with maps of {scene}: wanted the same grid")]
+    OtherGrid { mask: String, scene: String },
+    /// E313: a table that is no curve of P_LoS, and why; whether some of its rows are good.
+    #[error("cannot read the curve {name}: {found}")]
+    Curve { name: String, found: String, some_are_good: bool },
+}
+
+impl InputError {
+    pub(super) fn code(&self) -> u16 {
+        match self {
+            InputError::Mask { .. } | InputError::Weights { .. } => 302,
+            InputError::OtherGrid { .. } => 312,
+            InputError::Curve { .. } => 313,
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Requests that are larger than what can be done.
+
+use crate::quantity::MAX_EXTENT_UNITS;
+
+/// What is too large (E5xx).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum LimitError {
+    /// E501: the program alone takes more than may be taken, both in words.
+    #[error("cannot start: the program alone takes {resident} of memory, more than {limit}")]
+    Program { resident: String, limit: String },
+    /// E501: the run took more than this.
+    #[error("cannot go on: the run takes more memory than {0}")]
+    Exceeded(String),
+    /// E501: what a scene would need, in words.
+    #[error("cannot map {name}: {what} need {needed} of memory, more than {limit}")]
+    Memory { name: String, what: String, needed: String, limit: String },
+    /// E501: what is not mapped strip by strip.
+    #[error("cannot map {word} strip by strip: {what}")]
+    Strips { word: String, what: String },
+    /// E501: a raster beyond memory and the lattice.
+    #[error(
+        "cannot map {word}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side"
+    )]
+    LargeRaster { word: String, n_cols: usize, n_rows: usize },
+    /// E501: several UAVs over a raster that is mapped strip by strip.
+    #[error("cannot map {word}: strip by strip one UAV is mapped at a time, found {n}")]
+    StripsOfMany { word: String, n: usize },
+    /// E502: so many candidates.
+    #[error("cannot search {n} candidates, wanted at most {most}")]
+    Candidates { n: usize, most: usize },
+    /// E502: so many placements to compare.
+    #[error("cannot compare {n} placements, wanted at most {most}")]
+    Placements { n: usize, most: usize },
+    /// E502: so many blocks to resample.
+    #[error("cannot resample {n} blocks of {edge_m} m, wanted at most {most}")]
+    Blocks { n: usize, edge_m: f64, most: usize },
+    /// E502: so many combinations in a sweep.
+    #[error("cannot compute P_LoS for {n} combinations of what was swept, wanted at most {most}")]
+    Combinations { n: usize, most: usize },
+    /// E502: a track of so many steps.
+    #[error("cannot walk {length} m of track in steps of {every_m} m")]
+    Track { length: String, every_m: f64 },
+    /// E502: more tiles than are counted.
+    #[error("cannot cut {word} into tiles of {edge_m} m: more than {most}")]
+    Tiles { word: String, edge_m: f64, most: f64 },
+    /// E502: a city wider than the lattice \[units\].
+    #[error("cannot map {word}: it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}")]
+    Extent { word: String, span: f64 },
+    /// E503: threads that the system does not give.
+    #[error("cannot start {n} threads: {why}")]
+    Threads { n: usize, why: String },
+}
+
+impl LimitError {
+    pub(super) fn code(&self) -> u16 {
+        use LimitError as L;
+        match self {
+            L::Program { .. }
+            | L::Exceeded(_)
+            | L::Memory { .. }
+            | L::Strips { .. }
+            | L::LargeRaster { .. }
+            | L::StripsOfMany { .. } => 501,
+            L::Candidates { .. }
+            | L::Placements { .. }
+            | L::Blocks { .. }
+            | L::Combinations { .. }
+            | L::Track { .. }
+            | L::Tiles { .. }
+            | L::Extent { .. } => 502,
+            L::Threads { .. } => 503,
+        }
+    }
+}

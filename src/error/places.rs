@@ -1,0 +1,66 @@
+//! Places that are not there, or not to be told apart.
+
+use skyshed_core::error::UavError;
+
+use crate::quantity::{Height, MAX_EXTENT_UNITS};
+
+/// What is wrong with places (E2xx).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum PlacesError {
+    /// E201, E202, E204, E205: a receiver cannot be at a position \[CRS units\] and a height.
+    #[error("cannot place the receiver at ({}, {}) with height {height}: {why}", .at.0, .at.1)]
+    Receiver { at: (f64, f64), height: Height, why: UavError },
+    /// E203: the ends of a link \[CRS units\] are farther apart than the lattice reaches \[units\].
+    #[error(
+        "cannot decide the link from ({}, {}) to ({}, {}): it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}",
+        .from.0, .from.1, .to.0, .to.1
+    )]
+    LongLink { from: (f64, f64), to: (f64, f64), span: f64 },
+    /// E204: users on a kind of ground that is not there.
+    #[error("cannot place users on a {zone} of {word}: it has no {zone} cell")]
+    NoUsers { zone: &'static str, word: String },
+    /// E204: UAVs over what is not there.
+    #[error("cannot place UAVs over {0}: there is no such place")]
+    NoPlace(String),
+    /// E207: two sites of one name.
+    #[error("two {what} are named `{id}`, wanted different ids")]
+    Twice { what: &'static str, id: String },
+    /// E207: two sites whose files would have one name.
+    #[error("sites `{a}` and `{b}` would share {file}")]
+    SharedFile { a: String, b: String, file: String },
+    /// E208: weights that are nowhere in the scene.
+    #[error("cannot use {0} as weights: it holds none above 0 in the scene")]
+    NoWeights(String),
+    /// E209: no candidate, of so many, for these reasons.
+    #[error("no candidate is left of {total}: {reasons}")]
+    NoCandidate { total: u64, reasons: String },
+    /// E209: a map of winners, and no winner.
+    #[error("cannot write {0}: there is no winner to map")]
+    NoWinner(String),
+    /// E216: a sample of whole discs, of which none lies in the data.
+    #[error(
+        "cannot sample {word}: of no placement tried lies the whole disc of {radius_m} m in the data, wanted P_LoS over whole \
+         discs"
+    )]
+    NoSampledDisc { word: String, radius_m: String },
+    /// E216: places over a real city, of which none has its disc in the data.
+    #[error("cannot place UAVs over {0}: no disc of the largest radius lies in its data")]
+    NoDisc(String),
+}
+
+impl PlacesError {
+    pub(super) fn code(&self) -> u16 {
+        use PlacesError as P;
+        match self {
+            P::Receiver { why, .. } => why.code(),
+            P::LongLink { .. } => 203,
+            P::NoUsers { .. } | P::NoPlace(_) => 204,
+            P::Twice { .. } | P::SharedFile { .. } => 207,
+            P::NoWeights(_) => 208,
+            P::NoCandidate { .. } | P::NoWinner(_) => 209,
+            P::NoSampledDisc { .. } | P::NoDisc(_) => 216,
+        }
+    }
+}

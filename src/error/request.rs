@@ -1,0 +1,159 @@
+//! Requests that make no sense, alone or for their scene.
+
+use crate::sight::Receivers;
+
+/// What only generated cities have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the texts say it")]
+pub enum OfGenerated {
+    #[error("a sweep of α, β or γ")]
+    Sweep,
+    #[error("an azimuth")]
+    Azimuth,
+    #[error("a placement over a middle")]
+    Middle,
+}
+
+/// What is wrong with a request (E1xx). Options go by their names in this library.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum RequestError {
+    /// E101: a text that is no goal, and what was found in it.
+    #[error("cannot read the goal `{text}`: {found}")]
+    Goal { text: String, found: String },
+    /// E105: an output that is not named after each UAV, beside others that are.
+    #[error("cannot write {0}: other files of this run are named after each UAV")]
+    NotNamedAfterUavs(String),
+    /// E105: no folder for a copy of the raster.
+    #[error("cannot use {0} for a copy of the raster: it is no folder")]
+    Scratch(String),
+    /// E106: an output that is there, made by another run.
+    #[error("cannot write {0}: it exists, made by another run")]
+    OfAnotherRun(String),
+    /// E107: GDAL's values are those of one UAV's line of sight; which layers of how many UAVs were asked for.
+    #[error("`gdal_values` writes line of sight of one UAV, found the layers `{layers}` of {uavs}")]
+    GdalValues { layers: String, uavs: String },
+    /// E108: a goal without what it is about, an option.
+    #[error("the goal `{goal}` needs `{option}`")]
+    GoalNeeds { goal: String, option: &'static str },
+    /// E108: so few placements to compare.
+    #[error("cannot compare: found {0} placements, wanted at least 2")]
+    TooFewToCompare(usize),
+    /// E109: a raster has no footprints to write.
+    #[error("cannot write {0}: a raster scene has no footprints")]
+    NoFootprints(String),
+    /// E109: a link without a side view.
+    #[error("cannot draw the side view of a vertical link")]
+    VerticalLink,
+    /// E109: places without a grid.
+    #[error("only candidates on a grid make a picture or a raster")]
+    NoGrid,
+    /// E109: an overlay of a scene that is nowhere on the globe.
+    #[error(
+        "cannot write {0}: the scene has no coordinate reference system, wanted one that leads to longitude and latitude"
+    )]
+    NoCrs(String),
+    /// E113: a number out of range: what it is, and what is wanted.
+    #[error("{what} is `{found}`, wanted {wanted}")]
+    Number { what: &'static str, found: f64, wanted: String },
+    /// E113: a text that is no list of heights, and why.
+    #[error("the heights are `{text}`: {found}")]
+    Heights { text: String, found: String },
+    /// E113: heights of a curve \[m\], from, to, step, and what is wanted.
+    #[error("the heights of the curve are `{}:{}:{}`, wanted {wanted}", .heights[0], .heights[1], .heights[2])]
+    CurveHeights { heights: [f64; 3], wanted: &'static str },
+    /// E113: a kind of ground that stands twice in a list.
+    #[error("{0} is named twice, wanted each zone once")]
+    ZoneTwice(&'static str),
+    /// E113: heights above different things cannot be compared.
+    #[error("the least height is one of several that are tried: wanted all above the same")]
+    MixedHeights,
+    /// E116: an option that changes nothing, and why.
+    #[error("`{option}` has no meaning {why}")]
+    Idle { option: &'static str, why: String },
+    /// E116: a file of polygons, and no polygons.
+    #[error("cannot write {0}: it holds polygons")]
+    NoPolygons(String),
+    /// E116: what only generated cities have.
+    #[error("{0} have no meaning for a city in a file: it is one, and its streets form no grid")]
+    OneCity(&'static str),
+    /// E116: a sweep, or another thing, that a real city does not take.
+    #[error("{what} has no meaning over {word}, a real city")]
+    RealCity { what: OfGenerated, word: String },
+    /// E116: zones on coarser cells.
+    #[error("receivers `{}` have no meaning here: coarser cells have other zones", .0.name())]
+    CoarseZones(Receivers),
+    /// E116: a tolerance beside a method that has none.
+    #[error("a tolerance has no meaning beside an approximate method: it chooses itself")]
+    ToleranceOfApproximate,
+    /// E116: a tolerance beside methods whose error has no bound.
+    #[error(
+        "a tolerance has no meaning beside methods other than product and maps: the others have no bound on their error"
+    )]
+    ToleranceWithoutBound,
+    /// E117: zones without buildings.
+    #[error("zones of a surface model alone: no building is known, so no zone is")]
+    NoZones,
+    /// E117: tiles without buildings.
+    #[error("tiles of a surface model alone: no building is known")]
+    NoTiles,
+    /// E117: receivers on what a surface model alone does not tell.
+    #[error("receivers `{}` with a surface model alone: no {} is known", .0.name(), if *.0 == Receivers::Roof { "roof" } else { "zone" })]
+    NoReceivers(Receivers),
+    /// E118: an engine for other scenes; the scene, why, and a method that can.
+    #[error("the method that was asked for cannot decide {word}: {why}")]
+    Engine { word: String, why: &'static str, instead: String },
+    /// E121: a method of P_LoS that maps a city in a file.
+    #[error("method `{0}` has no meaning for a generated city: it maps a city in a file")]
+    MapsOfGenerated(String),
+    /// E121: no method of P_LoS.
+    #[error("unknown method `{0}`, wanted product, city, geometry, maps or a model")]
+    UnknownMethod(String),
+    /// E122: a method of P_LoS for a city of which too little is known.
+    #[error("cannot use method `{method}` over {word}: {why}")]
+    UnknownCity { method: String, word: String, why: &'static str },
+    /// E122: a model beyond what it was made for.
+    #[error("cannot use model `{id}` over {word}: {reason}")]
+    OutsideModel { id: String, word: String, reason: String },
+    /// E123: a text that names no file of a curve.
+    #[error("cannot read the curve `{0}`: wanted NAME=FILE.csv")]
+    CurveWord(String),
+    /// E123: a name that another method has.
+    #[error("cannot name a curve `{0}`: another method has that name")]
+    CurveNameTaken(String),
+    /// E124: a heat map of other than two quantities.
+    #[error("cannot draw a heat map: {0} quantities are swept, wanted two")]
+    HeatAxes(usize),
+    /// E124: more than a reader sees.
+    #[error("cannot draw {n} {what}, wanted at most {most}")]
+    TooManyDrawn { n: usize, what: &'static str, most: usize },
+}
+
+impl RequestError {
+    pub(super) fn code(&self) -> u16 {
+        use RequestError as R;
+        match self {
+            R::Goal { .. } => 101,
+            R::NotNamedAfterUavs(_) | R::Scratch(_) => 105,
+            R::OfAnotherRun(_) => 106,
+            R::GdalValues { .. } => 107,
+            R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
+            R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoCrs(_) => 109,
+            R::Number { .. } | R::Heights { .. } | R::CurveHeights { .. } | R::MixedHeights | R::ZoneTwice(_) => 113,
+            R::Idle { .. }
+            | R::NoPolygons(_)
+            | R::OneCity(_)
+            | R::RealCity { .. }
+            | R::CoarseZones(_)
+            | R::ToleranceOfApproximate
+            | R::ToleranceWithoutBound => 116,
+            R::NoZones | R::NoTiles | R::NoReceivers(_) => 117,
+            R::Engine { .. } => 118,
+            R::MapsOfGenerated(_) | R::UnknownMethod(_) => 121,
+            R::UnknownCity { .. } | R::OutsideModel { .. } => 122,
+            R::CurveWord(_) | R::CurveNameTaken(_) => 123,
+            R::HeatAxes(_) | R::TooManyDrawn { .. } => 124,
+        }
+    }
+}

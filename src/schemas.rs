@@ -1,0 +1,97 @@
+//! What documents and tables are made of, from the types that make them.
+
+use schemars::{JsonSchema, schema_for};
+use serde_json::{Map, Value};
+
+use crate::conversion::CityDocument;
+use crate::limits::{LimitRow, LimitsDocument};
+use crate::link::LinkDocument;
+use crate::repairs::{RepairRow, RepairsDocument};
+use crate::track::{PointRow, TrackDocument};
+use crate::zone_files::ZonesDocument;
+use crate::{chart, comparison, map, placements, plos, sample, stress, survey};
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name in the header.
+    pub name: String,
+    /// What stands in it, with its unit.
+    pub meaning: String,
+}
+
+/// The JSON Schema of each kind of document, by the word for the kind in its `schema` member (`map` for `skyshed/map/1`).
+///
+/// They name every member: a document has no other.
+pub fn documents() -> Vec<(&'static str, Value)> {
+    vec![
+        document::<map::MapDocument>("map"),
+        document::<map::HeightCurveDocument>("height-curve"),
+        document::<LinkDocument<'_>>("link"),
+        document::<TrackDocument>("track"),
+        document::<plos::PlosDocument<'_>>("plos"),
+        document::<placements::SearchDocument<'_>>("place"),
+        document::<sample::SampleDocument>("sample"),
+        document::<comparison::CompareDocument>("compare"),
+        document::<chart::AnyChartDocument>("chart"),
+        document::<stress::StressDocument>("stress"),
+        document::<stress::StressSceneDocument>("stress-scene"),
+        document::<survey::InfoDocument<'_>>("info"),
+        document::<survey::TilesProvenance>("tiles"),
+        document::<ZonesDocument>("zones"),
+        document::<LimitsDocument>("limits"),
+        document::<CityDocument>("city"),
+        document::<RepairsDocument>("repairs"),
+    ]
+}
+
+/// The columns of each kind of table, by the same words; a table leaves out columns that none of its rows has.
+pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
+    vec![
+        ("map", columns::<map::MapRow>()),
+        ("height-curve", columns::<map::CurveRow>()),
+        ("track", columns::<PointRow>()),
+        ("plos", columns::<plos::PlosTableRow>()),
+        ("place", columns::<placements::PlaceRow>()),
+        ("sample", columns::<sample::SampleRow>()),
+        ("compare", columns::<comparison::CompareRow>()),
+        ("chart", columns::<chart::ChartTableRow>()),
+        ("chart-plos", columns::<chart::PlosChartTableRow>()),
+        ("stress", columns::<stress::StressRow>()),
+        ("stress-scene", columns::<stress::StressSceneRow>()),
+        ("tiles", columns::<survey::TileRow>()),
+        ("limits", columns::<LimitRow>()),
+        ("repairs", columns::<RepairRow>()),
+    ]
+}
+
+fn document<T: JsonSchema>(kind: &'static str) -> (&'static str, Value) {
+    let mut schema = schema_for!(T).to_value();
+    close(&mut schema);
+    schema["title"] = format!("skyshed/{kind}/1").into();
+    (kind, schema)
+}
+
+/// Allows no member that is not named.
+fn close(schema: &mut Value) {
+    match schema {
+        Value::Object(object) => {
+            object.values_mut().for_each(close);
+            if object.get("properties").is_some_and(Value::is_object) && !object.contains_key("additionalProperties") {
+                object.insert("additionalProperties".into(), false.into());
+            }
+        }
+        Value::Array(values) => values.iter_mut().for_each(close),
+        _ => {}
+    }
+}
+
+fn columns<R: JsonSchema>() -> Vec<Column> {
+    let schema = schema_for!(R);
+    let fields = schema.get("properties").and_then(Value::as_object);
+    let column = |(name, field): (&String, &Value)| {
+        let meaning = field.get("description").and_then(Value::as_str).unwrap_or_default().to_string();
+        Column { name: name.clone(), meaning }
+    };
+    fields.into_iter().flat_map(Map::iter).map(column).collect()
+}
