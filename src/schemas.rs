@@ -77,6 +77,11 @@ fn close(schema: &mut Value) {
     match schema {
         Value::Object(object) => {
             object.values_mut().for_each(close);
+            // A member that two flattened parts have is required once.
+            if let Some(Value::Array(required)) = object.get_mut("required") {
+                let mut seen = std::collections::HashSet::new();
+                required.retain(|name| seen.insert(name.to_string()));
+            }
             if object.get("properties").is_some_and(Value::is_object) && !object.contains_key("additionalProperties") {
                 object.insert("additionalProperties".into(), false.into());
             }

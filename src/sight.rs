@@ -70,7 +70,8 @@ impl Receivers {
     /// E117.
     pub(crate) fn check(self, is_surface_only: bool) -> Result<()> {
         if is_surface_only && (self == Receivers::Roof || self.zone().is_some()) {
-            return Err(RequestError::NoReceivers(self).into());
+            let what = if self == Receivers::Roof { "roof" } else { "zone" };
+            return Err(RequestError::NoReceivers { receivers: self.name(), what }.into());
         }
         Ok(())
     }

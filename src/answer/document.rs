@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::Spent;
 use crate::city::Source;
 use crate::coverage::Tally;
 use crate::digest::Sha256;
@@ -220,4 +219,13 @@ pub(crate) fn document_of(document: &impl Serialize) -> Value {
 /// A digest as documents tell it: `sha256:` and its hexadecimal digits.
 pub(crate) fn digest_words(hasher: Sha256) -> String {
     format!("sha256:{}", hasher.hex_digits())
+}
+
+/// What writing took, which is known only when all is written.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Spent {
+    /// Encoding and writing \[s\].
+    pub(crate) write: f64,
+    /// Everything \[s\].
+    pub(crate) total: f64,
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 pub(crate) use document::{
-    Head, Provenance, RunFacts, Share, SourceFacts, Timing, WarningFacts, digest_words, document_of, version,
+    Head, Provenance, RunFacts, Share, SourceFacts, Spent, Timing, WarningFacts, digest_words, document_of, version,
     warnings_of,
 };
 pub(crate) use features::{closed_rings, feature, feature_collection};
@@ -28,15 +28,6 @@ use crate::words::pretty;
 
 /// A file to write and its format, checked before any work.
 pub(crate) type Output = (PathBuf, Format);
-
-/// What writing took, which is known only when all is written.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Spent {
-    /// Encoding and writing \[s\].
-    pub(crate) write: f64,
-    /// Everything \[s\].
-    pub(crate) total: f64,
-}
 
 /// What was found, ready to be told and written.
 pub(crate) trait Answer {

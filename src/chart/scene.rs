@@ -35,7 +35,7 @@ impl ChartPlan {
         self.check()?;
         let receivers = self.sight.receivers();
         if receivers.zone().is_some() {
-            return Err(RequestError::CoarseZones(receivers).into());
+            return Err(RequestError::CoarseZones(receivers.name()).into());
         }
         let uavs = scene.place(found, None, &self.sight)?;
         check_memory(&scene.word, scene.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use super::say;
-use crate::cli::refusal::refusal;
+use crate::cli::told::refusal;
 use crate::error::{Error, Result};
 use crate::export::abandon_files;
 use crate::progress::Progress;

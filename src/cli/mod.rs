@@ -11,6 +11,8 @@ mod program;
 mod refusal;
 mod run;
 mod say;
+mod told;
+mod typed;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -19,8 +21,9 @@ use std::time::Instant;
 use crate::error::Result;
 use crate::memory;
 use crate::threads::in_pool;
-use program::{Cli, Typed};
+use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text};
+use typed::Typed;
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {

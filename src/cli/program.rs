@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use super::args::output::OutputArgs;
@@ -14,7 +13,7 @@ use super::commands::{
     SampleArgs, StressArgs, TrackArgs, ZonesArgs,
 };
 use super::run::Run;
-use crate::cli::refusal::refusal;
+use super::typed::Typed;
 use crate::error::Result;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
@@ -69,57 +68,6 @@ enum Command {
     Stress(Box<StressArgs>),
     /// Words for a shell that completes what is typed, or a man page
     Completions(CompletionsArgs),
-}
-
-/// What was typed, as opposed to left at its default.
-#[derive(Debug, Default)]
-pub(super) struct Typed {
-    /// The names of the arguments.
-    names: Vec<String>,
-    /// The files that they name, other than the scene and that of repairs.
-    pub(super) files: Vec<PathBuf>,
-}
-
-impl Typed {
-    fn of(matches: &ArgMatches) -> Typed {
-        let ids = || matches.ids().map(|id| id.as_str());
-        let is_typed = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
-        let files_of = |id| matches.try_get_many::<PathBuf>(id).ok().flatten();
-        Typed {
-            names: ids().filter(is_typed).map(str::to_string).collect(),
-            files: ids().filter(|id| *id != "repairs").filter_map(files_of).flatten().cloned().collect(),
-        }
-    }
-
-    /// Whether an argument was typed.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.names.iter().any(|typed| typed == name)
-    }
-
-    /// Refuses those of some arguments that were typed.
-    ///
-    /// # Errors
-    /// E116, with `why` they have no meaning.
-    pub(super) fn refuse(&self, names: &[&str], why: &str) -> Result<()> {
-        self.refuse_if(|name| names.contains(&name), why)
-    }
-
-    /// Refuses all but some.
-    ///
-    /// # Errors
-    /// E116.
-    pub(super) fn refuse_others(&self, names: &[&str], why: &str) -> Result<()> {
-        self.refuse_if(|name| !names.contains(&name), why)
-    }
-
-    fn refuse_if(&self, is_refused: impl Fn(&str) -> bool, why: &str) -> Result<()> {
-        // Groups of arguments have names too, which begin with a capital.
-        let is_flag = |name: &&String| name.starts_with(char::is_lowercase);
-        match self.names.iter().filter(is_flag).find(|name| is_refused(name)) {
-            Some(name) => Err(refusal(116, format!("`--{}` has no meaning {why}", name.replace('_', "-")))),
-            None => Ok(()),
-        }
-    }
 }
 
 /// How many tables are to be read from standard input.

@@ -3,7 +3,8 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use super::say;
-use crate::error::{Error, ErrorClass, MOST_FOUND, Result, shortened};
+use super::told::{refusal, refusal_with};
+use crate::error::{Error, MOST_FOUND, Result, shortened};
 
 /// Answers for help and version, on standard output; gives back any other error.
 ///
@@ -42,26 +43,4 @@ fn in_words(text: &str) -> Error {
     });
     let hints: Vec<String> = [similar.map(|tip| tip.replace("tip: ", "")), help].into_iter().flatten().collect();
     if hints.is_empty() { refusal(101, first) } else { refusal_with(101, first, hints.join("; ")) }
-}
-
-/// What the command line says of its own words, under a stable code.
-pub(super) fn refusal(code: u16, text: impl Into<String>) -> Error {
-    let class = match code {
-        130 => ErrorClass::Interrupted,
-        402 => ErrorClass::Internal,
-        200..300 => ErrorClass::Site,
-        300..500 => ErrorClass::File,
-        _ => ErrorClass::Usage,
-    };
-    Error::CommandLine { class, code, text: text.into(), hint: None }
-}
-
-/// The same with a remedy.
-pub(super) fn refusal_with(code: u16, text: impl Into<String>, remedy: impl Into<String>) -> Error {
-    match refusal(code, text) {
-        Error::CommandLine { class, code, text, .. } => {
-            Error::CommandLine { class, code, text, hint: Some(remedy.into()) }
-        }
-        error => error,
-    }
 }

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use super::args::output::OutputArgs;
 use super::args::scene::ReadingArgs;
-use super::program::Typed;
+use super::typed::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
-use crate::cli::refusal::{refusal, refusal_with};
+use crate::cli::told::{refusal, refusal_with};
 use crate::error::Result;
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::Look;

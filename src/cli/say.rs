@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::hints;
-use crate::cli::refusal::refusal;
+use crate::cli::told::refusal;
 use crate::error::{Error, RequestError, Result, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::report::{GroupDifference, GroupShare, finite, grazing_share, reason_without_interval};
+use super::facts::{GroupDifference, GroupShare, finite, grazing_share, reason_without_interval};
 use crate::answer::{Head, PositionFields, Share, Timing, WarningFacts};
 use crate::coverage::MarginStats;
 use crate::los_probability::bootstrap::RatioEstimate;

@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
-use super::Comparison;
-use super::report::{CompareReport, Origin, PairFacts, PlacementFacts, group_names, signed};
+use super::facts::{Origin, PairFacts, PlacementFacts, group_names};
+use super::outcome::Comparison;
+use super::report::{CompareReport, signed};
 use crate::coverage::class;
 use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::picture::{Look, crop, mark};

@@ -1,8 +1,10 @@
 //! Placements side by side: their maps, what changes between them, and whether that is clear.
 
 mod document;
+mod facts;
 mod figure;
 mod masks;
+mod outcome;
 mod report;
 mod tables;
 
@@ -15,7 +17,8 @@ use serde_json::Value;
 
 use figure::Figure;
 use masks::{Setting, read_masks};
-use report::{CompareReport, IntervalFacts, Origin, PairFacts, PlacementFacts};
+pub(crate) use outcome::Comparison;
+use report::CompareReport;
 use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
@@ -35,6 +38,7 @@ use crate::sight::Sight;
 use crate::uav::UavsFound;
 use crate::words::p_los_words;
 use crate::zones::{NONE, ZoneMap};
+use facts::{IntervalFacts, Origin, PairFacts, PlacementFacts};
 
 /// Formats of a comparison.
 pub(crate) const FORMATS: [Format; 8] =
@@ -65,17 +69,6 @@ pub(crate) struct ComparisonPlan {
     pub(crate) seed: u64,
     /// Whether a raster of all pairs is written.
     pub(crate) draws_pairs: bool,
-}
-
-/// Placements side by side.
-#[derive(Debug)]
-pub(crate) struct Comparison {
-    scene: Scene,
-    /// In the order of the report's placements.
-    masks: Vec<LargeVec<u8>>,
-    /// All masks together.
-    overlay: Overlay,
-    report: CompareReport,
 }
 
 /// A mask, and where it comes from.

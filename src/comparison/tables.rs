@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::report::{GroupDifference, GroupShare, IntervalFacts, MarginFacts, N_GROUPS};
+use super::facts::{GroupDifference, GroupShare, IntervalFacts, MarginFacts, N_GROUPS};
 use crate::coverage::{CellGroups, MarginSample, MarginStats, PairCounts, count_pairs};
 use crate::los_probability::bootstrap::{RatioEstimate, Share, resampled_ratios};
 use crate::zones::N_CODES;

@@ -1,7 +1,5 @@
 //! Requests that make no sense, alone or for their scene.
 
-use crate::sight::Receivers;
-
 /// What only generated cities have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the texts say it")]
@@ -82,8 +80,8 @@ pub enum RequestError {
     #[error("{what} has no meaning over {word}, a real city")]
     RealCity { what: OfGenerated, word: String },
     /// E116: zones on coarser cells.
-    #[error("receivers `{}` have no meaning here: coarser cells have other zones", .0.name())]
-    CoarseZones(Receivers),
+    #[error("receivers `{0}` have no meaning here: coarser cells have other zones")]
+    CoarseZones(&'static str),
     /// E116: a tolerance beside a method that has none.
     #[error("a tolerance has no meaning beside an approximate method: it chooses itself")]
     ToleranceOfApproximate,
@@ -99,8 +97,8 @@ pub enum RequestError {
     #[error("tiles of a surface model alone: no building is known")]
     NoTiles,
     /// E117: receivers on what a surface model alone does not tell.
-    #[error("receivers `{}` with a surface model alone: no {} is known", .0.name(), if *.0 == Receivers::Roof { "roof" } else { "zone" })]
-    NoReceivers(Receivers),
+    #[error("receivers `{receivers}` with a surface model alone: no {what} is known")]
+    NoReceivers { receivers: &'static str, what: &'static str },
     /// E118: an engine for other scenes; the scene, why, and a method that can.
     #[error("the method that was asked for cannot decide {word}: {why}")]
     Engine { word: String, why: &'static str, instead: String },
@@ -148,7 +146,7 @@ impl RequestError {
             | R::CoarseZones(_)
             | R::ToleranceOfApproximate
             | R::ToleranceWithoutBound => 116,
-            R::NoZones | R::NoTiles | R::NoReceivers(_) => 117,
+            R::NoZones | R::NoTiles | R::NoReceivers { .. } => 117,
             R::Engine { .. } => 118,
             R::MapsOfGenerated(_) | R::UnknownMethod(_) => 121,
             R::UnknownCity { .. } | R::OutsideModel { .. } => 122,

@@ -1,14 +1,10 @@
 //! What UAVs see: the answer of a map.
 
-use std::path::Path;
-
-use super::files::Writer;
 use super::report::{MapReport, SiteFacts};
 use super::save::SaveOptions;
-use crate::answer::{Spent, add_outputs};
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
-use crate::export::{Batch, Format, Layer, OutputRules, check_layers, check_outputs};
+use crate::export::{Format, Layer};
 use crate::raster::GeoRef;
 use crate::scene::Scene;
 
@@ -76,33 +72,6 @@ impl Coverages {
     /// The document `skyshed/map/1`.
     pub fn document(&self) -> serde_json::Value {
         self.report.document(Some(self.scene.timing))
-    }
-
-    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a table (.csv),
-    /// a document (.json), features (.geojson), an overlay (.kmz). What stands beside it (`.prj`, `.json`) is written too.
-    ///
-    /// # Errors
-    /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        self.save_with(path, &SaveOptions::default())
-    }
-
-    /// Writes a file in another form than the usual one.
-    ///
-    /// # Errors
-    /// As [`Coverages::save`].
-    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
-        let rules =
-            OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
-        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
-        options.check_formats(&outputs)?;
-        options.check(&self.scene, &outputs)?;
-        for (path, format) in &outputs {
-            check_layers(&self.layers, self.sites.len(), path, *format)?;
-        }
-        let mut batch = Batch::new(options.overwrite);
-        add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&options.look, Spent::default()))?;
-        Ok(batch.commit().map(|_| ())?)
     }
 
     /// Margins of the receivers of the first UAV, of so many at most.
@@ -197,21 +166,5 @@ impl Coverage {
     /// The document `skyshed/map/1`.
     pub fn document(&self) -> serde_json::Value {
         self.0.document()
-    }
-
-    /// Writes a file, whose extension says what: see [`Coverages::save`].
-    ///
-    /// # Errors
-    /// As that.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        self.0.save(path)
-    }
-
-    /// Writes a file in another form than the usual one.
-    ///
-    /// # Errors
-    /// As [`Coverages::save`].
-    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
-        self.0.save_with(path, options)
     }
 }

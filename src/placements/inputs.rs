@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::goal::Whom;
-use super::{CandidatesFrom, SearchPlan};
+use super::plan::{CandidatesFrom, SearchPlan};
 use crate::city::{Area, GivenSite, Source};
 use crate::error::{InputError, LimitError, PlacesError, Result, Warning};
 use crate::formats::RasterFile;

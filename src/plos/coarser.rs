@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::PlosPlan;
+use super::plan::PlosPlan;
 use super::real::{Group, Real, View};
 use super::report::{PlosToleranceFacts, PlosTried};
 use super::sweep::Sweeps;

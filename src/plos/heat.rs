@@ -1,6 +1,6 @@
 //! Heat maps of two-way sweeps.
 
-use super::plot::{Drawn, MOST_PANELS, too_many};
+use super::panels::{Drawn, MOST_PANELS, too_many};
 use super::plot_words::{axis_name, city_name, groups, method_name, placement_words, value};
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;

@@ -3,8 +3,8 @@
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
-use super::PlosPlan;
 use super::curve_file::read_curve;
+use super::plan::PlosPlan;
 use super::report::MethodFacts;
 use crate::error::{Error, RequestError, Result, Warning};
 use crate::los::MethodChoice;

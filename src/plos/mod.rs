@@ -3,7 +3,10 @@
 mod coarser;
 mod curve_file;
 mod heat;
+mod maps;
 mod methods;
+mod panels;
+mod plan;
 mod plot;
 mod plot_words;
 mod real;
@@ -11,13 +14,13 @@ mod report;
 mod request;
 mod sweep;
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
 pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
+pub(crate) use plan::{PlosPlan, PlotKind};
 use real::Real;
 pub(crate) use report::{PlosDocument, PlosTableRow};
 use report::{PlosReport, PlosRow, PlosValue};
@@ -27,112 +30,34 @@ pub(crate) use sweep::{Far, Sweeps};
 use crate::accuracy::CONFIDENCE;
 use crate::answer::{Answer, Rows, Spent};
 use crate::city::BuiltUp;
-use crate::error::{Error, OfGenerated, RequestError, Result, Warning};
+use crate::error::{OfGenerated, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::formats::{NpyArray, write_npz};
-use crate::los::MethodChoice;
 use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::product::SHIFTS;
 use crate::los_probability::setting::{Placement, Reach, Setting};
 use crate::los_probability::study::{Effort, Estimator, estimate_all};
-use crate::map::check_tolerance;
 use crate::picture::Look;
 use crate::quantity::{counted, tidy};
 use crate::read::source_of;
-use crate::scene::{SceneOptions, built_up};
+use crate::scene::built_up;
 
 /// Formats of a study.
 pub(crate) const FORMATS: [Format; 7] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
-
-/// Kinds of plot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PlotKind {
-    /// A heat map for two-way sweeps of one city and method, else curves.
-    Auto,
-    /// Curves.
-    Curves,
-    /// Heat maps of two-way sweeps.
-    Heat,
-}
-
-/// What is asked of P_LoS.
-#[derive(Debug, Clone)]
-pub(crate) struct PlosPlan {
-    /// The cities, as they were asked for, and how those in files are read.
-    pub(crate) scenes: Vec<OsString>,
-    pub(crate) options: SceneOptions,
-    /// What varies.
-    pub(crate) sweeps: Sweeps,
-    /// Words for the methods.
-    pub(crate) methods: Vec<String>,
-    /// Curves of the user's own, and the files that they are from.
-    pub(crate) curves: Vec<(UserCurve, PathBuf)>,
-    /// What was said of these files.
-    pub(crate) warnings: Vec<Warning>,
-    /// Height of the receivers above ground \[m\].
-    pub(crate) rx_height_m: f64,
-    /// Whether UAVs inside of buildings are left out; else they are NLoS to all.
-    pub(crate) uav_clear_of_roof: bool,
-    /// Half-width of intervals that is enough.
-    pub(crate) until: Option<f64>,
-    /// How far any P_LoS may be off.
-    pub(crate) tolerance: Option<f64>,
-    /// Confidence of the intervals.
-    pub(crate) confidence: f64,
-    /// Cities that `city` draws, and users in each.
-    pub(crate) n_cities: u64,
-    pub(crate) n_users: u32,
-    /// Links that `geometry` draws for each value.
-    pub(crate) n_links: u64,
-    /// UAV positions over a real city.
-    pub(crate) n_positions: u64,
-    /// Over a real city P_LoS at an angle is of users within so many degrees of it.
-    pub(crate) theta_band_deg: f64,
-    /// Edge of the blocks of a real city that are resampled \[m\].
-    pub(crate) block_m: Option<f64>,
-    pub(crate) seed: u64,
-    pub(crate) plot: PlotKind,
-    /// Whether a picture will be drawn, which takes more values.
-    pub(crate) is_drawn: bool,
-    /// Whether files are hashed whatever their size.
-    pub(crate) hash: bool,
-    /// The words of the command line, for documents.
-    pub(crate) command: Vec<String>,
-}
 
 /// What was found.
 #[derive(Debug)]
 pub(crate) struct PlosStudy {
     plan: PlosPlan,
     report: PlosReport,
-    plot: plot::Facts,
+    plot: panels::Facts,
 }
 
 const UNKNOWN_CITY: &str = "its α, β, γ are unknown, because its buildings are not known one by one";
 
 impl PlosPlan {
-    /// Checks what does not depend on a city, before any work.
-    ///
-    /// # Errors
-    /// E113, E116, E120.
-    pub(crate) fn check(&self) -> Result<()> {
-        if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            return Err(Error::number("the confidence", self.confidence, "above 0 and below 1"));
-        }
-        // Each height must be possible with the receivers', whatever the sweep.
-        for height in &self.sweeps.heights {
-            Setting::reach_at_distance(0.0, *height, self.rx_height_m)?;
-        }
-        check_tolerance(self.tolerance, MethodChoice::Auto)?;
-        let has_bound = |m: &String| ["auto", "product", "maps", "sweep", "shadow", "ray"].contains(&m.trim());
-        if self.tolerance.is_some() && !self.methods.iter().all(has_bound) {
-            return Err(RequestError::ToleranceWithoutBound.into());
-        }
-        Ok(())
-    }
-
     /// Finds P_LoS of every city by every method.
     ///
     /// # Errors
@@ -154,7 +79,7 @@ impl PlosPlan {
             report.sources.push(source_of(path, self.hash)?);
         }
         let curves: Vec<UserCurve> = self.curves.iter().map(|(curve, _)| curve.clone()).collect();
-        let mut plot = plot::Facts { curves: curves.clone(), ..plot::Facts::default() };
+        let mut plot = panels::Facts { curves: curves.clone(), ..panels::Facts::default() };
         let mut cautions = Cautions::default();
         for scene in &self.scenes {
             let word = scene.display().to_string();
@@ -216,7 +141,7 @@ impl PlosPlan {
     }
 
     /// Values that a picture shows beside those of the table.
-    fn add_to_plot(&self, city: &StudiedCity, way: &Way, rows: &[PlosRow], plot: &mut plot::Facts) -> Result<()> {
+    fn add_to_plot(&self, city: &StudiedCity, way: &Way, rows: &[PlosRow], plot: &mut panels::Facts) -> Result<()> {
         let Some(built_up) = city.built_up.filter(|_| self.is_drawn) else { return Ok(()) };
         let city = (city.word.as_str(), built_up);
         if let (Way::Model(_), Some(fine)) = (way, self.sweeps.refined())
@@ -271,7 +196,7 @@ fn statistical_rows(
     leave_out: bool,
     cautions: &mut Cautions,
 ) -> Result<Vec<PlosRow>> {
-    let settings = sweeps.settings(built_up, plan)?;
+    let settings = sweeps.settings(built_up, (plan.rx_height_m, plan.uav_clear_of_roof))?;
     match way {
         Way::Estimator(estimator) => {
             let effort = Effort {

@@ -1,13 +1,14 @@
 //! Which plot a study calls for: curves, or heat maps.
 
 use super::heat::heat_maps;
+use super::panels::{Drawn, Facts, MOST_PANELS, too_many};
 use super::plot_words::{
     Intervals, axis_name, caption, city_name, groups, method_name, placement_words, title, value, words,
 };
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use super::{PlosStudy, PlotKind};
-use crate::error::{Error, RequestError, Result};
+use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
@@ -17,22 +18,8 @@ use crate::picture::{Look, drawn, picture_provenance};
 use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::words::unbreakable;
 
-/// What pictures need beside the report.
-#[derive(Debug, Default)]
-pub(super) struct Facts {
-    /// Whom pictures must credit.
-    pub(super) attributions: Vec<String>,
-    /// Models between the values of the table, so that their steps and bends are drawn where they are.
-    pub(super) fine_rows: Vec<PlosRow>,
-    /// Rows of the product between those that were asked for, where its curve turns.
-    pub(super) between: Vec<PlosRow>,
-    /// Curves of the user's own, whose rows are drawn.
-    pub(super) curves: Vec<UserCurve>,
-}
-
 /// The most lines of a panel, and panels of a sheet.
 const MOST_LINES: usize = 24;
-pub(super) const MOST_PANELS: usize = 12;
 /// Fewer values than this along an axis make no heat map of their own accord.
 const FEWEST_FOR_HEAT: usize = 3;
 
@@ -66,8 +53,6 @@ pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec
         curves((report, facts), &varying, &title, &caption, &provenance, form)?
     })
 }
-
-pub(super) type Drawn = std::result::Result<Vec<u8>, String>;
 
 /// A line of a plot before it is drawn.
 struct Line {
@@ -219,10 +204,6 @@ fn panel_sets(report: &PlosReport, others: &[(Quantity, Vec<f64>)], has_methods:
         }
     }
     groups(report, &|row| PanelSet { city: city(row), others: None })
-}
-
-pub(super) fn too_many(n: usize, what: &'static str, most: usize) -> Error {
-    RequestError::TooManyDrawn { n, what, most }.into()
 }
 
 fn axis_ends(quantity: Quantity, values: &[f64]) -> [f64; 2] {

@@ -1,6 +1,6 @@
 //! What plots of P_LoS say: titles, captions, names of axes, lines and cities.
 
-use super::plot::Facts;
+use super::panels::Facts;
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use crate::city::BuiltUp;

@@ -2,24 +2,21 @@
 
 use std::ffi::OsStr;
 
-use rayon::prelude::*;
-
-use super::PlosPlan;
-use super::coarser::coarsest_within;
-use super::report::{PlosRow, PlosValue, RealCityFacts};
+use super::plan::PlosPlan;
+use super::report::{PlosRow, PlosValue};
 use super::sweep::{Far, Sweeps};
 use crate::city::{BuiltUp, Source};
-use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
+use crate::error::{Error, PlacesError, RequestError, Result, Warning};
 use crate::height_field::{Built, HeightField, Place, Station};
-use crate::los::{Method, MethodChoice, WrongMethod};
+use crate::los::{MethodChoice, WrongMethod};
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::points::Points;
-use crate::los_probability::real_city::{Band, RealCity, resampled};
+use crate::los_probability::real_city::{Band, RealCity};
 use crate::los_probability::setting::{Placement, Users};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::placement::{MOST_CUT, WholeDiscs};
-use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
+use crate::quantity::{VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::scene::SceneOptions;
 use crate::scene::limits::{limits_in_words, warn_of_drop_across};
@@ -53,9 +50,9 @@ impl Group {
 /// How links are decided and counted.
 pub(super) struct View {
     /// What is taken for a scene, which a coarser one may answer otherwise.
-    choice: MethodChoice,
-    block_m: f64,
-    bands: Vec<Band>,
+    pub(super) choice: MethodChoice,
+    pub(super) block_m: f64,
+    pub(super) bands: Vec<Band>,
 }
 
 impl View {
@@ -72,13 +69,13 @@ impl View {
 
 /// A real city, read and built.
 pub(super) struct Real {
-    word: String,
+    pub(super) word: String,
     pub(super) field: HeightField,
     /// Its zones, if they are asked for.
-    zones: Option<ZoneMap>,
+    pub(super) zones: Option<ZoneMap>,
     pub(super) fit: Option<BuiltUpFit>,
     /// What limits the truth of its pictures.
-    limits: Option<String>,
+    pub(super) limits: Option<String>,
     pub(super) sources: Vec<Source>,
     pub(super) attribution: Option<String>,
 }
@@ -122,77 +119,6 @@ impl Real {
         self.fit.as_ref().map(|fit| fit.built_up)
     }
 
-    /// P_LoS from maps, for each height and each angle or distance.
-    pub(super) fn rows(
-        &self,
-        plan: &PlosPlan,
-        sweeps: &Sweeps,
-        choice: MethodChoice,
-    ) -> Result<(Vec<PlosRow>, RealCityFacts)> {
-        let grid = self.field.grid();
-        let unit = grid.meters_per_unit();
-        for frame in [self.field.prisms_frame(), self.field.columns_frame()].into_iter().flatten() {
-            let span = ((grid.x_max() - grid.x_min()) / frame.unit_x).max((grid.y_max() - grid.y_min()) / frame.unit_y);
-            if span > MAX_EXTENT_UNITS {
-                return Err(LimitError::Extent { word: self.word.to_string(), span }.into());
-            }
-        }
-        let size = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);
-        let block_m = plan.block_m.unwrap_or((size / 8.0).max(100.0));
-        if block_m <= 0.0 {
-            return Err(Error::number("the edge of blocks", block_m, "above 0 m"));
-        }
-        let theta_band = checked_theta_band(plan)?;
-        let sight = View { choice, block_m, bands: bands(&sweeps.far, theta_band) };
-        let (coarse, tolerance) = match plan.tolerance {
-            Some(tolerance) => {
-                let (coarse, facts) = coarsest_within(self, plan, (sweeps, &sight), tolerance)?;
-                (coarse, Some(facts))
-            }
-            None => (None, None),
-        };
-        let field = coarse.as_ref().unwrap_or(&self.field);
-        let (method, _) = Method::choose(field, choice).map_err(|wrong| self.refuse(wrong))?;
-        let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
-        let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
-        let mut rows = Vec::new();
-        let (mut n_positions, mut n_inside, mut n_cut, mut n_blocks) = (0, 0, 0, 0);
-        for group in Group::all(sweeps) {
-            let city = self.city(plan, (field, zones), group.users, &sight)?;
-            n_blocks = city.n_blocks();
-            let blocks = city.blocks_with_users();
-            // Where the UAVs may be depends on the radius: each has its own, and none depends on the others asked for.
-            let is_alone = |far: &Far| matches!(far, Far::Radius(_));
-            for part in sweeps.far.chunk_by(|a, b| !is_alone(a) && !is_alone(b)) {
-                let (uavs, cut) = self.positions(plan, part, &group)?;
-                n_cut += cut;
-                let here = |uav: Station| Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };
-                let uavs: Vec<Station> = uavs.into_iter().map(here).collect();
-                n_positions += uavs.len();
-                n_inside += uavs.iter().filter(|uav| city.is_inside(uav)).count();
-                let uavs: Vec<Station> =
-                    uavs.into_iter().filter(|uav| !(plan.uav_clear_of_roof && city.is_inside(uav))).collect();
-                let bands = bands(part, theta_band);
-                let counts: Vec<Vec<Count>> = uavs.par_iter().map(|uav| city.count(uav, &bands)).collect();
-                let estimates = resampled(&counts, &blocks, bands.len(), plan.confidence, plan.seed);
-                let row = |(far, e): (&Far, Estimate)| self.row(plan, (group, *far), e);
-                rows.extend(part.iter().zip(estimates).map(row));
-            }
-        }
-        let facts = RealCityFacts {
-            city: self.word.clone(),
-            positions: (n_positions, n_inside),
-            cut: n_cut,
-            theta_band_deg: matches!(sweeps.far.first(), Some(Far::Theta(_))).then_some(theta_band),
-            engine: method,
-            blocks: (n_blocks, block_m),
-            fit: self.fit.clone(),
-            limits: self.limits.clone(),
-            tolerance,
-        };
-        Ok((rows, facts))
-    }
-
     /// The zones of a form of the city, if they are asked for.
     pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
         self.zones.as_ref().and_then(|_| ZoneMap::if_known(field, None))
@@ -215,7 +141,7 @@ impl Real {
         })
     }
 
-    fn refuse(&self, wrong: WrongMethod) -> Error {
+    pub(super) fn refuse(&self, wrong: WrongMethod) -> Error {
         let (word, instead) = (self.word.to_string(), wrong.instead.name().into());
         RequestError::Engine { word, why: wrong.why, instead }.into()
     }
@@ -231,7 +157,7 @@ impl Real {
         cells.map(Some).ok_or_else(|| PlacesError::NoUsers { zone: zone.name(), word: self.word.to_string() }.into())
     }
 
-    fn row(
+    pub(super) fn row(
         &self,
         plan: &PlosPlan,
         (Group { users, placement, height }, far): (Group, Far),
@@ -316,7 +242,7 @@ impl Real {
 }
 
 /// The half width of a band of elevation angles [deg].
-fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
+pub(super) fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
     let band = plan.theta_band_deg;
     if band > 0.0 && band <= 45.0 {
         return Ok(band);
@@ -326,7 +252,7 @@ fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
 
 /// A band for each angle, distance or radius, which depends on no other: θ ± the half width, 5 % (at least 0.5 m) to both
 /// sides of a distance, all users within a radius.
-fn bands(far: &[Far], theta_band: f64) -> Vec<Band> {
+pub(super) fn bands(far: &[Far], theta_band: f64) -> Vec<Band> {
     let band = |far: &Far| match *far {
         Far::Theta(v) => Band::elevation((v - theta_band).max(0.0), (v + theta_band).min(90.0)),
         Far::Distance(v) => {

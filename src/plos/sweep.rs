@@ -1,6 +1,5 @@
 //! The sweeps of a study: what varies as settings, in the order of the table.
 
-use super::PlosPlan;
 use super::report::PlosRow;
 use crate::city::BuiltUp;
 use crate::error::{LimitError, Result};
@@ -122,7 +121,11 @@ impl Sweeps {
     }
 
     /// The settings over a city, angles or distances running fastest.
-    pub(super) fn settings(&self, built_up: BuiltUp, plan: &PlosPlan) -> Result<Vec<Setting>> {
+    pub(super) fn settings(
+        &self,
+        built_up: BuiltUp,
+        (rx_height_m, uav_clear_of_roof): (f64, bool),
+    ) -> Result<Vec<Setting>> {
         let mut settings = Vec::new();
         for &placement in &self.placements {
             for &users in &self.users {
@@ -133,12 +136,12 @@ impl Sweeps {
                                 settings.push(Setting {
                                     built_up,
                                     uav_height_m: height,
-                                    rx_height_m: plan.rx_height_m,
-                                    reach: far.reach(height, plan.rx_height_m)?,
+                                    rx_height_m,
+                                    reach: far.reach(height, rx_height_m)?,
                                     phi_deg,
                                     users,
                                     placement,
-                                    uav_clear_of_roof: plan.uav_clear_of_roof,
+                                    uav_clear_of_roof,
                                 });
                             }
                         }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::words::memory_size;
 use crate::answer::Output;
-use crate::cli::refusal::{refusal, refusal_with};
+use crate::cli::told::{refusal, refusal_with};
 use crate::error::Result;
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::picture::Look;

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::words::{Words, extent, number, one_of, projection};
 use crate::city::NodataAs;
-use crate::cli::refusal::refusal;
+use crate::cli::told::refusal;
 use crate::crs;
 use crate::error::Result;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};

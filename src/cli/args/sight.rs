@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::words::{RECEIVERS, length, number, one_of};
 use crate::city::Site;
-use crate::cli::refusal::{refusal, refusal_with};
+use crate::cli::told::{refusal, refusal_with};
 use crate::error::Result;
 use crate::los::MethodChoice;
 use crate::quantity::{Height, parse_number};

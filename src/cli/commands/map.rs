@@ -3,9 +3,9 @@
 use super::map_args::MapArgs;
 use crate::answer::{Answer, Spent};
 use crate::cli::interrupt;
-use crate::cli::refusal::{refusal, refusal_with};
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
+use crate::cli::told::{refusal, refusal_with};
 use crate::error::{ErrorClass, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::plos_args::PlosArgs;
 use crate::cli::args::words::Numbers;
-use crate::cli::refusal::refusal;
 use crate::cli::run::Run;
+use crate::cli::told::refusal;
 use crate::error::Result;
 use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;

@@ -25,7 +25,7 @@ pub(super) fn of_request(error: &RequestError) -> Option<String> {
         R::RealCity { what: OfGenerated::Middle, .. } => "wanted anywhere, street, crossroad or rooftop",
         R::CoarseZones(_) => "wanted ground, roof or all",
         R::ToleranceOfApproximate => "leave `--method` out",
-        R::NoZones | R::NoTiles | R::NoReceivers(_) => "give `--terrain FILE` or `--ground Z`",
+        R::NoZones | R::NoTiles | R::NoReceivers { .. } => "give `--terrain FILE` or `--ground Z`",
         R::Engine { instead, .. } => return Some(format!("`--method maps` takes `{instead}` here")),
         R::MapsOfGenerated(_) => "`--method city` draws whole cities; `skyshed map` maps one",
         R::UnknownMethod(word) if word.starts_with("icc") || word.starts_with("mohammed2021") => {

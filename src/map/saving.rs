@@ -1,0 +1,57 @@
+//! Coverage as files.
+
+use std::path::Path;
+
+use super::coverages::{Coverage, Coverages};
+use super::files::Writer;
+use super::save::SaveOptions;
+use crate::answer::{Spent, add_outputs};
+use crate::error::Result;
+use crate::export::{Batch, OutputRules, check_layers, check_outputs};
+
+impl Coverages {
+    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a table (.csv),
+    /// a document (.json), features (.geojson), an overlay (.kmz). What stands beside it (`.prj`, `.json`) is written too.
+    ///
+    /// # Errors
+    /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_with(path, &SaveOptions::default())
+    }
+
+    /// Writes a file in another form than the usual one.
+    ///
+    /// # Errors
+    /// As [`Coverages::save`].
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        let rules =
+            OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
+        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
+        options.check_formats(&outputs)?;
+        options.check(&self.scene, &outputs)?;
+        for (path, format) in &outputs {
+            check_layers(&self.layers, self.sites.len(), path, *format)?;
+        }
+        let mut batch = Batch::new(options.overwrite);
+        add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&options.look, Spent::default()))?;
+        Ok(batch.commit().map(|_| ())?)
+    }
+}
+
+impl Coverage {
+    /// Writes a file, whose extension says what: see [`Coverages::save`].
+    ///
+    /// # Errors
+    /// As that.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.0.save(path)
+    }
+
+    /// Writes a file in another form than the usual one.
+    ///
+    /// # Errors
+    /// As [`Coverages::save`].
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        self.0.save_with(path, options)
+    }
+}

@@ -1,0 +1,108 @@
+//! What is looked for, and where.
+
+use std::path::{Path, PathBuf};
+
+use super::goal::{Goal, Measure, Whom, have_one_reference};
+use crate::error::{Error, RequestError, Result};
+use crate::quantity::{Height, height_steps};
+use crate::sight::Sight;
+use crate::zones::Zone;
+
+/// Where candidates are from.
+#[derive(Debug, Clone)]
+pub(crate) enum CandidatesFrom {
+    /// The centers of square cells over the scene.
+    Grid {
+        /// Their distance \[m\].
+        step_m: f64,
+    },
+    /// A table or points.
+    File {
+        path: PathBuf,
+        /// Whether rows that cannot be read are left out.
+        skips_bad: bool,
+    },
+}
+
+/// What is looked for, and where.
+#[derive(Debug, Clone)]
+pub(crate) struct SearchPlan {
+    pub(crate) sight: Sight,
+    pub(crate) goal: Goal,
+    pub(crate) from: CandidatesFrom,
+    /// Heights to try; empty where candidates have their own.
+    pub(crate) heights: Vec<Height>,
+    /// Only candidates over these zones, if there are any.
+    pub(crate) over: Vec<Zone>,
+    /// Only candidates inside of these polygons.
+    pub(crate) within: Option<PathBuf>,
+    /// No candidates inside of these.
+    pub(crate) keep_out: Option<PathBuf>,
+    /// Least height above roof or ground directly below \[m\].
+    pub(crate) clearance_m: f64,
+    /// Polygons whose receivers count.
+    pub(crate) area: Option<PathBuf>,
+    /// A raster of what each receiver counts.
+    pub(crate) weights: Option<PathBuf>,
+    /// UAVs that are to see most together.
+    pub(crate) count: usize,
+    /// Ranks that documents and points list.
+    pub(crate) top: usize,
+    /// Whether files are hashed whatever their size.
+    pub(crate) hash: bool,
+    /// The file for a map of what the winners see.
+    pub(crate) map: Option<PathBuf>,
+}
+
+impl SearchPlan {
+    /// The files beside the scene.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let candidates = match &self.from {
+            CandidatesFrom::File { path, .. } => Some(path.as_path()),
+            CandidatesFrom::Grid { .. } => None,
+        };
+        let others = [&self.within, &self.keep_out, &self.area, &self.weights];
+        candidates.into_iter().chain(others.into_iter().flatten().map(PathBuf::as_path))
+    }
+
+    /// Checks what belongs together, and the numbers, before any work.
+    ///
+    /// # Errors
+    /// E108, E113, E116.
+    pub(crate) fn check(&self) -> Result<()> {
+        let needs = |option| Err(RequestError::GoalNeeds { goal: self.goal.text.clone(), option }.into());
+        let idle = |option, why: &str| Err(Error::idle(option, why));
+        match (self.goal.whom, &self.area, &self.weights) {
+            (Whom::Area, None, _) => return needs("area"),
+            (Whom::Weights, _, None) => return needs("weights"),
+            (whom, Some(_), _) if whom != Whom::Area => {
+                return idle("area", "without the goal p_los(area) or margin(area)");
+            }
+            (whom, _, Some(_)) if whom != Whom::Weights => return idle("weights", "without the goal p_los(weights)"),
+            _ => {}
+        }
+        if self.count > 1 && self.goal.measure == Measure::Margin {
+            return idle("count", "with the goal margin: several UAVs have no margin in common");
+        }
+        if self.count > 1 && self.goal.at_least.is_some() {
+            return idle("count", "where the least height is looked for");
+        }
+        if let CandidatesFrom::Grid { step_m } = self.from
+            && step_m <= 0.0
+        {
+            return Err(Error::number("the step between places", step_m, "above 0 m"));
+        }
+        let compares = !self.heights.is_empty() && have_one_reference(&self.heights);
+        if self.goal.at_least.is_some() && !compares {
+            return Err(RequestError::MixedHeights.into());
+        }
+        self.clearance().map(|_| ())
+    }
+
+    /// The clearance on the lattice.
+    pub(super) fn clearance(&self) -> Result<i32> {
+        height_steps(self.clearance_m)
+            .filter(|c| *c >= 0)
+            .ok_or_else(|| Error::number("the clearance", self.clearance_m, "0 m to 32768 m"))
+    }
+}
