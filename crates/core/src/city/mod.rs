@@ -13,7 +13,7 @@ mod windowed;
 
 pub use area::Area;
 pub use built_up::{BuildingHeights, BuiltUp};
-pub use faults::{Fault, FootprintFaults, LEFT_OUT};
+pub use faults::{FootprintFault, FootprintFaults, LEFT_OUT};
 pub use footprint::{BuildingHeight, Footprint};
 pub use generated::BuiltUpCity;
 pub use site::{GivenSite, Site};

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::footprints::{FootprintOptions, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property};
-use crate::city::Fault;
+use crate::city::FootprintFault;
 use crate::error::{Error, Result};
 
 /// The unit of heights that name none.
@@ -93,7 +93,7 @@ impl Buildings {
             let number = index + 1;
             let says = Says { feature: &feature, name_limit: set.name_limit, options };
             if feature.polygons.is_empty() {
-                log.note(Fault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
+                log.note(FootprintFault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
                 continue;
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
@@ -104,14 +104,14 @@ impl Buildings {
             }
             let footprint = says.footprint(number);
             if feature.has_other_parts {
-                log.note(Fault::NotAnArea, Culprit::of(&footprint));
+                log.note(FootprintFault::NotAnArea, Culprit::of(&footprint));
             }
             if says.is_no_building() {
-                log.note(Fault::NotABuilding, Culprit::of(&footprint));
+                log.note(FootprintFault::NotABuilding, Culprit::of(&footprint));
                 continue;
             }
             if says.is_part() {
-                log.note(Fault::Part, Culprit::of(&footprint));
+                log.note(FootprintFault::Part, Culprit::of(&footprint));
             }
             buildings.footprints.push(footprint);
         }

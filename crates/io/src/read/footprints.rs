@@ -2,7 +2,7 @@
 //!
 //! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
 //! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
-//! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
+//! left-out thing is counted in [`crate::city::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ use super::surface::ground_steps;
 use super::vector::{Selection, read_features};
 use super::{name_of, read_area, refuse_degrees, refuse_two_crs};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
-use crate::city::{Fault, HeightGap, LEFT_OUT};
+use crate::city::{FootprintFault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::{InputKind, Transformation};
 use crate::error::{Error, Result, Warning};
@@ -392,11 +392,11 @@ impl Making<'_> {
             }
             let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
             if !above_datum && height < 0.0 {
-                log.note(Fault::NegativeHeight, Culprit::of(&shaped.raw));
+                log.note(FootprintFault::NegativeHeight, Culprit::of(&shaped.raw));
                 continue;
             }
             if shaped.base.is_none() && !above_datum {
-                log.note(Fault::NoGround, Culprit::of(&shaped.raw));
+                log.note(FootprintFault::NoGround, Culprit::of(&shaped.raw));
                 continue;
             }
             let top = self.top(&shaped, (height, above_datum))?;
@@ -446,7 +446,7 @@ impl Making<'_> {
         match shaped.raw.height {
             FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
             FoundHeight::DecimalComma(m) => {
-                log.note(Fault::DecimalComma, culprit);
+                log.note(FootprintFault::DecimalComma, culprit);
                 return Ok(Some((m, shaped.raw.above_datum)));
             }
             FoundHeight::Missing => {}
@@ -466,9 +466,9 @@ impl Making<'_> {
             }
             MissingHeight::Median => median.map(|height| ((height, shaped.raw.above_datum), "given the median height")),
         };
-        log.note_done(Fault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
+        log.note_done(FootprintFault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
         if self.options.missing == MissingHeight::Levels && found.is_some() {
-            log.note(Fault::HeightFromLevels, culprit);
+            log.note(FootprintFault::HeightFromLevels, culprit);
         }
         Ok(found.map(|(height, _)| height))
     }
@@ -505,14 +505,14 @@ fn is_usable(shaped: &Shaped) -> bool {
 /// Notes what is odd about a building whatever its height is.
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
-    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, Culprit::polygon(raw, *k)));
-    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, Culprit::polygon(raw, *k)));
-    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, Culprit::of(raw)));
-    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, Culprit::polygon(raw, *k)));
+    shaped.repaired.iter().for_each(|k| log.note(FootprintFault::SelfIntersection, Culprit::polygon(raw, *k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(FootprintFault::StrayHole, Culprit::polygon(raw, *k)));
+    (0..raw.unclosed).for_each(|_| log.note(FootprintFault::UnclosedRing, Culprit::of(raw)));
+    shaped.degenerate.iter().for_each(|k| log.note(FootprintFault::TooSmall, Culprit::polygon(raw, *k)));
     if shaped.too_far {
-        log.note(Fault::TooFar, Culprit::of(raw));
+        log.note(FootprintFault::TooFar, Culprit::of(raw));
     } else if is_usable(shaped) && raw.floats {
-        log.note(Fault::Floating, Culprit::of(raw));
+        log.note(FootprintFault::Floating, Culprit::of(raw));
     }
 }
 
