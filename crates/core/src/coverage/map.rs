@@ -14,7 +14,7 @@ use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav}
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
-use crate::raster::{BitGrid, LargeVec, set_bits};
+use crate::raster::{BitGrid, LargeVec};
 
 /// Strips in which a map is decided that is handed over while it is made.
 const STRIPS: usize = 4;
@@ -327,10 +327,7 @@ impl<'a> Mapper<'a> {
     /// Cost: a walk along each link; on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
         let range = self.range_of(uav);
-        let all = self.receivers.iter().flat_map(|receivers| {
-            let rows = 0..receivers.cells.n_rows();
-            rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
-        });
+        let all = self.receivers.iter().flat_map(|r| r.cells.cells().map(move |cell| (r, cell)));
         let hard = first.iter().flat_map(|cell| self.receivers_at(*cell));
         let mut worst: Option<WorstReceiver> = None;
         for (receivers, cell) in hard.chain(all).filter(|(_, cell)| range.contains(*cell)) {

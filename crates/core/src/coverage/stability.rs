@@ -11,7 +11,7 @@ use super::{Control, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::los::{GridLos, GridReceivers};
-use crate::raster::{BitGrid, set_bits};
+use crate::raster::BitGrid;
 
 /// One thing moved by one step of the lattice: 1/1024 m, of a raster horizontally 1/1024 of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,9 +131,11 @@ impl Answers<'_> {
     /// # Errors
     /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
+        let n_cols = self.field.grid().n_cols();
         let mut turns = vec![f32::NAN; self.field.grid().n_cells()];
         for (receivers, (wanted, _)) in self.receivers.iter().zip(self.decided) {
-            each_cell(wanted.as_ref().unwrap_or(&receivers.cells), |cell| turns[cell] = 0.0);
+            let cells = wanted.as_ref().unwrap_or(&receivers.cells).cells();
+            cells.for_each(|(row, col)| turns[row * n_cols + col] = 0.0);
         }
         let mut moves = Vec::with_capacity(Move::ALL.len());
         for which in Move::ALL {
@@ -144,7 +146,7 @@ impl Answers<'_> {
                     let both = before.count_in(after);
                     turned.gained += after.count() - both;
                     turned.lost += before.count() - both;
-                    each_cell(&before.clone().xor(after), |cell| turns[cell] += 1.0);
+                    before.clone().xor(after).cells().for_each(|(row, col)| turns[row * n_cols + col] += 1.0);
                 }
                 turned
             });
@@ -170,12 +172,5 @@ impl Answers<'_> {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
         };
         Ok(self.receivers.iter().zip(self.decided).map(los).collect())
-    }
-}
-
-/// Does something with the index of each cell of a set.
-fn each_cell(cells: &BitGrid, mut act: impl FnMut(usize)) {
-    for row in 0..cells.n_rows() {
-        set_bits(cells.row(row)).for_each(|col| act(row * cells.n_cols() + col));
     }
 }

@@ -147,18 +147,12 @@ impl HeightField {
         if top == VOID || top == BLOCKS_ALL || self.without_data.as_ref().is_some_and(is_void) {
             return (None, None);
         }
-        let parts = |ground: i32, threshold: i32| {
-            let is_building = ground != VOID && i64::from(top) - i64::from(ground) > i64::from(threshold);
-            (Some(if is_building { ground } else { top }), is_building.then_some(top))
-        };
         match &self.solid {
+            Solid::Raster(raster) if matches!(raster.kind_of(top, cell), CellKind::Building(_)) => {
+                (Some(raster.ground_of(cell)), Some(top))
+            }
             // Under footprints the columns are the terrain.
-            Solid::Vector(_) => (Some(top), None),
-            Solid::Raster(raster) => match &raster.below {
-                Below::Surface => (Some(top), None),
-                Below::Flat { z, building_threshold } => parts(*z, *building_threshold),
-                Below::Terrain { tops, building_threshold } => parts(tops[cell], *building_threshold),
-            },
+            _ => (Some(top), None),
         }
     }
 
@@ -309,6 +303,15 @@ impl HeightField {
 }
 
 impl RasterSolid {
+    /// The ground below a cell, or the surface where none is known.
+    fn ground_of(&self, cell: usize) -> i32 {
+        match &self.below {
+            Below::Surface => self.columns.top_at(cell),
+            Below::Flat { z, .. } => *z,
+            Below::Terrain { tops, .. } => tops[cell],
+        }
+    }
+
     /// What a cell is, given the top of its column.
     #[inline]
     pub(super) fn kind_of(&self, top: i32, cell: usize) -> CellKind {

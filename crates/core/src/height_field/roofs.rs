@@ -12,14 +12,7 @@ impl HeightField {
     ///
     /// Cost: the rows that each edge of a piece passes, and the cells in each piece.
     pub(super) fn find_roofs(&mut self) {
-        if let Some(prisms) = self.prisms() {
-            let roofs = self.roofs_of(prisms);
-            self.set_roofs(roofs);
-        }
-    }
-
-    /// Says what the roofs of a vector scene are.
-    pub(super) fn set_roofs(&mut self, roofs: Vec<i32>) {
+        let Some(roofs) = self.prisms().map(|prisms| self.roofs_of(prisms)) else { return };
         if let Solid::Vector(vector) = &mut self.solid {
             vector.roofs = roofs;
         }

@@ -131,6 +131,17 @@ impl BitGrid {
         self
     }
 
+    /// The cells that are not in the set.
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        BitGrid::full(self.n_rows, self.n_cols).xor(self)
+    }
+
+    /// Rows and columns of the cells in the set, row by row from the north-west.
+    pub fn cells(&self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.n_rows).flat_map(|row| set_bits(self.row(row)).map(move |col| (row, col)))
+    }
+
     /// Number of cells in the set and in `other`, of the same shape.
     pub fn count_in(&self, other: &BitGrid) -> u64 {
         self.words.iter().zip(&other.words).map(|(a, b)| u64::from((a & b).count_ones())).sum()

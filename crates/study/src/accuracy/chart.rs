@@ -313,7 +313,6 @@ impl Truth {
 /// Every `n`th cell of a set in row order.
 fn every_nth(cells: &BitGrid, n: usize) -> BitGrid {
     let mut some = BitGrid::new(cells.n_rows(), cells.n_cols());
-    let all = (0..cells.n_rows()).flat_map(|row| crate::raster::set_bits(cells.row(row)).map(move |col| (row, col)));
-    all.step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));
+    cells.cells().step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));
     some
 }
