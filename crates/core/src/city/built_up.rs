@@ -103,6 +103,16 @@ impl BuiltUp {
         [steps(start + self.street_width()), steps(start + self.period())]
     }
 
+    /// The building whose open span along x or y holds a coordinate \[1/1024 m\]; `None` on streets and walls.
+    pub fn building_at(&self, v: i64) -> Option<i32> {
+        #[expect(clippy::cast_possible_truncation, reason = "a city has far fewer than 2^31 columns")]
+        let k = (v as f64 / f64::from(STEPS_PER_UNIT) / self.period()).floor() as i32;
+        (k - 1..=k + 1).find(|k| {
+            let [start, end] = self.building_span(*k);
+            start < v && v < end
+        })
+    }
+
     /// The heights of the buildings of the city with this seed.
     pub fn heights(&self, seed: u64) -> BuildingHeights {
         BuildingHeights {

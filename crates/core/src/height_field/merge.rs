@@ -91,8 +91,8 @@ fn join(p: &Ring, q: &Ring, a: [i32; 2], b: [i32; 2]) -> Option<Ring> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rings::doubled_area;
     use super::*;
+    use crate::overlay::doubled_area;
 
     fn rectangle(x0: i32, y0: i32, x1: i32, y1: i32) -> Ring {
         vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]

@@ -95,9 +95,14 @@ fn simple_rings(ring: &[[usize; 2]]) -> Vec<Vec<[usize; 2]>> {
 }
 
 fn is_counterclockwise(ring: &[[usize; 2]]) -> bool {
-    let signed = |[x, y]: [usize; 2]| [x.cast_signed(), y.cast_signed()];
-    let edges = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| (signed(*a), signed(*b)));
-    edges.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<isize>() > 0
+    doubled_cells(ring) > 0
+}
+
+/// Twice the signed area within a ring of cell corners \[cells\].
+pub(crate) fn doubled_cells(ring: &[[usize; 2]]) -> i64 {
+    let signed = |p: &[usize; 2]| p.map(|v| v.cast_signed() as i64);
+    let edges = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| (signed(a), signed(b)));
+    edges.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
 
 /// The cell, as columns from the west and rows from the south, to the left of the first step along an edge.

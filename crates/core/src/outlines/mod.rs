@@ -6,6 +6,8 @@ mod overlapped_cells;
 mod simpler_rings;
 
 pub use cell_outline::traced_around;
+pub(crate) use cell_parts::doubled_cells;
 pub use cell_parts::{CellPart, cell_parts, labelled_parts, n_cell_parts};
 pub use overlapped_cells::{covered_shares, overlapped_cells};
+pub(crate) use simpler_rings::distance;
 pub use simpler_rings::simpler_rings;
