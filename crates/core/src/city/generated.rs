@@ -57,9 +57,6 @@ impl BuiltUpCity {
 
     /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
     /// margin if there is one. A margin changes no building within the city.
-    ///
-    /// # Errors
-    /// Usage error for a bad size or cell; limit error above 65 536 m.
     pub fn city(&self) -> Result<City> {
         for (length, found) in [("size", self.size_m), ("cell size", self.cell_m)] {
             if !(found > 0.0 && found.is_finite()) {

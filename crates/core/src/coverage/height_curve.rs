@@ -41,9 +41,6 @@ impl HeightCurve {
     /// The curve over the place of a map's UAV, for the receivers of that map.
     ///
     /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
         let n_cols = field.grid().n_cols();
         let positions = field.positions();

@@ -33,9 +33,6 @@ impl Mapper<'_> {
     /// and from the north, and `each` with every map once its mask is complete.
     ///
     /// The outcome does not depend on the number of threads.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map_many(
         &self,
         uavs: &[Uav],

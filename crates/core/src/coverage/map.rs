@@ -49,9 +49,6 @@ pub struct Seen {
 }
 
 /// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
-///
-/// # Errors
-/// As those two.
 pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &Control) -> Result<SiteCoverage> {
     Mapper::new(field, options)?.map(uav, control)
 }
@@ -192,9 +189,6 @@ impl<'a> Mapper<'a> {
     ///
     /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for the layers of heights. Shared
     /// by all threads of the current pool.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }

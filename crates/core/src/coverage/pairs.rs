@@ -90,9 +90,6 @@ pub struct CellGroups<'a> {
 /// Counts two masks by block and group, `[block][group]`; a mask with itself counts its receivers (`both` and `neither`).
 ///
 /// Cost: one pass over the cells.
-///
-/// # Panics
-/// If an entry of `groups` is `N` or more.
 pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGroups<'_>) -> Vec<[PairCounts; N]> {
     // By the state of the cell in either mask: not in line of sight, in line of sight, no receiver.
     let mut counts = vec![[[0_u64; 9]; N]; cells.blocks.count()];

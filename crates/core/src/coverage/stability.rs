@@ -127,9 +127,6 @@ impl Answers<'_> {
     /// How stable the answers are.
     ///
     /// Cost: eight times the line of sight of the map, by the same engine.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
         let n_cols = self.field.grid().n_cols();
         let mut turns = vec![f32::NAN; self.field.grid().n_cells()];

@@ -84,9 +84,6 @@ impl Tally {
     }
 
     /// Counts a mask by group: the cells whose entry in `groups` is k count in tally k. Without elevation bands.
-    ///
-    /// # Panics
-    /// If an entry of `groups` is `N` or more.
     pub fn by_group<const N: usize>(mask: &[u8], groups: &[u8]) -> [Tally; N] {
         let mut counts = [[0_u64; 256]; N];
         mask.iter().zip(groups).for_each(|(class, group)| counts[usize::from(*group)][usize::from(*class)] += 1);

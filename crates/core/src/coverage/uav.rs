@@ -105,9 +105,6 @@ impl Uav {
     }
 
     /// The same UAV some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
-    ///
-    /// # Errors
-    /// As [`Uav::place`].
     pub fn moved(&self, field: &HeightField, [east, north, up]: [i64; 3], radius: Option<f64>) -> Result<Uav, Error> {
         let place = field.neighbor(&self.station.place, (east, north));
         let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());

@@ -92,9 +92,6 @@ impl Mapper<'_> {
     /// cells row by row. `None` unless the engine is `shadow` over prisms alone.
     ///
     /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn count_grid(
         &self,
         uavs: &UavGrid,

@@ -37,9 +37,6 @@ impl Eq for Columns {}
 
 impl Columns {
     /// Columns from their tops \[1/1024 m above the datum\], row by row from the north-west cell; [`VOID`] blocks nothing.
-    ///
-    /// # Panics
-    /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.
     pub fn new(n_rows: usize, n_cols: usize, tops: impl Into<LargeVec<i32>>) -> Self {
         let tops = tops.into();
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");

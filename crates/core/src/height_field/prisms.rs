@@ -57,9 +57,6 @@ impl Buckets {
 
 impl Prisms {
     /// Prisms from convex counterclockwise rings, each with its top and the index of its building.
-    ///
-    /// # Panics
-    /// If there are more than 2^32 vertices.
     pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
         let pieces: Vec<Piece> = pieces

@@ -88,9 +88,6 @@ pub struct WrongMethod {
 
 impl Method {
     /// The method that a choice comes to on a scene, and why.
-    ///
-    /// # Errors
-    /// If the choice names an engine for another kind of scene.
     pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
             (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),

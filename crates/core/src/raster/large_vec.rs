@@ -76,9 +76,6 @@ impl<T: Pod> LargeVec<T> {
     }
 
     /// Copies values from index `first` on, which are in one row of cells if they are known as runs.
-    ///
-    /// # Panics
-    /// If there are no such values.
     #[inline]
     pub fn copy(&self, first: usize, out: &mut [T]) {
         match &self.0 {
@@ -91,9 +88,6 @@ impl<T: Pod> LargeVec<T> {
     }
 
     /// One value.
-    ///
-    /// # Panics
-    /// If there is none.
     #[inline]
     pub fn value(&self, i: usize) -> T {
         match &self.0 {

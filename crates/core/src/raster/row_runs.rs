@@ -44,9 +44,6 @@ impl<T> RowGroup<'_, T> {
 impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
     /// The runs of `cells`, rows of `n_cols` each; `None` if in some part of them there are fewer than `least` cells to a
     /// run that is kept. Threads of the current pool share the work.
-    ///
-    /// # Panics
-    /// If `n_cols` is 0.
     pub fn of(cells: &[T], n_cols: usize, least: usize) -> Option<Self> {
         let cells_at_once = PART_CELLS.div_ceil(n_cols) * n_cols;
         let most = cells_at_once.checked_div(least).unwrap_or(usize::MAX);
@@ -148,9 +145,6 @@ impl<T: Pod> RowRuns<T> {
     }
 
     /// Copies the cells of a row from column `col` on.
-    ///
-    /// # Panics
-    /// If there are no such cells.
     pub fn copy_row(&self, row: usize, col: usize, out: &mut [T]) {
         let group = self.group(self.groups.partition_point(|(end, _)| *end <= row));
         let mut run = group.ends.partition_point(|end| *end as usize <= col);
@@ -164,9 +158,6 @@ impl<T: Pod> RowRuns<T> {
     }
 
     /// Writes all cells, row by row from the north-west.
-    ///
-    /// # Panics
-    /// If `out` does not hold exactly these.
     pub(super) fn write(&self, out: &mut [T]) {
         let n_cols = self.n_cols();
         assert_eq!(out.len(), self.n_rows() * n_cols, "one value per cell");

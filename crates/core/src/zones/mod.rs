@@ -163,9 +163,6 @@ impl ZoneMap {
     }
 
     /// The zone of a cell.
-    ///
-    /// # Panics
-    /// If the cell is outside the grid.
     pub fn of_cell(&self, row: usize, col: usize) -> Option<Zone> {
         assert!(col < self.grid.n_cols(), "a column of the grid");
         Zone::of_code(self.codes[row * self.grid.n_cols() + col])

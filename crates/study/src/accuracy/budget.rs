@@ -67,9 +67,6 @@ const MOST_RAYS: u64 = 1 << 23;
 /// The budget of a map whose P_LoS is known, the largest change first; lines without a number last.
 ///
 /// `cities` makes other cities of the same kind, where there are any.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn error_budget(
     setup: &Setup<'_>,
     p_los: f64,

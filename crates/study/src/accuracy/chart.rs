@@ -100,9 +100,6 @@ const FACTORS: [usize; 3] = [2, 4, 8];
 
 impl Contestant {
     /// Those who compete on a scene, the exact ones first; `more` joins them if it is another engine.
-    ///
-    /// # Errors
-    /// E118 if `more` cannot decide the scene.
     pub fn all(field: &HeightField, more: MethodChoice) -> Result<Vec<Contestant>> {
         let on = |ground: Ground| move |method: Method| Contestant { method, ground };
         let own = Method::choose(field, MethodChoice::Auto).map_or(Method::Ray, |(method, _)| method);
@@ -225,9 +222,6 @@ pub struct Prepared<'a> {
 
 impl Prepared<'_> {
     /// Makes ready what does not depend on the UAV.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn mapper(&self) -> Result<Mapper<'_>> {
         Ok(Mapper::new(&self.field, &self.options)?)
     }

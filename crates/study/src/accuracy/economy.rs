@@ -27,9 +27,6 @@ impl std::fmt::Debug for Setup<'_> {
 
 impl Setup<'_> {
     /// Receivers in range of the UAVs and those of them in line of sight, summed over the UAVs.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn count(&self) -> Result<(u64, u64)> {
         let options = (self.options)(self.field);
         let mapper = Mapper::new(self.field, &options)?;
@@ -37,18 +34,12 @@ impl Setup<'_> {
     }
 
     /// P_LoS of all UAVs together; `None` without a receiver.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn p_los(&self) -> Result<Option<f64>> {
         let (receivers, los) = self.count()?;
         Ok((receivers > 0).then(|| los as f64 / receivers as f64))
     }
 
     /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.
-    ///
-    /// # Errors
-    /// Where the form has a building in which a UAV hovers.
     pub fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
         let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
         Setup { field, uavs: &uavs, options: self.options }.p_los()
@@ -107,9 +98,6 @@ pub enum TerrainEffect {
 }
 
 /// What the terrain of a scene hides by itself.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     let Some(terrain) = setup.field.terrain_alone() else { return Ok(TerrainEffect::None) };
     // The same receivers as with the buildings, also where a building would stand in the way of none.

@@ -99,9 +99,6 @@ pub struct Choice {
 ///
 /// Cost: a map of the form by the engine for it, and a ray for each of 6/tolerance² receivers (at least 2000), for each
 /// UAV, and for each form until one will do.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn coarsest_within(
     question: &Question<'_>,
     options: &(dyn Fn(&HeightField) -> MapOptions + Sync),

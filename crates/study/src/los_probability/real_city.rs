@@ -92,9 +92,6 @@ pub struct RealCity<'a> {
 
 impl<'a> RealCity<'a> {
     /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
-    ///
-    /// # Errors
-    /// If the choice names an engine for another kind of scene.
     pub fn new(
         field: &'a HeightField,
         choice: MethodChoice,

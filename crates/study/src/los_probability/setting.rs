@@ -163,9 +163,6 @@ impl Setting {
     }
 
     /// Users at a ground distance \[m\] ≥ 0.
-    ///
-    /// # Errors
-    /// As [`Setting::reach_at_elevation`].
     pub fn reach_at_distance(distance_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         let rise = checked_rise(uav_height_m, rx_height_m)?;
         if !(distance_m >= 0.0 && distance_m.is_finite()) {
@@ -176,9 +173,6 @@ impl Setting {
     }
 
     /// Users within a radius \[m\] > 0 on the ground.
-    ///
-    /// # Errors
-    /// As [`Setting::reach_at_elevation`].
     pub fn reach_within(radius_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         checked_rise(uav_height_m, rx_height_m)?;
         if !(radius_m > 0.0 && radius_m.is_finite()) {
@@ -189,9 +183,6 @@ impl Setting {
     }
 
     /// The azimuth \[deg\], if it is one: 0 ≤ φ ≤ 90; the rest follows by symmetry.
-    ///
-    /// # Errors
-    /// Usage error (E120) outside.
     pub fn checked_phi(phi_deg: f64) -> Result<f64> {
         if (0.0..=90.0).contains(&phi_deg) {
             Ok(phi_deg)

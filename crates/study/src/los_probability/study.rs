@@ -67,9 +67,6 @@ const MOST_LINKS: u64 = 1 << 28;
 ///
 /// Whole cities serve all settings that share α, β, γ. With `until` the number of cities or links grows by half until all
 /// intervals are narrow enough; it depends on the seed alone.
-///
-/// # Errors
-/// Limit error (E502) if whole cities would be too large.
 pub fn estimate_all(estimator: Estimator, settings: &[Setting], effort: &Effort) -> Result<Vec<Estimate>> {
     match estimator {
         Estimator::Product => Ok(settings.par_iter().map(|s| by_product(s, effort)).collect()),

@@ -155,9 +155,6 @@ impl Candidates {
 }
 
 /// The candidate at a spot, or why there is none.
-///
-/// # Errors
-/// As [`Candidates::of`].
 pub(super) fn candidate(
     spot: &Spot,
     field: &HeightField,

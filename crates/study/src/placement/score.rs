@@ -188,9 +188,6 @@ impl<'a> Scorer<'a> {
 }
 
 /// The scores of some UAVs, in their order; each is worked on by one thread. Adds 1 to `control.done` for each.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         control.check()?;
