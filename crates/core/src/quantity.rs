@@ -204,16 +204,6 @@ mod tests {
     }
 
     #[test]
-    fn a_height_names_what_it_is_above() {
-        assert_eq!("120agl".parse(), Ok(Height::AboveGround(120.0)));
-        assert_eq!("-3.5".parse(), Ok(Height::AboveGround(-3.5)));
-        assert_eq!("30roof".parse(), Ok(Height::AboveRoof(30.0)));
-        assert_eq!(" 150 amsl".parse(), Ok(Height::AboveDatum(150.0)));
-        assert!("nan".parse::<Height>().is_err());
-        assert!("infagl".parse::<Height>().is_err());
-    }
-
-    #[test]
     fn feet_are_turned_into_meters() {
         for (text, height) in [
             ("200ft", Height::AboveGround(60.96)),

@@ -145,15 +145,3 @@ pub fn count_sets(masks: &[&[u8]]) -> Option<Vec<u64>> {
     }
     Some(counts)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sets_tell_who_sees_what() {
-        let masks: [&[u8]; 3] = [&[1, 0, 2, 1, 255], &[1, 0, 2, 2, 255], &[0, 0, 2, 1, 0]];
-        assert_eq!(count_sets(&masks), Some(vec![2, 0, 0, 1, 0, 1, 0, 0]));
-        assert_eq!(count_sets(&[&[0][..]; 9]), None);
-    }
-}

@@ -141,15 +141,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_receiver_gives_no_probability() {
-        let tally = Tally::of_mask(&[2, 2, 255]);
-        assert_eq!(tally.p_los(), None);
-        assert_eq!(Tally::of_mask(&[0, 1, 1, 3]).p_los(), Some(2.0 / 3.0));
-        let [none, first] = Tally::by_group::<2>(&[0, 1, 1, 3], &[1, 0, 1, 1]);
-        assert_eq!((none.p_los(), first.p_los(), first.out_of_range), (Some(1.0), Some(0.5), 1));
-    }
-
-    #[test]
     fn bands_have_no_gap_from_the_lowest_with_a_receiver_up() {
         let from = |tally: &Tally| tally.elevation_bands().iter().map(|b| b.from_deg).collect::<Vec<_>>();
         let mut tally = Tally::default();

@@ -175,7 +175,6 @@ fn mean(tops: impl Iterator<Item = i32>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city::{BuiltUp, BuiltUpCity};
 
     fn raster(n_rows: usize, n_cols: usize, tops: Vec<i32>, ground: Ground) -> HeightField {
         let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
@@ -208,28 +207,5 @@ mod tests {
         let field = HeightField::build(&grid, solids).field;
         let tops = |pooling| field.coarser(2, pooling).expect("a raster").columns().expect("columns").tops().to_vec();
         assert_eq!((tops(Pooling::Mean), tops(Pooling::Maximum)), (vec![20, 4], vec![20, 5]));
-    }
-
-    #[test]
-    fn a_cell_that_blocks_everything_still_does() {
-        let field = raster(1, 2, vec![BLOCKS_ALL, 0], Ground::Surface);
-        for pooling in [Pooling::Maximum, Pooling::Mean] {
-            let coarse = field.coarser(2, pooling).expect("a raster");
-            assert_eq!(coarse.columns().expect("columns").tops(), [BLOCKS_ALL]);
-        }
-    }
-
-    #[test]
-    fn footprints_become_the_raster_of_their_roofs() {
-        let built_up = BuiltUp::new(0.3, 500.0, 15.0).expect("valid parameters");
-        let scene = BuiltUpCity { built_up, size_m: 90.0, margin_m: 0.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }
-            .city()
-            .expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids).field;
-        let raster = field.rasterized().expect("footprints");
-        assert_eq!((raster.surface_m(), raster.cells()), (field.surface_m(), field.cells()));
-        let fewer = field.with_coarser_receivers(4).expect("footprints");
-        assert_eq!((fewer.grid().n_cols(), fewer.grid().n_rows()), (23, 23));
-        assert_eq!(fewer.prisms().map(|p| p.pieces().len()), field.prisms().map(|p| p.pieces().len()));
     }
 }

@@ -166,21 +166,3 @@ impl Columns {
         lowest.into_iter().min().unwrap_or(VOID)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_run_north_to_south_and_the_origin_is_the_south_west_corner() {
-        let columns = Columns::new(2, 3, vec![1, 2, 3, 4, 5, 6]);
-        assert_eq!(columns.top(0, 0), 4);
-        assert_eq!(columns.top(2, 1), 3);
-        assert_eq!(columns.top(3, 0), VOID);
-        assert_eq!(columns.top(-1, 0), VOID);
-        assert_eq!(columns.center(0, 1), (1536, 1536));
-        assert_eq!(columns.cell_at(1024, 0), Some(4));
-        assert_eq!((columns.min_top(), columns.max_top()), (1, 6));
-        assert_eq!(Columns::new(1, 2, vec![VOID, 3]).min_top(), VOID);
-    }
-}

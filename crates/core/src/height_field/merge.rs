@@ -99,22 +99,6 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_houses_becomes_one_ring_and_one_that_stands_back_stays() {
-        let row = vec![rectangle(0, 0, 5, 9), rectangle(5, 0, 9, 9), rectangle(9, 0, 20, 9), rectangle(20, 1, 25, 9)];
-        let mut found = merged(row);
-        found.sort_unstable();
-        assert_eq!(found.len(), 2);
-        assert_eq!(doubled_area(&found[0]), 2 * 180);
-        assert_eq!(found[0].len(), 4);
-    }
-
-    #[test]
-    fn rings_on_the_same_side_of_an_edge_are_not_joined() {
-        let rings = vec![rectangle(0, 0, 5, 9), rectangle(0, 0, 5, 4)];
-        assert_eq!(merged(rings.clone()), rings);
-    }
-
-    #[test]
     fn a_wall_of_several_edges_hides_no_corner() {
         // Four houses in a square, and a fifth beside one of them: an L, whichever way they are joined.
         let rings = vec![

@@ -267,22 +267,3 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
     });
     Buckets { origin, size, shape, start, items, max_tops }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::overlay::Ring;
-
-    fn square(x: i32, y: i32, edge: i32) -> Ring {
-        vec![[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]]
-    }
-
-    #[test]
-    fn the_roof_of_a_point_on_an_edge_is_the_one_to_its_north_east() {
-        let prisms = Prisms::new([(square(0, 0, 100), 30, 0), (square(100, 0, 100), 20, 1)]);
-        assert_eq!(prisms.roof_at(100, 50), Some((20, 1)));
-        assert_eq!(prisms.roof_at(0, 0), Some((30, 0)));
-        assert_eq!(prisms.roof_at(200, 50), None);
-        assert_eq!(prisms.roof_at(50, 100), None);
-    }
-}

@@ -114,12 +114,6 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_stays_one_piece_whatever_its_winding_and_extra_vertices() {
-        let clockwise = vec![[0, 0], [0, 5], [0, 10], [20, 10], [20, 0]];
-        assert_eq!(exact(&[clockwise]), vec![vec![[20, 0], [20, 10], [0, 10], [0, 0]]]);
-    }
-
-    #[test]
     fn a_pentagram_is_not_taken_for_convex() {
         let star = vec![[0, 100], [59, -81], [-95, 31], [95, 31], [-59, -81]];
         assert!(!is_convex(&star));

@@ -234,19 +234,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn large_and_small_ones_behave_alike() {
-        for n in [0, 5, (4 << 20) / 4 - 1, (4 << 20) / 4, (6 << 20) / 4 + 3] {
-            let mut values = LargeVec::<i32>::zeroed(n);
-            assert_eq!(values.len(), n);
-            assert!(values.iter().all(|value| *value == 0));
-            values.iter_mut().zip(0..).for_each(|(value, i)| *value = i);
-            let copy = values.clone();
-            assert!(copy == values, "{n}");
-            assert!(values.into_vec().into_iter().eq(0..i32::try_from(n).expect("small")), "{n}");
-        }
-    }
-
-    #[test]
     fn runs_are_the_values_they_stand_for() {
         let cells: Vec<i32> = (0..40 * 300).map(|i| i / 300 / 7 * 3 + i % 300 / 50).collect();
         let runs = || LargeVec::from_runs(RowRuns::of(&cells, 300, 0).expect("any number of runs"));

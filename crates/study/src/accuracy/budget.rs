@@ -205,15 +205,3 @@ fn city_line(setup: &Setup<'_>, cities: &[HeightField]) -> BudgetLine {
     };
     BudgetLine { part: Part::Cities, changed, change }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_largest_change_keeps_its_sign_and_a_missing_one_its_reason() {
-        assert_eq!(largest([Ok(0.1), Ok(-0.3), Ok(0.2)].into_iter()), Ok(-0.3));
-        assert_eq!(largest([Ok(0.1), Err("why".into())].into_iter()), Err("why".into()));
-        assert_eq!(largest(std::iter::empty()), Ok(0.0));
-    }
-}

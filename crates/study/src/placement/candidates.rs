@@ -195,23 +195,3 @@ pub(super) fn candidate(
     }
     Ok(Ok(Candidate { spot: *spot, uav, zone }))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_the_centers_of_whole_cells_and_the_rest_is_shared() {
-        let scene = GeoRef::new((100.0, 300.0), (1.0, 1.0), (50, 47), None).expect("a valid grid");
-        let places = PlaceGrid::over(&scene, 10.0).expect("a step above 0");
-        assert_eq!((places.grid.n_rows(), places.grid.n_cols()), (5, 4));
-        let spots = places.spots(&[Height::AboveGround(30.0), Height::AboveGround(60.0)]);
-        let at = |k: usize| (spots[k].x, spots[k].y, spots[k].level, spots[k].place);
-        assert_eq!(
-            (at(0), at(1), at(4), at(20)),
-            ((108.5, 295.0, 0, 0), (118.5, 295.0, 0, 1), (108.5, 285.0, 0, 4), (108.5, 295.0, 1, 0))
-        );
-        assert_eq!(PlaceGrid::over(&scene, 1e9).map(|p| p.spots(&[Height::AboveGround(1.0)]).len()), Some(1));
-        assert!(PlaceGrid::over(&scene, 0.0).is_none() && PlaceGrid::over(&scene, f64::NAN).is_none());
-    }
-}
