@@ -149,6 +149,11 @@ impl FromStr for Height {
     }
 }
 
+/// A part of a whole, such as P_LoS of receivers; `None` of nothing.
+pub fn share(part: u64, whole: u64) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
+}
+
 /// A number of things: `1 cell`, `2 cells`.
 pub fn counted(n: u64, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })

@@ -3,6 +3,7 @@
 use super::cell_classes::RowSets;
 use super::class;
 use super::elevation::{N_BANDS, RowElevations};
+use crate::quantity::share;
 
 /// Width of an elevation band \[deg\].
 pub const BAND_DEGREES: i32 = 10;
@@ -106,9 +107,8 @@ impl Tally {
     }
 
     /// P_LoS: the share of receivers in line of sight, `None` without a receiver.
-    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
     pub fn p_los(&self) -> Option<f64> {
-        (self.receivers > 0).then(|| self.los as f64 / self.receivers as f64)
+        share(self.los, self.receivers)
     }
 
     /// Why there is no P_LoS.

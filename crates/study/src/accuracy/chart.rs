@@ -14,6 +14,7 @@ use crate::coverage::{MapOptions, Mapper, Seen, Uav};
 use crate::error::{ChartError, Result};
 use crate::height_field::{HeightField, Pooling};
 use crate::los::{Method, MethodChoice, StepLength};
+use crate::quantity::share;
 use crate::raster::BitGrid;
 
 /// Kinds of contestants, as legends tell them apart.
@@ -288,8 +289,7 @@ impl Truth {
 
     /// The exact P_LoS of all UAVs together; `None` without a receiver.
     pub fn p_los(&self) -> Option<f64> {
-        let receivers = self.receivers();
-        (receivers > 0).then(|| self.los() as f64 / receivers as f64)
+        share(self.los(), self.receivers())
     }
 
     /// Compares an answer for the same UAVs, on cells so many times as large.

@@ -4,6 +4,7 @@ use super::simpler::{FACTORS, Simpler, moved_to};
 use crate::coverage::{MapOptions, Mapper, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
+use crate::quantity::share;
 
 /// A change of P_LoS below this is none: a tenth of a percentage point.
 pub const NO_CHANGE: f64 = 0.001;
@@ -36,7 +37,7 @@ impl Setup<'_> {
     /// P_LoS of all UAVs together; `None` without a receiver.
     pub fn p_los(&self) -> Result<Option<f64>> {
         let (receivers, los) = self.count()?;
-        Ok((receivers > 0).then(|| los as f64 / receivers as f64))
+        Ok(share(los, receivers))
     }
 
     /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.

@@ -182,11 +182,8 @@ impl<'a> RealCity<'a> {
                 count.los += seen[col / 64] >> (col % 64) & 1;
             }
         }
-        let sum = |counts: &[Count]| {
-            let (receivers, los) = counts.iter().fold((0, 0), |sum, c| (sum.0 + c.receivers, sum.1 + c.los));
-            Count { receivers, los }
-        };
-        let of_block = |counts: &[Count]| of_bands.iter().map(|of| sum(&counts[of.clone()])).collect::<Vec<_>>();
+        let of_block =
+            |counts: &[Count]| of_bands.iter().map(|of| counts[of.clone()].iter().copied().sum()).collect::<Vec<_>>();
         counts.chunks(parts.len()).flat_map(of_block).collect()
     }
 }

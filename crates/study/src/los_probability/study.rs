@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::city::CitySimulator;
-use super::estimate::{Count, Estimate, clustered, wilson};
+use super::estimate::{Estimate, clustered, wilson};
 use super::geometry::GeometrySimulator;
 use super::points::MOST_POINTS;
 use super::product::{Product, across_street};
@@ -137,8 +137,7 @@ fn by_geometry(setting: &Setting, effort: &Effort) -> Estimate {
             return estimate;
         }
         let more = n / 2;
-        let added = simulator.count(effort.seed, n, more);
-        count = Count { receivers: count.receivers + added.receivers, los: count.los + added.los };
+        count = count + simulator.count(effort.seed, n, more);
         n += more;
     }
 }

@@ -226,10 +226,7 @@ impl SampledCounts {
     pub fn totals(&self) -> Vec<Count> {
         let mut totals = vec![Count::default(); self.n_parts];
         for counts in self.placements.iter().flat_map(|placement| placement.chunks_exact(self.n_parts)) {
-            for (total, count) in totals.iter_mut().zip(counts) {
-                total.receivers += count.receivers;
-                total.los += count.los;
-            }
+            totals.iter_mut().zip(counts).for_each(|(total, count)| *total = *total + *count);
         }
         totals
     }
