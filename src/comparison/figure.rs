@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use super::Comparison;
 use super::report::{CompareReport, Origin, PairFacts, PlacementFacts, group_names, signed};
+use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::class;
-use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::picture::{Look, crop, mark};
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, GeoRef};

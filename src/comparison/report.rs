@@ -7,8 +7,8 @@ use super::document::{
     PairDocument, PlacementDocument, SetDocument, ShareDocument,
 };
 use crate::answer::{Position, Rows, RunFacts, Timing, document_of, rows, warnings_of};
+use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, MarginStats, PairCounts, Tally};
-use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
 use crate::map::SiteFacts;
 use crate::quantity::counted;

@@ -99,7 +99,8 @@ impl<'a> Mapper<'a> {
         let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
         xs.resize(n_cols.div_ceil(64) * 64, 0.0);
         let engine = GridLos::new(field, method).map_err(refuse)?;
-        let alone = engine.clone().in_one_band();
+        let mut alone = engine.clone();
+        alone.is_one_band = true;
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
         Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })
     }
@@ -118,9 +119,9 @@ impl<'a> Mapper<'a> {
 
     /// Casts the shadows of these alone.
     pub(super) fn cast_only(&mut self, casters: Casters) {
-        let casters = Arc::new(casters);
-        self.engine = self.engine.clone().with_casters(Arc::clone(&casters));
-        self.alone = self.alone.clone().with_casters(casters);
+        let casters = Some(Arc::new(casters));
+        self.engine.casters.clone_from(&casters);
+        self.alone.casters = casters;
     }
 
     /// The cells in range of a UAV.

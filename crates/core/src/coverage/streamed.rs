@@ -31,7 +31,8 @@ pub struct StreamedMapper<'a, S> {
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
     positions: GridPositions,
-    limits: StreamLimits,
+    /// Limits to what is held in memory: no result depends on them.
+    pub limits: StreamLimits,
 }
 
 /// What receivers stand on.
@@ -129,13 +130,6 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         xs.resize(grid.n_cols().div_ceil(64) * 64, 0.0);
         let positions = GridPositions::on_cells(grid);
         Ok(StreamedMapper { scene, options, receivers, max_top, xs, positions, limits: StreamLimits::default() })
-    }
-
-    /// The same with other limits to what is held in memory: no result depends on them.
-    #[must_use]
-    pub fn with_limits(mut self, limits: StreamLimits) -> Self {
-        self.limits = limits;
-        self
     }
 
     /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is

@@ -16,24 +16,24 @@ pub struct Uav {
     /// Height above the ground below it \[m\], if a ground is known there.
     pub height_agl_m: Option<f64>,
     /// What it hovers over.
-    pub placement: Placement,
+    pub placement: HoversOver,
 }
 
 /// What lies below a UAV.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Placement {
+pub enum HoversOver {
     /// Open ground, or nothing known.
     Ground,
     /// A building.
     Rooftop,
 }
 
-impl Placement {
+impl HoversOver {
     /// The word for it in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Placement::Ground => "ground",
-            Placement::Rooftop => "rooftop",
+            HoversOver::Ground => "ground",
+            HoversOver::Rooftop => "rooftop",
         }
     }
 }
@@ -142,7 +142,7 @@ impl Uav {
             id: id.to_string(),
             station: Station { place, z: i64::from(z) },
             height_agl_m: ground_m.map(|ground_m| amsl_m - ground_m),
-            placement: if roof.is_some() { Placement::Rooftop } else { Placement::Ground },
+            placement: if roof.is_some() { HoversOver::Rooftop } else { HoversOver::Ground },
         })
     }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::known_ground::KnownGround;
-use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, cell_frame, convex_pieces};
 use crate::city::{DataArea, Footprint, Ground, Solids};
 use crate::error::Warning;
@@ -31,13 +31,9 @@ impl HeightField {
         let mut field = match solids {
             Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
-                let below = match ground {
-                    Ground::Surface => Below::Surface,
-                    Ground::Flat(z) => Below::Flat { z, building_threshold },
-                    Ground::Terrain(terrain) => Below::Terrain { tops: terrain.into_cells(), building_threshold },
-                };
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
-                let solid = Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), below });
+                let solid =
+                    Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), ground, building_threshold });
                 HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {

@@ -7,8 +7,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellKind, CellSets, Columns, HeightField};
+use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
@@ -62,34 +63,31 @@ impl RasterSolid {
         let n = S::i32s::LEN;
         let (void, blocks_all) = (S::i32s::splat(simd, VOID), S::i32s::splat(simd, BLOCKS_ALL));
         let tops = &self.columns.tops()[row.clone()];
+        let is_surface_only = matches!(self.ground, Ground::Surface);
         for (k, tops) in tops.chunks(64).enumerate() {
             let mut padded = [VOID; 64];
             padded[..tops.len()].copy_from_slice(tops);
             let mut grounds = [0; 64];
             let (mut n_open, mut n_building) = (0_u64, 0_u64);
-            let threshold = match &self.below {
-                Below::Surface => None,
-                Below::Flat { z, building_threshold } => {
-                    grounds = [*z; 64];
-                    Some(*building_threshold)
-                }
-                Below::Terrain { tops: ground, building_threshold } => {
-                    let ground = &ground[row.start + 64 * k..][..tops.len()];
+            match &self.ground {
+                Ground::Surface => {}
+                Ground::Flat(z) => grounds = [*z; 64],
+                Ground::Terrain(terrain) => {
+                    let ground = &terrain.cells()[row.start + 64 * k..][..tops.len()];
                     grounds[..ground.len()].copy_from_slice(ground);
-                    Some(*building_threshold)
                 }
-            };
+            }
             for i in (0..64).step_by(n) {
                 let top = S::i32s::from_slice(simd, &padded[i..i + n]);
                 let known = top.simd_ne(void) & top.simd_ne(blocks_all);
-                let Some(threshold) = threshold else {
+                if is_surface_only {
                     n_open |= known.to_bitmask() << i;
                     continue;
-                };
+                }
                 let ground = S::i32s::from_slice(simd, &grounds[i..i + n]);
                 let known = known & ground.simd_ne(void);
                 // Known heights are at most 2^26 apart; others may wrap, and do not count.
-                let is_building = (top - ground).simd_gt(threshold);
+                let is_building = (top - ground).simd_gt(self.building_threshold);
                 n_building |= (known & is_building).to_bitmask() << i;
                 n_open |= (known & !is_building).to_bitmask() << i;
             }
@@ -113,7 +111,7 @@ impl HeightField {
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Flat { z, .. }, .. }) => Some(*z),
+            Solid::Raster(RasterSolid { ground: Ground::Flat(z), .. }) => Some(*z),
             Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
             Solid::Raster(_) | Solid::Vector(_) => None,
         }
@@ -122,9 +120,11 @@ impl HeightField {
     /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
     fn ground_on_grid(&self) -> Option<&[i32]> {
         match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Terrain { tops, .. }, .. }) => Some(tops),
-            Solid::Raster(RasterSolid { below: Below::Surface, columns, .. }) => Some(columns.tops()),
-            Solid::Raster(RasterSolid { below: Below::Flat { .. }, .. }) => None,
+            Solid::Raster(RasterSolid { ground, columns, .. }) => match ground {
+                Ground::Surface => Some(columns.tops()),
+                Ground::Flat(_) => None,
+                Ground::Terrain(terrain) => Some(terrain.cells()),
+            },
             Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
         }
     }
@@ -169,7 +169,7 @@ impl HeightField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city::{Ground, Solids};
+    use crate::city::Solids;
     use crate::raster::{GeoRef, Raster};
 
     #[test]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::HeightField;
-use super::solid::Below;
+use super::solid::RasterSolid;
 use crate::city::{Ground, Solids};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
@@ -40,13 +40,17 @@ impl HeightField {
         let pooled = |tops: &[i32]| {
             Raster::new(grid.clone(), pool((tops, self.without_data.as_ref()), self.grid(), (&grid, factor), pooling))
         };
-        let (ground, building_threshold) = match &raster.below {
-            Below::Surface => (Ground::Surface, 0),
-            Below::Flat { z, building_threshold } => (Ground::Flat(*z), *building_threshold),
-            Below::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), *building_threshold),
+        let ground = match &raster.ground {
+            Ground::Terrain(terrain) => Ground::Terrain(pooled(terrain.cells())),
+            ground => ground.clone(),
         };
         let voids = self.without_data.as_ref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
-        let solids = Solids::Raster { surface: pooled(raster.columns.tops()), ground, building_threshold, voids };
+        let solids = Solids::Raster {
+            surface: pooled(raster.columns.tops()),
+            ground,
+            building_threshold: raster.building_threshold,
+            voids,
+        };
         Some(HeightField::build(&grid, solids).field)
     }
 
@@ -74,10 +78,15 @@ impl HeightField {
         if self.prisms().is_some() {
             return self.columns().is_some().then(|| self.without_prisms());
         }
-        let Below::Terrain { tops, building_threshold } = &self.solid.raster()?.below else { return None };
-        let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
-        let (ground, voids) = (Ground::Terrain(terrain()), self.without_data.clone());
-        let solids = Solids::Raster { surface: terrain(), ground, building_threshold: *building_threshold, voids };
+        let RasterSolid { ground: Ground::Terrain(terrain), building_threshold, .. } = self.solid.raster()? else {
+            return None;
+        };
+        let solids = Solids::Raster {
+            surface: terrain.clone(),
+            ground: Ground::Terrain(terrain.clone()),
+            building_threshold: *building_threshold,
+            voids: self.without_data.clone(),
+        };
         Some(HeightField::build(self.grid(), solids).field)
     }
 

@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 
 use super::positions::RangeLattice;
-use super::solid::{Below, RasterSolid, Solid, VectorGround};
+use super::solid::{RasterSolid, Solid, VectorGround};
 use super::{Columns, GridPositions, Place, Plateaus, Prisms, cell_frame};
+use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
 
@@ -75,7 +76,7 @@ impl HeightField {
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
     /// known.
     pub fn plateaus(&self) -> Option<&Plateaus> {
-        let raster = self.solid.raster().filter(|raster| !matches!(raster.below, Below::Terrain { .. }))?;
+        let raster = self.solid.raster().filter(|raster| !matches!(raster.ground, Ground::Terrain(_)))?;
         Some(&raster.columns).filter(|_| self.columns_are_on_grid())?.plateaus()
     }
 
@@ -117,7 +118,7 @@ impl HeightField {
 
     /// Whether receivers stand on a surface model because nothing below it is known.
     pub fn is_surface_only(&self) -> bool {
-        self.solid.raster().is_some_and(|raster| matches!(raster.below, Below::Surface))
+        self.solid.raster().is_some_and(|raster| matches!(raster.ground, Ground::Surface))
     }
 
     /// What a cell is; `place` is its center.
@@ -149,7 +150,7 @@ impl HeightField {
         }
         match &self.solid {
             Solid::Raster(raster) if matches!(raster.kind_of(top, cell), CellKind::Building(_)) => {
-                (Some(raster.ground_of(cell)), Some(top))
+                (raster.ground_of(cell), Some(top))
             }
             // Under footprints the columns are the terrain.
             _ => (Some(top), None),
@@ -164,11 +165,11 @@ impl HeightField {
             _ => VOID,
         };
         match &self.solid {
-            Solid::Raster(raster) => match &raster.below {
-                Below::Surface => top_of(&raster.columns),
+            Solid::Raster(raster) => match &raster.ground {
+                Ground::Surface => top_of(&raster.columns),
                 // Ground that was typed has no end.
-                Below::Flat { z, .. } => *z,
-                Below::Terrain { tops, .. } => cell_of(&raster.columns).map_or(VOID, |cell| tops[cell]),
+                Ground::Flat(z) => *z,
+                Ground::Terrain(terrain) => cell_of(&raster.columns).map_or(VOID, |cell| terrain.cells()[cell]),
             },
             Solid::Vector(vector) => match &vector.ground {
                 VectorGround::Flat(z) => *z,
@@ -303,12 +304,12 @@ impl HeightField {
 }
 
 impl RasterSolid {
-    /// The ground below a cell, or the surface where none is known.
-    fn ground_of(&self, cell: usize) -> i32 {
-        match &self.below {
-            Below::Surface => self.columns.top_at(cell),
-            Below::Flat { z, .. } => *z,
-            Below::Terrain { tops, .. } => tops[cell],
+    /// The ground below a cell, if it is known apart from the surface.
+    fn ground_of(&self, cell: usize) -> Option<i32> {
+        match &self.ground {
+            Ground::Surface => None,
+            Ground::Flat(z) => Some(*z),
+            Ground::Terrain(terrain) => Some(terrain.cells()[cell]),
         }
     }
 
@@ -318,19 +319,13 @@ impl RasterSolid {
         if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
-        let above = |ground: i32, threshold: i32| {
-            if ground == VOID {
-                CellKind::Void
-            } else if i64::from(top) - i64::from(ground) > i64::from(threshold) {
+        match self.ground_of(cell) {
+            None => CellKind::Open(top),
+            Some(VOID) => CellKind::Void,
+            Some(ground) if i64::from(top) - i64::from(ground) > i64::from(self.building_threshold) => {
                 CellKind::Building(top)
-            } else {
-                CellKind::Open(ground)
             }
-        };
-        match &self.below {
-            Below::Surface => CellKind::Open(top),
-            Below::Flat { z, building_threshold } => above(*z, *building_threshold),
-            Below::Terrain { tops, building_threshold } => above(tops[cell], *building_threshold),
+            Some(ground) => CellKind::Open(ground),
         }
     }
 }

@@ -86,11 +86,13 @@ pub struct GridLos<'a> {
     method: Method,
     engine: Engine<'a>,
     positions: GridPositions,
-    /// What casts shadows, if not all prisms do.
-    casters: Option<Arc<Casters>>,
-    level: SimdLevel,
-    /// Whether shadows are cast in one band of rows, by one thread.
-    is_one_band: bool,
+    /// What casts shadows, if not all prisms do: none that is left out can hide a receiver that will be asked about.
+    pub(crate) casters: Option<Arc<Casters>>,
+    /// The vector instructions that it uses: no result depends on them.
+    pub level: SimdLevel,
+    /// Whether shadows are cast in one band of rows, by one thread: that costs less in all where many UAVs are decided at
+    /// once, and no result depends on it.
+    pub(crate) is_one_band: bool,
     /// What the last UAV that was asked about has in view of plateaus: no result depends on it.
     last_view: Arc<Mutex<Option<Arc<PlateauView>>>>,
 }
@@ -112,28 +114,6 @@ impl<'a> GridLos<'a> {
             is_one_band: false,
             last_view: Arc::default(),
         })
-    }
-
-    /// The same with other vector instructions: no result depends on them.
-    #[must_use]
-    pub fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = level;
-        self
-    }
-
-    /// The same with the shadows of each UAV cast by one thread, which costs less in all where many UAVs are decided at
-    /// once: no result depends on it.
-    #[must_use]
-    pub fn in_one_band(mut self) -> Self {
-        self.is_one_band = true;
-        self
-    }
-
-    /// The same with shadows of some casters alone, where no other can hide a receiver that will be asked about.
-    #[must_use]
-    pub fn with_casters(mut self, casters: Arc<Casters>) -> Self {
-        self.casters = Some(casters);
-        self
     }
 
     /// The engine in use.

@@ -104,11 +104,6 @@ impl CitySimulator {
         side * side
     }
 
-    /// Edge length of a city that holds all links \[m\].
-    pub fn city_size_m(&self) -> f64 {
-        f64::from(2 * self.n_around + 1) * self.built_up.period()
-    }
-
     /// The links of a draw for a setting: whose user counts, in the order of the circle. `None`: the UAV would be inside
     /// the building below it, and is to be clear of roofs.
     pub fn links(

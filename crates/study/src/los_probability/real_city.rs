@@ -11,8 +11,8 @@
 
 use rayon::prelude::*;
 
-use super::bootstrap::{Drawing, RESAMPLINGS, spread};
 use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
+use crate::city_statistics::bootstrap::{Drawing, RESAMPLINGS, spread};
 use crate::height_field::{HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;

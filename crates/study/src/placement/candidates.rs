@@ -1,7 +1,7 @@
 //! Which places and heights can be flown, and why the others cannot.
 
 use crate::city::{Area, Site};
-use crate::coverage::{Placement, Uav, surface_under};
+use crate::coverage::{HoversOver, Uav, surface_under};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::quantity::{Height, VOID, whole};
@@ -181,7 +181,7 @@ pub(super) fn candidate(
         }) => return Ok(Err(|s| &mut s.no_base)),
         Err(error) => return Err(error.into()),
     };
-    let is_building = uav.placement == Placement::Rooftop;
+    let is_building = uav.placement == HoversOver::Rooftop;
     let mut zone = None;
     if let Some((over, zones)) = rules.over {
         zone = zones.over(spot.x, spot.y, is_building);
