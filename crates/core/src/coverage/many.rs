@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
 use crate::error::Result;
-use crate::raster::LargeVec;
 
 /// How long the masks and layers of maps are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,9 +59,7 @@ impl Mapper<'_> {
                     overlay.add(&site.mask);
                 }
                 if keep != KeepMasks::Always {
-                    site.mask = LargeVec::default();
-                    (site.margin, site.least_receiver_height, site.least_height, site.stability) =
-                        (None, None, None, None);
+                    site = SiteCoverage::of_tally(&site.uav, site.tally);
                 }
                 sites.push(site);
             }

@@ -1,6 +1,7 @@
 //! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
 use std::borrow::Cow;
+use std::ops::Range as Rows;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -37,6 +38,21 @@ pub struct SiteCoverage {
     pub stability: Option<Stability>,
     /// Counts.
     pub tally: Tally,
+}
+
+impl SiteCoverage {
+    /// The coverage of a UAV without a mask and layers.
+    pub(super) fn of_tally(uav: &Uav, tally: Tally) -> Self {
+        SiteCoverage {
+            uav: uav.clone(),
+            mask: LargeVec::default(),
+            margin: None,
+            least_receiver_height: None,
+            least_height: None,
+            stability: None,
+            tally,
+        }
+    }
 }
 
 /// What a UAV sees, as sets of cells.
@@ -203,95 +219,44 @@ impl<'a> Mapper<'a> {
         mut each_part: Option<EachPart<'_>>,
         keep: bool,
     ) -> Result<SiteCoverage> {
-        let grid = self.field.grid();
-        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let range = self.range_of(uav);
-        // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
-        let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
-        let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
-        let strip = n_rows.div_ceil(if rayon::current_num_threads() > 1 { n_strips } else { 1 });
-        let decide = |first: usize| -> Vec<Decided> {
-            let rows = first..(first + strip).min(n_rows);
-            let of_kind = |receivers: &GridReceivers<'_>| {
-                if control.stop.load(Ordering::Relaxed) {
-                    return (None, BitGrid::new(n_rows, n_cols));
-                }
-                if rows.len() == n_rows {
-                    return self.decide(&self.engine, uav, (receivers, &range));
-                }
-                let wanted = range.cut_rows(&receivers.cells, rows.clone());
-                self.decide_wanted(&self.engine, uav, (receivers, &range), Some(wanted))
-            };
-            self.receivers.iter().map(of_kind).collect()
-        };
-        let mut decided = decide(0);
-
+        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
         let layers = if keep { self.options.layers } else { HeightLayers::default() };
-        let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
-        let mut mask = if keep { LargeVec::<u8>::zeroed(grid.n_cells()) } else { LargeVec::default() };
-        let mut margin = layer(layers.margin);
-        let mut least_receiver_height = layer(layers.least_receiver_height);
-        let mut least_height = layer(layers.least_height);
-        let heights = CellHeights::new(self.field, uav, layers);
-        let is_stopped = || control.stop.load(Ordering::Relaxed);
-        let fill = |decided: &[Decided], row: usize, out: &mut Row<'_>| {
-            let mut tally = Tally::default();
-            if is_stopped() {
-                return tally;
-            }
-            let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
-            for (receivers, (wanted, los)) in self.receivers.iter().zip(decided) {
-                let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
-                sets.add(wanted, los.row(row));
-                tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
-                if layers.has_heights() {
-                    heights.fill(out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
-                }
-            }
-            tally.add_others(&sets, n_cols);
-            write_classes(&sets, out.mask);
-            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-            tally
-        };
+        let range = self.range_of(uav);
+        let map =
+            OneMap { mapper: self, uav, range: &range, control, heights: CellHeights::new(self.field, uav, layers) };
         // Rows enough for every thread, also of wide grids; all of them where nobody takes parts.
         let n_at_once = match &each_part {
             Some(_) => BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads()),
             None => n_rows,
         };
         let mut hand_over = |cells: &[u8]| match &mut each_part {
-            Some(each_part) if !is_stopped() => each_part(cells),
+            Some(each_part) if !map.is_stopped() => each_part(cells),
             _ => {}
         };
-        let tally = if keep {
-            let rows = split(&mut mask, n_rows, n_cols)
-                .zip(split(&mut margin, n_rows, n_cols))
-                .zip(split(&mut least_receiver_height, n_rows, n_cols))
-                .zip(split(&mut least_height, n_rows, n_cols))
-                .map(|(((mask, margin), least_receiver_height), least_height)| Row {
-                    mask,
-                    margin,
-                    least_receiver_height,
-                    least_height,
-                })
-                .enumerate();
-            in_bands(rows, n_at_once, |row, out| fill(&decided, row, out), &mut hand_over)
-        } else {
-            let mut tally = Tally::default();
-            for first in (0..n_rows).step_by(strip) {
-                let rows = first..(first + strip).min(n_rows);
-                let fill = |row: usize, mask: &mut [u8]| {
-                    let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
-                    fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
-                };
-                let (next, of_strip) = rayon::join(
-                    || if rows.end < n_rows { decide(rows.end) } else { Vec::new() },
-                    || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut hand_over),
-                );
-                tally = tally.plus(&of_strip);
-                decided = next;
-            }
-            tally
-        };
+        if !keep {
+            let tally = map.in_strips(n_at_once, &mut hand_over);
+            control.check()?;
+            return Ok(SiteCoverage::of_tally(uav, tally));
+        }
+        let decided = map.decide(0..n_rows);
+        let n_cells = n_rows * n_cols;
+        let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
+        let mut mask = LargeVec::<u8>::zeroed(n_cells);
+        let mut margin = layer(layers.margin);
+        let mut least_receiver_height = layer(layers.least_receiver_height);
+        let mut least_height = layer(layers.least_height);
+        let rows = split(&mut mask, n_rows, n_cols)
+            .zip(split(&mut margin, n_rows, n_cols))
+            .zip(split(&mut least_receiver_height, n_rows, n_cols))
+            .zip(split(&mut least_height, n_rows, n_cols))
+            .map(|(((mask, margin), least_receiver_height), least_height)| Row {
+                mask,
+                margin,
+                least_receiver_height,
+                least_height,
+            })
+            .enumerate();
+        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, row, out), &mut hand_over);
         control.check()?;
         let answers = Answers {
             field: self.field,
@@ -302,17 +267,15 @@ impl<'a> Mapper<'a> {
             range: &range,
             decided: &decided,
         };
-        let stability = self.roofs.as_ref().filter(|_| keep).map(|roofs| answers.stability(roofs, control));
-        let stability = stability.transpose()?;
+        let stability = self.roofs.as_ref().map(|roofs| answers.stability(roofs, control)).transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
-            uav: uav.clone(),
-            tally,
             mask,
             margin: some(layers.margin, margin),
             least_receiver_height: some(layers.least_receiver_height, least_receiver_height),
             least_height: some(layers.least_height, least_height),
             stability,
+            ..SiteCoverage::of_tally(uav, tally)
         })
     }
 
@@ -366,6 +329,87 @@ impl<'a> Mapper<'a> {
             receivers,
             first_cell: row * grid.n_cols(),
         }
+    }
+}
+
+/// A map that is being made.
+struct OneMap<'m, 'a> {
+    mapper: &'m Mapper<'a>,
+    uav: &'m Uav,
+    range: &'m Range,
+    control: &'m Control,
+    heights: CellHeights<'m>,
+}
+
+impl OneMap<'_, '_> {
+    fn is_stopped(&self) -> bool {
+        self.control.stop.load(Ordering::Relaxed)
+    }
+
+    /// What the receivers of some rows come to, kind by kind.
+    fn decide(&self, rows: Rows<usize>) -> Vec<Decided> {
+        let Mapper { field, engine, receivers, .. } = self.mapper;
+        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+        let of_kind = |receivers: &GridReceivers<'_>| {
+            if self.is_stopped() {
+                return (None, BitGrid::new(n_rows, n_cols));
+            }
+            if rows.len() == n_rows {
+                return self.mapper.decide(engine, self.uav, (receivers, self.range));
+            }
+            let wanted = self.range.cut_rows(&receivers.cells, rows.clone());
+            self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), Some(wanted))
+        };
+        receivers.iter().map(of_kind).collect()
+    }
+
+    /// Fills one row of every output.
+    fn fill(&self, decided: &[Decided], row: usize, out: &mut Row<'_>) -> Tally {
+        let mut tally = Tally::default();
+        if self.is_stopped() {
+            return tally;
+        }
+        let mapper = self.mapper;
+        let n_cols = mapper.field.grid().n_cols();
+        let mut sets = RowSets::new(mapper.field.cells(), row, self.range.cols(row));
+        for (receivers, (wanted, los)) in mapper.receivers.iter().zip(decided) {
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
+            sets.add(wanted, los.row(row));
+            tally.add_receivers(&mapper.elevations(self.uav, receivers, row), wanted, los.row(row));
+            self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)));
+        }
+        tally.add_others(&sets, n_cols);
+        write_classes(&sets, out.mask);
+        self.control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+        tally
+    }
+
+    /// Fills masks of which each part is handed over while the next is made, and none is kept.
+    ///
+    /// What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
+    fn in_strips(&self, n_at_once: usize, hand_over: EachPart<'_>) -> Tally {
+        let Mapper { field, engine, receivers, .. } = self.mapper;
+        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+        let is_by_rows = receivers.iter().all(|receivers| engine.is_by_rows(&self.uav.station, receivers));
+        let n_strips = if is_by_rows && rayon::current_num_threads() > 1 { STRIPS } else { 1 };
+        let strip = n_rows.div_ceil(n_strips);
+        let rows_from = |first: usize| first..(first + strip).min(n_rows);
+        let mut decided = self.decide(rows_from(0));
+        let mut tally = Tally::default();
+        for first in (0..n_rows).step_by(strip) {
+            let rows = rows_from(first);
+            let fill = |row: usize, mask: &mut [u8]| {
+                let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
+                self.fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
+            };
+            let (next, of_strip) = rayon::join(
+                || if rows.end < n_rows { self.decide(rows_from(rows.end)) } else { Vec::new() },
+                || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut *hand_over),
+            );
+            tally = tally.plus(&of_strip);
+            decided = next;
+        }
+        tally
     }
 }
 

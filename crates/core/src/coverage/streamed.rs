@@ -17,7 +17,7 @@ use crate::los::{
     streamed_sweep_los,
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
-use crate::raster::{BitGrid, CellWindow, GeoRef, LargeVec};
+use crate::raster::{BitGrid, CellWindow, GeoRef};
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
 ///
@@ -188,15 +188,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             total = total.plus(&tally);
             visit(window.row..window.row + window.n_rows, &mask)?;
         }
-        Ok(SiteCoverage {
-            uav: uav.clone(),
-            mask: LargeVec::default(),
-            margin: None,
-            least_receiver_height: None,
-            least_height: None,
-            stability: None,
-            tally: total,
-        })
+        Ok(SiteCoverage::of_tally(uav, total))
     }
 
     /// The grid of receivers.
