@@ -133,16 +133,10 @@ impl FromStr for Height {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let split = |suffix: &str| text.strip_suffix(suffix).map(str::trim_end);
-        let (number, make): (&str, fn(f64) -> Height) = if let Some(n) = split("agl") {
-            (n, Height::AboveGround)
-        } else if let Some(n) = split("roof") {
-            (n, Height::AboveRoof)
-        } else if let Some(n) = split("amsl") {
-            (n, Height::AboveDatum)
-        } else {
-            (text, Height::AboveGround)
-        };
+        let kinds: [(&str, fn(f64) -> Height); 3] =
+            [("agl", Height::agl), ("roof", Height::roof), ("amsl", Height::amsl)];
+        let typed = kinds.into_iter().find_map(|(suffix, make)| Some((text.strip_suffix(suffix)?.trim_end(), make)));
+        let (number, make) = typed.unwrap_or((text, Height::agl));
         parse_meters(number).map(make).map_err(|found| {
             format!("height `{text}`: {found}, wanted meters, or feet (`400ft`), bare or with `agl`, `roof` or `amsl`")
         })

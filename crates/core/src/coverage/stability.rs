@@ -39,31 +39,23 @@ impl Move {
     pub const ALL: [Move; 8] =
         [Move::East, Move::West, Move::North, Move::South, Move::Up, Move::Down, Move::RoofsUp, Move::RoofsDown];
 
-    /// The word for it in documents.
-    pub fn name(self) -> &'static str {
+    /// The word for it in documents, and the steps of the UAV east, north and up.
+    fn told(self) -> (&'static str, [i64; 3]) {
         match self {
-            Move::East => "uav_east",
-            Move::West => "uav_west",
-            Move::North => "uav_north",
-            Move::South => "uav_south",
-            Move::Up => "uav_up",
-            Move::Down => "uav_down",
-            Move::RoofsUp => "roofs_up",
-            Move::RoofsDown => "roofs_down",
+            Move::East => ("uav_east", [1, 0, 0]),
+            Move::West => ("uav_west", [-1, 0, 0]),
+            Move::North => ("uav_north", [0, 1, 0]),
+            Move::South => ("uav_south", [0, -1, 0]),
+            Move::Up => ("uav_up", [0, 0, 1]),
+            Move::Down => ("uav_down", [0, 0, -1]),
+            Move::RoofsUp => ("roofs_up", [0; 3]),
+            Move::RoofsDown => ("roofs_down", [0; 3]),
         }
     }
 
-    /// Steps of the UAV east, north and up.
-    fn steps(self) -> [i64; 3] {
-        match self {
-            Move::East => [1, 0, 0],
-            Move::West => [-1, 0, 0],
-            Move::North => [0, 1, 0],
-            Move::South => [0, -1, 0],
-            Move::Up => [0, 0, 1],
-            Move::Down => [0, 0, -1],
-            Move::RoofsUp | Move::RoofsDown => [0, 0, 0],
-        }
+    /// The word for it in documents.
+    pub fn name(self) -> &'static str {
+        self.told().0
     }
 }
 
@@ -163,7 +155,7 @@ impl Answers<'_> {
             _ => (self.field, self.engine),
         };
         // Who is in range does not change: what turns is an answer.
-        let moved = self.uav.moved(field, which.steps(), self.radius).map_err(|e| e.to_string())?;
+        let moved = self.uav.moved(field, which.told().1, self.radius).map_err(|e| e.to_string())?;
         let window = self.range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius));
         let los = |(receivers, (wanted, _)): (&GridReceivers<'_>, &Decided)| {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)

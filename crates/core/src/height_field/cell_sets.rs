@@ -157,7 +157,7 @@ impl HeightField {
     }
 
     /// The roofs of the building cells.
-    pub fn roof_of_cells(&self) -> StandsOn<'_> {
+    pub(crate) fn roof_of_cells(&self) -> StandsOn<'_> {
         let roofs = match &self.solid {
             Solid::Raster(raster) => raster.columns.tops(),
             Solid::Vector(vector) => &vector.roofs,

@@ -51,7 +51,7 @@ impl Columns {
 
     /// The same with cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
     #[must_use]
-    pub fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
+    pub(crate) fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
         self.steps = steps;
         self
     }
@@ -63,7 +63,7 @@ impl Columns {
     }
 
     /// Whether a cell has 1024 × 1024 lattice steps, as the engines for whole rasters reckon with.
-    pub fn has_unit_cells(&self) -> bool {
+    pub(crate) fn has_unit_cells(&self) -> bool {
         self.steps == [CELL; 2]
     }
 
@@ -79,18 +79,18 @@ impl Columns {
 
     /// Top of the cell at an index into [`Columns::tops`], which need not be in memory as a whole for it.
     #[inline]
-    pub fn top_at(&self, index: usize) -> i32 {
+    pub(crate) fn top_at(&self, index: usize) -> i32 {
         self.tops.value(index)
     }
 
     /// Copies tops from an index into [`Columns::tops`] on, all in one row, which need not be in memory as a whole for it.
     #[inline]
-    pub fn copy_tops(&self, first: usize, out: &mut [i32]) {
+    pub(crate) fn copy_tops(&self, first: usize, out: &mut [i32]) {
         self.tops.copy(first, out);
     }
 
     /// All tops, if they are in memory one by one.
-    pub fn tops_in_memory(&self) -> Option<&[i32]> {
+    pub(crate) fn tops_in_memory(&self) -> Option<&[i32]> {
         self.tops.in_memory()
     }
 
@@ -122,7 +122,7 @@ impl Columns {
     }
 
     /// The lowest top, [`VOID`] if any cell is void.
-    pub fn min_top(&self) -> i32 {
+    pub(crate) fn min_top(&self) -> i32 {
         self.extremes.0
     }
 

@@ -50,7 +50,7 @@ impl HeightField {
     }
 
     /// Whether the cells of the columns are those of the receivers' grid.
-    pub fn columns_are_on_grid(&self) -> bool {
+    pub(crate) fn columns_are_on_grid(&self) -> bool {
         self.solid.columns().is_some_and(|(columns, frame)| {
             let shape = (columns.n_rows(), columns.n_cols());
             let of_grid = match self.prisms_frame() {
@@ -63,14 +63,12 @@ impl HeightField {
 
     /// Whether the engine for whole rasters can decide over the columns: receivers stand at the centers of their cells, which
     /// have as many lattice steps as it reckons with.
-    pub fn columns_can_be_swept(&self) -> bool {
+    pub(crate) fn columns_can_be_swept(&self) -> bool {
         let Some(columns) = self.columns().filter(|_| self.columns_are_on_grid()) else { return false };
-        let positions = self.positions();
-        let mut centers = (0..columns.n_cols()).map(|col| columns.center(0, col).0);
-        let mut middles = (0..columns.n_rows()).map(|row| columns.center(row, 0).1);
+        let (xs, ys) = self.positions().on_columns();
         columns.has_unit_cells()
-            && positions.columns_xs().all(|x| centers.next() == Some(x))
-            && positions.columns_ys().all(|y| middles.next() == Some(y))
+            && xs.into_iter().eq((0..columns.n_cols()).map(|col| columns.center(0, col).0))
+            && ys.into_iter().eq((0..columns.n_rows()).map(|row| columns.center(row, 0).1))
     }
 
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
@@ -298,7 +296,7 @@ impl HeightField {
     }
 
     /// The cell centers of any grid on the lattices.
-    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
+    pub(crate) fn positions_on(&self, grid: &GeoRef) -> GridPositions {
         GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
     }
 }

@@ -88,7 +88,7 @@ impl Prisms {
     }
 
     /// The grid that finds pieces by place.
-    pub fn buckets(&self) -> &Buckets {
+    pub(crate) fn buckets(&self) -> &Buckets {
         &self.buckets
     }
 
@@ -116,7 +116,7 @@ impl Prisms {
     /// if the position is not interior to the union of the footprints.
     ///
     /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
-    pub fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
+    pub(crate) fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
         /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
         struct Sector {
             from: [i64; 2],

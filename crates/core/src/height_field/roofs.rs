@@ -21,7 +21,8 @@ impl HeightField {
     fn roofs_of(&self, prisms: &Prisms) -> Vec<i32> {
         let mut roofs = vec![VOID; self.grid.n_cells()];
         let positions = self.positions();
-        let centers = Centers { xs: positions.prisms_xs().collect(), ys: positions.prisms_ys().collect() };
+        let (xs, ys) = positions.on_prisms();
+        let centers = Centers { xs, ys };
         let n_cols = self.grid.n_cols();
         let mut on_an_edge = BitGrid::new(self.grid.n_rows(), n_cols);
         for piece in prisms.pieces() {

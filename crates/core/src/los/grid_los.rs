@@ -41,8 +41,8 @@ impl<'a> Engine<'a> {
     /// The engine of a method over the solids of a field.
     fn new(field: &'a HeightField, method: Method, positions: &GridPositions) -> Result<Self, WrongMethod> {
         let shadows = |prisms| {
-            let grid = ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
-            PrismShadows { prisms, grid }
+            let (xs, ys) = positions.on_prisms();
+            PrismShadows { prisms, grid: ShadowGrid::new(xs, ys) }
         };
         Ok(match (method, field.prisms(), field.columns()) {
             (Method::Ray, ..) => Engine::Ray,
@@ -56,8 +56,8 @@ impl<'a> Engine<'a> {
             }
             (Method::Shadow, None, Some(columns)) => match field.plateaus() {
                 Some(plateaus) => {
-                    let grid = ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
-                    Engine::Plateaus(columns, plateaus, grid)
+                    let (xs, ys) = positions.on_columns();
+                    Engine::Plateaus(columns, plateaus, ShadowGrid::new(xs, ys))
                 }
                 // A raster that was changed may have none any more.
                 None => Engine::Sweep(columns),
@@ -128,7 +128,7 @@ impl<'a> GridLos<'a> {
 
     /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as receivers see them; `None` unless the
     /// engine is `shadow` over prisms alone.
-    pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
+    pub(crate) fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
         let Engine::Shadow(PrismShadows { prisms, .. }) = &self.engine else { return None };
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
@@ -136,7 +136,7 @@ impl<'a> GridLos<'a> {
 
     /// Whether receivers are decided by one level of shadows, or by the shadows of plateaus: at a cost that grows with the
     /// rows that are asked for.
-    pub fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
+    pub(crate) fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
         match &self.engine {
             Engine::Shadow(_) => receivers.level().is_some(),
             Engine::Plateaus(columns, plateaus, _) => on_plateaus(columns, plateaus, uav, receivers).is_some(),

@@ -19,7 +19,7 @@ pub struct CellPart {
 /// The parts of a set, those that begin farther south first.
 ///
 /// Cost: a few operations per cell of the grid.
-pub fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
+pub(crate) fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
     let (labels, sizes) = labelled_parts(set);
     let mut parts: Vec<CellPart> = sizes.iter().map(|n| CellPart { n_cells: *n, rings: Vec::new() }).collect();
     let (shells, holes): (Vec<_>, Vec<_>) =
@@ -33,7 +33,7 @@ pub fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
 }
 
 /// Number of parts of a set.
-pub fn n_cell_parts(set: &BitGrid) -> usize {
+pub(crate) fn n_cell_parts(set: &BitGrid) -> usize {
     labelled_parts(set).1.len()
 }
 

@@ -19,7 +19,7 @@ const BUCKET: i64 = 8;
 /// neither themselves nor each other. Their order and winding are kept.
 ///
 /// Cost: O(n log n) for n corners, times the corners between two that are kept.
-pub fn simpler_rings(rings: &[Vec<[usize; 2]>], cell_m: (f64, f64), tolerance_m: f64) -> Vec<Vec<[usize; 2]>> {
+pub(crate) fn simpler_rings(rings: &[Vec<[usize; 2]>], cell_m: (f64, f64), tolerance_m: f64) -> Vec<Vec<[usize; 2]>> {
     let mut work = Work::new(rings, cell_m, tolerance_m);
     let mut open: BinaryHeap<Reverse<(i64, usize, u32)>> = (0..work.corners.len()).map(|k| work.entry(k)).collect();
     while let Some(Reverse((_, corner, version))) = open.pop() {

@@ -46,7 +46,7 @@ impl BitGrid {
     ///
     /// PERF: memory of the other rows is not touched, so that the kernel need not provide it.
     #[must_use]
-    pub fn in_rows(&self, rows: Range<usize>) -> Self {
+    pub(crate) fn in_rows(&self, rows: Range<usize>) -> Self {
         let mut kept = BitGrid::new(self.n_rows, self.n_cols);
         let words = rows.start * self.words_per_row..rows.end * self.words_per_row;
         kept.words[words.clone()].copy_from_slice(&self.words[words]);
@@ -125,7 +125,7 @@ impl BitGrid {
 
     /// The cells that are in one set but not in both, which are of one shape.
     #[must_use]
-    pub fn xor(mut self, other: &BitGrid) -> Self {
+    pub(crate) fn xor(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a ^= b);
         self
@@ -133,7 +133,7 @@ impl BitGrid {
 
     /// The cells that are not in the set.
     #[must_use]
-    pub fn complement(&self) -> Self {
+    pub(crate) fn complement(&self) -> Self {
         BitGrid::full(self.n_rows, self.n_cols).xor(self)
     }
 
@@ -179,7 +179,7 @@ pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
 
 /// The bits of word `word` whose columns lie in `from..to`.
 #[inline]
-pub fn bits_between(from: usize, to: usize, word: usize) -> u64 {
+pub(crate) fn bits_between(from: usize, to: usize, word: usize) -> u64 {
     let below = |col: usize| match col.saturating_sub(64 * word) {
         n if n >= 64 => u64::MAX,
         n => (1 << n) - 1,

@@ -13,7 +13,8 @@ mod row_runs;
 
 use bytemuck::Pod;
 
-pub use bit_grid::{BitGrid, bits_between, set_bits};
+pub(crate) use bit_grid::bits_between;
+pub use bit_grid::{BitGrid, set_bits};
 pub use cell_blocks::CellBlocks;
 pub use cell_lattice::CellLattice;
 pub use crs::{Crs, CrsDefinition, CrsKind};

@@ -8,11 +8,11 @@ use crate::height_field::HeightField;
 /// The zone codes of the cells, row by row from the north-west. An open cell in the place of a building, beyond the edge
 /// of the city, is street.
 pub(super) fn codes(field: &HeightField, built_up: &BuiltUp) -> Vec<u8> {
-    let positions = field.positions();
-    let along: Vec<bool> = positions.prisms_xs().map(|x| built_up.building_at(x).is_none()).collect();
+    let (xs, ys) = field.positions().on_prisms();
+    let along: Vec<bool> = xs.into_iter().map(|x| built_up.building_at(x).is_none()).collect();
     let cells = field.cells();
     let mut codes = Vec::with_capacity(field.grid().n_cells());
-    for (row, y) in positions.prisms_ys().enumerate() {
+    for (row, y) in ys.into_iter().enumerate() {
         let across = built_up.building_at(y).is_none();
         codes.extend(along.iter().enumerate().map(|(col, along)| {
             if cells.building.contains(row, col) {

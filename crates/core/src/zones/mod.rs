@@ -220,9 +220,4 @@ impl ZoneMap {
     pub fn count(&self, zone: Zone) -> u64 {
         self.counts[usize::from(zone.code()) - 1]
     }
-
-    /// Number of cells in no zone.
-    pub fn n_without(&self) -> u64 {
-        self.codes.len() as u64 - self.counts.iter().sum::<u64>()
-    }
 }

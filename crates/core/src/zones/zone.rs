@@ -56,7 +56,7 @@ impl Zone {
     }
 
     /// The zone with this number; [`NONE`] and numbers above 4 are none.
-    pub fn of_code(code: u8) -> Option<Zone> {
+    pub(crate) fn of_code(code: u8) -> Option<Zone> {
         Zone::ALL.into_iter().find(|zone| zone.code() == code)
     }
 }

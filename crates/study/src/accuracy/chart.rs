@@ -39,28 +39,25 @@ impl Family {
     pub const ALL: [Family; 6] =
         [Family::Exact, Family::Step, Family::Neighbors, Family::Coarser, Family::Raster, Family::Peer];
 
+    fn told(self) -> (&'static str, &'static str) {
+        match self {
+            Family::Exact => ("exact", "Exact engines"),
+            Family::Step => ("step", "Samples along the ray"),
+            Family::Neighbors => ("neighbors", "Interpolated, nearest ray"),
+            Family::Coarser => ("coarser", "Exact, coarser cells"),
+            Family::Raster => ("raster", "Exact, raster of the scene"),
+            Family::Peer => ("peer", "Other programs"),
+        }
+    }
+
     /// The word for it in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Family::Exact => "exact",
-            Family::Step => "step",
-            Family::Neighbors => "neighbors",
-            Family::Coarser => "coarser",
-            Family::Raster => "raster",
-            Family::Peer => "peer",
-        }
+        self.told().0
     }
 
     /// What it is, in a few words.
     pub fn in_words(self) -> &'static str {
-        match self {
-            Family::Exact => "Exact engines",
-            Family::Step => "Samples along the ray",
-            Family::Neighbors => "Interpolated, nearest ray",
-            Family::Coarser => "Exact, coarser cells",
-            Family::Raster => "Exact, raster of the scene",
-            Family::Peer => "Other programs",
-        }
+        self.told().1
     }
 }
 

@@ -41,7 +41,7 @@ impl Setup<'_> {
     }
 
     /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.
-    pub fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
+    pub(crate) fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
         let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
         Setup { field, uavs: &uavs, options: self.options }.p_los()
     }

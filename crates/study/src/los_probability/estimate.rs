@@ -66,13 +66,13 @@ pub fn student_quantile(confidence: f64, degrees_of_freedom: f64) -> f64 {
 }
 
 /// The two-sided quantile of the normal distribution.
-pub fn normal_quantile(confidence: f64) -> f64 {
+fn normal_quantile(confidence: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
 }
 
 /// The estimate Σx / Σw of means over independent randomizations (x, w), with Student's interval; its standard error is
 /// that of a ratio, by linearization.
-pub fn ratio_of_clusters(
+pub(super) fn ratio_of_clusters(
     clusters: impl Iterator<Item = (f64, f64)> + Clone,
     samples: u64,
     confidence: f64,

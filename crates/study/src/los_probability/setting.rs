@@ -25,15 +25,6 @@ impl Users {
             Users::Crossroad => "crossroad",
         }
     }
-
-    /// Whether a user in this zone is counted.
-    pub fn include(self, zone: GridZone) -> bool {
-        match self {
-            Users::Outdoor => zone != GridZone::Building,
-            Users::Street => matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY),
-            Users::Crossroad => zone == GridZone::Crossroad,
-        }
-    }
 }
 
 /// Where the UAV hovers.
@@ -217,7 +208,7 @@ impl Setting {
             return ([r * cos, r * sin], None);
         };
         // φ is measured from across the street; its mirror images look the same, and a street along x turns it by 90°.
-        let (across, along) = unit_vector(phi);
+        let (along, across) = if phi >= 90.0 { (1.0, 0.0) } else { phi.to_radians().sin_cos() };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an octant, 0..8")]
         let octant = (azimuth * 8.0) as u8;
         let across = if octant & 1 == 0 { across } else { -across };
@@ -231,17 +222,13 @@ impl Setting {
 
     /// Whether a user in `zone` is counted, given the street that [`Setting::offset`] asked for.
     pub fn counts(&self, zone: GridZone, street: Option<GridZone>) -> bool {
-        self.users.include(zone) && (self.users != Users::Street || street.is_none_or(|s| s == zone))
+        let is_street = matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY);
+        match self.users {
+            Users::Outdoor => zone != GridZone::Building,
+            Users::Street => is_street && street.is_none_or(|s| s == zone),
+            Users::Crossroad => zone == GridZone::Crossroad,
+        }
     }
-}
-
-/// Cosine and sine of an angle in \[0, 90\]°, exact at both ends.
-pub fn unit_vector(degrees: f64) -> (f64, f64) {
-    if degrees >= 90.0 {
-        return (0.0, 1.0);
-    }
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    (cos, sin)
 }
 
 fn out_of_range(what: &'static str, found: f64, wanted: &'static str) -> Error {

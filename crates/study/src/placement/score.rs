@@ -181,7 +181,7 @@ impl<'a> Scorer<'a> {
     }
 
     /// The score of what a UAV sees.
-    pub fn score_of(&self, seen: &Seen) -> Score {
+    pub(crate) fn score_of(&self, seen: &Seen) -> Score {
         let seen = self.weights.map_or_else(|| seen.los.count().into(), |weights| weights.sum(&seen.los));
         Score { wanted: self.wanted, seen }
     }

@@ -161,7 +161,7 @@ impl StressScene {
     }
 
     /// Whether columns stand in the way.
-    pub fn is_board(&self) -> bool {
+    pub(crate) fn is_board(&self) -> bool {
         matches!(self.solid, StressSolid::Columns { .. })
     }
 
