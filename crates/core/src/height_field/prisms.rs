@@ -1,6 +1,7 @@
 //! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
 
 use super::casters::Casters;
+use crate::overlay::bounds_of;
 use crate::quantity::VOID;
 
 /// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat top.
@@ -206,12 +207,7 @@ fn shortest(direction: [i64; 2]) -> [i64; 2] {
 /// Buckets sized so that there is about one for every piece, between 8 m and 256 m.
 fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
     let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
-    let bounds = |ring: &[[i32; 2]]| {
-        ring.iter().fold([i64::MAX, i64::MAX, i64::MIN, i64::MIN], |[x0, y0, x1, y1], v| {
-            let (x, y) = (i64::from(v[0]), i64::from(v[1]));
-            [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
-        })
-    };
+    let bounds = |ring: &[[i32; 2]]| bounds_of(ring).map(i64::from);
     if pieces.is_empty() {
         return Buckets {
             origin: (0, 0),

@@ -14,6 +14,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 pub use crossings::{Tangle, tangle};
+pub(crate) use rings::bounds_of;
 pub use rings::{Polygon, Ring, doubled_area};
 pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 

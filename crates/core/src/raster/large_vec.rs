@@ -188,12 +188,6 @@ impl<T> From<Vec<T>> for LargeVec<T> {
     }
 }
 
-impl<T> FromIterator<T> for LargeVec<T> {
-    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
-        LargeVec::from(values.into_iter().collect::<Vec<T>>())
-    }
-}
-
 impl<'a, T: Pod> IntoIterator for &'a LargeVec<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
