@@ -119,14 +119,11 @@ impl Contestant {
         let mut forms = Simpler::forms(field, &FACTORS);
         forms.sort_by_key(|form| form.pooling.map(Pooling::name));
         all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(of_forms)));
-        let more = match (more, is_vector) {
+        let more = match more.method() {
             // Approximations of a vector scene are those of its raster.
-            (MethodChoice::Step(length), true) => on(Ground::Raster)(Method::Step(length)),
-            (MethodChoice::Xdraw, true) => on(Ground::Raster)(Method::Xdraw),
-            (MethodChoice::R2, true) => on(Ground::Raster)(Method::R2),
-            (MethodChoice::Sweep, true) => on(Ground::Raster)(Method::Sweep),
-            (choice, _) => {
-                let method = Method::choose(field, choice)
+            Some(method) if is_vector && !matches!(method, Method::Ray | Method::Shadow) => on(Ground::Raster)(method),
+            _ => {
+                let method = Method::choose(field, more)
                     .map_err(|wrong| ChartError::Method { why: wrong.why, instead: wrong.instead.name() })?;
                 on(Ground::Scene)(method.0)
             }
