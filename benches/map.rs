@@ -187,7 +187,8 @@ fn measure_levels(environment: &str, n: usize) {
         for (level, samples) in levels.iter().zip(&mut samples) {
             for (((field, method), uav), samples) in engines.iter().zip(&uavs).zip(samples) {
                 let receivers = receivers(field);
-                let los = GridLos::new(field, *method).expect("a method for the scene").with_level(*level);
+                let mut los = GridLos::new(field, *method).expect("a method for the scene");
+                los.level = *level;
                 samples.push(on_one_thread(|| bits(&los, uav, &receivers)));
             }
         }

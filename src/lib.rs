@@ -69,7 +69,7 @@ pub use uav::Uav;
 use skyshed_core::{city, coverage, height_field, los, quantity, raster, zones};
 use skyshed_io::{crs, digest, export, formats, read};
 use skyshed_render as render;
-use skyshed_study::{accuracy, los_probability, placement};
+use skyshed_study::{accuracy, city_statistics, los_probability, placement};
 
 /// The README's code is tested like any other.
 #[cfg(doctest)]

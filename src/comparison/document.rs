@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::facts::{GroupDifference, GroupShare, finite, grazing_share, reason_without_interval};
 use crate::answer::{Head, PositionFields, Share, Timing, WarningFacts};
+use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::MarginStats;
-use crate::los_probability::bootstrap::RatioEstimate;
 use crate::sight::SightFacts;
 
 /// Placements side by side.

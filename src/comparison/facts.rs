@@ -1,8 +1,8 @@
 //! What is found of placements and their pairs.
 
 use crate::answer::Position;
+use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::{MarginStats, PairCounts, Tally};
-use crate::los_probability::bootstrap::RatioEstimate;
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
 use crate::map::SiteFacts;
 use crate::quantity::counted;

@@ -11,8 +11,8 @@ use super::facts::{
     reason_without_interval,
 };
 use crate::answer::{Rows, RunFacts, Timing, document_of, rows, warnings_of};
+use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, Tally};
-use crate::los_probability::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::sight::Sight;
 
 /// Placements side by side, as reported.

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::facts::{GroupDifference, GroupShare, IntervalFacts, MarginFacts, N_GROUPS};
+use crate::city_statistics::bootstrap::{RatioEstimate, Share, resampled_ratios};
 use crate::coverage::{CellGroups, MarginSample, MarginStats, PairCounts, count_pairs};
-use crate::los_probability::bootstrap::{RatioEstimate, Share, resampled_ratios};
 use crate::zones::N_CODES;
 
 /// What is told of placements and of pairs of them, group by group.

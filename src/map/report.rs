@@ -10,7 +10,7 @@ use crate::answer::{
     Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words,
     document_of, feature, feature_collection, rows, warnings_of,
 };
-use crate::coverage::{CoveragePolygon, IdleFootprints, Placement, SiteCoverage, Tally};
+use crate::coverage::{CoveragePolygon, HoversOver, IdleFootprints, SiteCoverage, Tally};
 use crate::digest::Sha256;
 use crate::raster::{Crs, GeoRef};
 use crate::sight::{Sight, SightFacts};
@@ -50,7 +50,7 @@ impl SiteFacts {
     /// The facts of a coverage, by zone if zones are known.
     pub(crate) fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
         let place = &site.uav.station.place;
-        let is_building = site.uav.placement == Placement::Rooftop;
+        let is_building = site.uav.placement == HoversOver::Rooftop;
         let zone = zones.and_then(|zones| zones.over(place.x, place.y, is_building)).map(Zone::name);
         SiteFacts {
             id: site.uav.id.clone(),

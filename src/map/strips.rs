@@ -214,7 +214,8 @@ impl StripsRun<'_> {
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let mut shown = self.has_picture().then(|| Shown::new(grid));
-        let mapper = StreamedMapper::new(scene, &options, progress.control())?.with_limits(limits(self.job)?);
+        let mut mapper = StreamedMapper::new(scene, &options, progress.control())?;
+        mapper.limits = limits(self.job)?;
         let coverage = mapper.map(&uav, progress.control(), |_, mask| {
             digest.add(mask);
             if let Some(shown) = &mut shown {

@@ -8,9 +8,9 @@ use super::plot_words::{
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use super::{PlosStudy, PlotKind};
+use crate::city_statistics::fit::BuiltUpFit;
 use crate::error::{RequestError, Result};
 use crate::export::Format;
-use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
 use crate::method_looks::look_of;

@@ -20,7 +20,7 @@ use tiles::{Tiles, TilesDocument};
 use crate::answer::{
     Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, version, warnings_of,
 };
-use crate::city::{BuiltUp, Footprint, FootprintFaults, Solids};
+use crate::city::{BuiltUp, Footprint, FootprintFault, FootprintFaults, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
@@ -472,20 +472,20 @@ struct FaultsInfo {
 impl FaultsInfo {
     fn of(f: FootprintFaults) -> Self {
         FaultsInfo {
-            not_areas: f.not_areas,
-            repaired: f.repaired,
-            unclosed: f.unclosed,
-            degenerate: f.degenerate,
-            stray_holes: f.stray_holes,
-            missing_height: f.missing_height,
-            negative_height: f.negative_height,
-            decimal_comma: f.decimal_comma,
-            no_ground: f.no_ground,
-            too_far: f.too_far,
-            from_levels: f.from_levels,
-            not_buildings: f.not_buildings,
-            floating: f.floating,
-            parts: f.parts,
+            not_areas: f.of(FootprintFault::NotAnArea),
+            repaired: f.of(FootprintFault::SelfIntersection),
+            unclosed: f.of(FootprintFault::UnclosedRing),
+            degenerate: f.of(FootprintFault::TooSmall),
+            stray_holes: f.of(FootprintFault::StrayHole),
+            missing_height: f.of(FootprintFault::MissingHeight),
+            negative_height: f.of(FootprintFault::NegativeHeight),
+            decimal_comma: f.of(FootprintFault::DecimalComma),
+            no_ground: f.of(FootprintFault::NoGround),
+            too_far: f.of(FootprintFault::TooFar),
+            from_levels: f.of(FootprintFault::HeightFromLevels),
+            not_buildings: f.of(FootprintFault::NotABuilding),
+            floating: f.of(FootprintFault::Floating),
+            parts: f.of(FootprintFault::Part),
         }
     }
 }

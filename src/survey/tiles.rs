@@ -8,10 +8,10 @@ use serde_json::Value;
 
 use crate::answer::{Rows, rows};
 use crate::city::Footprint;
+use crate::city_statistics::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
 use crate::error::{Error, LimitError, RequestError, Result};
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
-use crate::los_probability::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
 use crate::quantity::{Frame, tidy};
 use crate::raster::GeoRef;
 use crate::render::grouped;

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use skyshed_io::formats::RasterFile;
-use skyshed_study::los_probability::bootstrap::{Share, resampled_ratios};
+use skyshed_study::city_statistics::bootstrap::{Share, resampled_ratios};
 
 use crate::program::{Folder, program, wait};
 use crate::support::read_png;

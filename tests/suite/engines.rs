@@ -264,7 +264,9 @@ fn neither_threads_nor_vectors_change_a_cell() {
         let los: Vec<_> = simd_levels()
             .into_iter()
             .map(|level| {
-                GridLos::new(field, method).unwrap().with_level(level).los(&uav.station, &receivers, &cells, window)
+                let mut engine = GridLos::new(field, method).unwrap();
+                engine.level = level;
+                engine.los(&uav.station, &receivers, &cells, window)
             })
             .collect();
         assert!(los.len() >= 2 && los.iter().all(|found| *found == los[0]), "{method:?}");

@@ -10,7 +10,7 @@
 use rayon::ThreadPoolBuilder;
 use skyshed_core::city::{DataArea, Footprint, FootprintFaults, Ground, Solids};
 use skyshed_core::coverage::{
-    Control, HeightLayers, MapOptions, Overlay, Placement, Receivers, SiteCoverage, Uav, class, map_site, which_layer,
+    Control, HeightLayers, HoversOver, MapOptions, Overlay, Receivers, SiteCoverage, Uav, class, map_site, which_layer,
 };
 use skyshed_core::height_field::{CellKind, HeightField, Station};
 use skyshed_core::los::{
@@ -340,7 +340,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
     let station = Station { place: field.place(x, y), z };
-    Uav { id: "1".into(), station, height_agl_m: None, placement: Placement::Ground }
+    Uav { id: "1".into(), station, height_agl_m: None, placement: HoversOver::Ground }
 }
 
 /// A few UAVs over the grid, at its border and outside.

@@ -7,9 +7,9 @@ use serde_json::Value;
 use skyshed_core::city::BuiltUp;
 use skyshed_study::los_probability::estimate::Estimate;
 use skyshed_study::los_probability::points::Points;
-use skyshed_study::los_probability::product::{Product, across_street, factors, link_p_los, rayleigh_cdf};
+use skyshed_study::los_probability::product::{Product, across_street, link_p_los, rayleigh_cdf};
 use skyshed_study::los_probability::setting::{Placement, Setting, Users};
-use skyshed_study::los_probability::street_grid::{GridLink, GridZone, StreetGrid};
+use skyshed_study::los_probability::street_grid::{Crossing, GridLink, GridZone, StreetGrid};
 
 use crate::support::{Random, slow, truth};
 
@@ -110,6 +110,19 @@ fn the_product_gives_the_reference_values_within_their_errors() {
     );
 }
 
+/// The buildings that a link crosses, each with the height of the ray at the obstructing point \[m\] and the probability
+/// that the building is not higher.
+fn factors(grid: &StreetGrid, height_scale: f64, link: &GridLink) -> Vec<(Crossing, f64, f64)> {
+    let r = link.ground_distance();
+    let mut factors = Vec::new();
+    grid.for_each_crossed(link, |crossing| {
+        let z = link.height_at(crossing.t_in, r).min(link.height_at(crossing.t_out, r));
+        factors.push((crossing, z, rayleigh_cdf(z, height_scale)));
+        true
+    });
+    factors
+}
+
 #[test]
 fn single_links_have_the_reference_buildings_and_probabilities() {
     let Some(folder) = truth() else { return };
@@ -124,18 +137,18 @@ fn single_links_have_the_reference_buildings_and_probabilities() {
         let grid = StreetGrid::new(&city);
         let ends = GridLink { receiver: end("user"), uav: end("uav") };
         let mut found = factors(&grid, city.height_scale, &ends);
-        found.sort_by(|a, b| a.t_in.total_cmp(&b.t_in));
+        found.sort_by(|a, b| a.0.t_in.total_cmp(&b.0.t_in));
         let wanted = link["buildings"].as_array().unwrap();
         assert_eq!(found.len(), wanted.len(), "{}: {}", link["env"], link["case"]);
-        for (ours, theirs) in found.iter().zip(wanted) {
+        for ((ours, z, factor), theirs) in found.iter().zip(wanted) {
             let g = |key: &str| theirs[key].as_f64().unwrap();
             assert_eq!(i64::from(ours.building.0), theirs["i"].as_i64().unwrap(), "{}", link["case"]);
             assert_eq!(i64::from(ours.building.1), theirs["j"].as_i64().unwrap(), "{}", link["case"]);
             for (name, a, b) in [
                 ("t_in", ours.t_in, g("t_in")),
                 ("t_out", ours.t_out, g("t_out")),
-                ("z_min", ours.z, g("z_min")),
-                ("factor", ours.factor, g("factor")),
+                ("z_min", *z, g("z_min")),
+                ("factor", *factor, g("factor")),
             ] {
                 assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{} {name}: {a}, wanted {b}", link["case"]);
             }
@@ -304,7 +317,7 @@ fn past_the_first_building_and_past_all(asked: &Setting, n: usize) -> (f64, f64,
         let uav = [user[0] + r * cos, user[1] + r * sin];
         let link = GridLink { receiver: [user[0], user[1], 0.0], uav: [uav[0], uav[1], asked.uav_height_m] };
         let met = factors(&grid, city.height_scale, &link);
-        let (nearest, product) = (met.first().map_or(1.0, |f| f.factor), met.iter().map(|f| f.factor).product::<f64>());
+        let (nearest, product) = (met.first().map_or(1.0, |f| f.2), met.iter().map(|f| f.2).product::<f64>());
         assert!(nearest >= product, "{link:?}");
         first += nearest;
         all += product;

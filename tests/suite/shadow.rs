@@ -277,12 +277,8 @@ fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: 
     let positions = field.positions();
     let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
     let mut random = Random(share);
-    let mut found = Field {
-        xs: positions.prisms_xs().collect(),
-        ys: positions.prisms_ys().collect(),
-        heights: vec![rx; n_rows * n_cols],
-        wanted: BitGrid::new(n_rows, n_cols),
-    };
+    let (xs, ys) = positions.on_prisms();
+    let mut found = Field { xs, ys, heights: vec![rx; n_rows * n_cols], wanted: BitGrid::new(n_rows, n_cols) };
     for row in 0..n_rows {
         for col in 0..n_cols {
             let index = row * n_cols + col;

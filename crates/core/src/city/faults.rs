@@ -1,178 +1,140 @@
 //! What was mended or left out while reading footprints: the kinds of faults, counted.
 
-/// What was mended or left out while reading footprints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct FootprintFaults {
-    /// Features that are not areas (points, lines, no geometry): left out.
-    pub not_areas: usize,
-    /// Polygons whose rings crossed or touched themselves: repaired by the even-odd rule.
-    pub repaired: usize,
-    /// Rings whose last point was not the first: closed.
-    pub unclosed: usize,
-    /// Polygons without area: left out.
-    pub degenerate: usize,
-    /// Polygons with a hole outside of their shell, or reaching out of it: what is outside is left out.
-    pub stray_holes: usize,
-    /// Footprints without a usable height: treated as the reader was told.
-    pub missing_height: usize,
-    /// Of these, the footprints whose height is that of their storeys.
-    pub from_levels: usize,
-    /// Footprints with a negative height: left out.
-    pub negative_height: usize,
-    /// Heights written with a decimal comma: read as such.
-    pub decimal_comma: usize,
-    /// Footprints with a height above ground over terrain that is not known: left out.
-    pub no_ground: usize,
-    /// Footprints farther than 65 536 m from the grid's corner: left out.
-    pub too_far: usize,
-    /// Areas that are `building=no` or `building=demolished`: left out.
-    pub not_buildings: usize,
-    /// Footprints that begin above the ground (`min_height`, `building:min_level`): taken as solid from the ground up.
-    pub floating: usize,
-    /// Parts of buildings (`building:part`): joined with their outlines, the highest counts.
-    pub parts: usize,
-}
-
-/// A kind of fault. Its order is that of warnings, and of what is listed for one feature.
+/// A kind of fault of a footprint. Its order is that of warnings, and of what is listed for one feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Fault {
-    /// No area at all: a point, a line, no geometry.
+pub enum FootprintFault {
+    /// No area at all (a point, a line, no geometry): left out.
     NotAnArea,
-    /// Rings that cross or touch themselves.
+    /// A polygon whose rings cross or touch themselves: repaired by the even-odd rule.
     SelfIntersection,
-    /// A hole outside of its shell, or reaching out of it.
+    /// A polygon with a hole outside of its shell, or reaching out of it: what is outside is left out.
     StrayHole,
-    /// A ring whose last point is not its first.
+    /// A ring whose last point is not its first: closed.
     UnclosedRing,
-    /// A polygon without area.
+    /// A polygon without area: left out.
     TooSmall,
-    /// No ground below it, but nodata.
+    /// A height above ground over terrain that is not known: left out.
     NoGround,
-    /// Too far from the grid to matter.
+    /// Farther than 65 536 m from the grid's corner: left out.
     TooFar,
-    /// An area that says that it is no building.
+    /// An area that is `building=no` or `building=demolished`: left out.
     NotABuilding,
-    /// No usable height.
+    /// No usable height: treated as the reader was told.
     MissingHeight,
-    /// A height below zero.
+    /// A height below zero: left out.
     NegativeHeight,
-    /// A decimal comma.
+    /// A height with a decimal comma: read as such.
     DecimalComma,
-    /// A building that begins above the ground.
+    /// A building that begins above the ground (`min_height`, `building:min_level`): taken as solid from the ground up.
     Floating,
-    /// A part of a building.
+    /// A part of a building (`building:part`): joined with its outline, the highest counts.
     Part,
     /// A missing height that is that of the storeys.
     HeightFromLevels,
 }
 
-impl Fault {
+use FootprintFault as F;
+
+impl FootprintFault {
     /// All kinds.
-    pub const ALL: [Fault; 14] = [
-        Fault::NotAnArea,
-        Fault::SelfIntersection,
-        Fault::StrayHole,
-        Fault::UnclosedRing,
-        Fault::TooSmall,
-        Fault::NoGround,
-        Fault::TooFar,
-        Fault::NotABuilding,
-        Fault::MissingHeight,
-        Fault::NegativeHeight,
-        Fault::DecimalComma,
-        Fault::Floating,
-        Fault::Part,
-        Fault::HeightFromLevels,
+    pub const ALL: [F; 14] = [
+        F::NotAnArea,
+        F::SelfIntersection,
+        F::StrayHole,
+        F::UnclosedRing,
+        F::TooSmall,
+        F::NoGround,
+        F::TooFar,
+        F::NotABuilding,
+        F::MissingHeight,
+        F::NegativeHeight,
+        F::DecimalComma,
+        F::Floating,
+        F::Part,
+        F::HeightFromLevels,
     ];
+
+    /// The word for it, the code of its warning, and what one and many of them are called.
+    fn told(self) -> (&'static str, u16, [&'static str; 2]) {
+        match self {
+            F::NotAnArea => ("not-an-area", 350, ["feature that is no polygon", "features that are no polygons"]),
+            F::SelfIntersection => (
+                "self-intersection",
+                351,
+                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"],
+            ),
+            F::StrayHole => (
+                "stray-hole",
+                368,
+                ["polygon with a hole outside of its shell", "polygons with holes outside of their shells"],
+            ),
+            F::UnclosedRing => (
+                "unclosed-ring",
+                352,
+                ["ring that does not end where it begins", "rings that do not end where they begin"],
+            ),
+            F::TooSmall => ("too-small", 353, ["polygon without area", "polygons without area"]),
+            F::NoGround => (
+                "no-ground",
+                357,
+                [
+                    "footprint with a height above ground where no terrain is known",
+                    "footprints with heights above ground where no terrain is known",
+                ],
+            ),
+            F::TooFar => (
+                "too-far",
+                358,
+                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"],
+            ),
+            F::NotABuilding => (
+                "not-a-building",
+                361,
+                ["area that is `building=no` or `demolished`", "areas that are `building=no` or `demolished`"],
+            ),
+            F::MissingHeight => {
+                ("missing-height", 354, ["footprint without a usable height", "footprints without a usable height"])
+            }
+            F::NegativeHeight => {
+                ("negative-height", 355, ["footprint with a negative height", "footprints with a negative height"])
+            }
+            F::DecimalComma => ("decimal-comma", 356, ["height with a decimal comma", "heights with a decimal comma"]),
+            F::Floating => {
+                ("floating", 362, ["footprint that begins above the ground", "footprints that begin above the ground"])
+            }
+            F::Part => ("building-part", 363, ["part of a building", "parts of buildings"]),
+            F::HeightFromLevels => {
+                ("height-from-levels", 364, ["height from a number of storeys", "heights from numbers of storeys"])
+            }
+        }
+    }
 
     /// A word that never changes its meaning.
     pub fn word(self) -> &'static str {
-        match self {
-            Fault::NotAnArea => "not-an-area",
-            Fault::SelfIntersection => "self-intersection",
-            Fault::StrayHole => "stray-hole",
-            Fault::UnclosedRing => "unclosed-ring",
-            Fault::TooSmall => "too-small",
-            Fault::NoGround => "no-ground",
-            Fault::TooFar => "too-far",
-            Fault::NotABuilding => "not-a-building",
-            Fault::MissingHeight => "missing-height",
-            Fault::NegativeHeight => "negative-height",
-            Fault::DecimalComma => "decimal-comma",
-            Fault::Floating => "floating",
-            Fault::Part => "building-part",
-            Fault::HeightFromLevels => "height-from-levels",
-        }
+        self.told().0
     }
 
     /// The code of the warning that counts it.
     pub fn code(self) -> u16 {
-        match self {
-            Fault::NotAnArea => 350,
-            Fault::SelfIntersection => 351,
-            Fault::StrayHole => 368,
-            Fault::UnclosedRing => 352,
-            Fault::TooSmall => 353,
-            Fault::NoGround => 357,
-            Fault::TooFar => 358,
-            Fault::NotABuilding => 361,
-            Fault::MissingHeight => 354,
-            Fault::NegativeHeight => 355,
-            Fault::DecimalComma => 356,
-            Fault::Floating => 362,
-            Fault::Part => 363,
-            Fault::HeightFromLevels => 364,
-        }
+        self.told().1
     }
 
     /// What one and many of them are called.
     pub fn names(self) -> [&'static str; 2] {
-        match self {
-            Fault::NotAnArea => ["feature that is no polygon", "features that are no polygons"],
-            Fault::SelfIntersection => {
-                ["polygon with crossing or touching rings", "polygons with crossing or touching rings"]
-            }
-            Fault::StrayHole => {
-                ["polygon with a hole outside of its shell", "polygons with holes outside of their shells"]
-            }
-            Fault::UnclosedRing => ["ring that does not end where it begins", "rings that do not end where they begin"],
-            Fault::TooSmall => ["polygon without area", "polygons without area"],
-            Fault::NoGround => [
-                "footprint with a height above ground where no terrain is known",
-                "footprints with heights above ground where no terrain is known",
-            ],
-            Fault::TooFar => {
-                ["footprint farther than 65536 m from the grid", "footprints farther than 65536 m from the grid"]
-            }
-            Fault::NotABuilding => {
-                ["area that is `building=no` or `demolished`", "areas that are `building=no` or `demolished`"]
-            }
-            Fault::MissingHeight => ["footprint without a usable height", "footprints without a usable height"],
-            Fault::NegativeHeight => ["footprint with a negative height", "footprints with a negative height"],
-            Fault::DecimalComma => ["height with a decimal comma", "heights with a decimal comma"],
-            Fault::Floating => ["footprint that begins above the ground", "footprints that begin above the ground"],
-            Fault::Part => ["part of a building", "parts of buildings"],
-            Fault::HeightFromLevels => ["height from a number of storeys", "heights from numbers of storeys"],
-        }
+        self.told().2
     }
 
     /// What is done about it; of a missing height that depends on the policy.
     pub fn done(self) -> &'static str {
         match self {
-            Fault::SelfIntersection => "repaired by the even-odd rule",
-            Fault::StrayHole => "what is outside is no building",
-            Fault::UnclosedRing => "closed",
-            Fault::DecimalComma => "the comma is read as a point",
-            Fault::Floating => "taken as solid from the ground up",
-            Fault::Part => "joined with their outlines, the highest of what overlaps counts",
-            Fault::HeightFromLevels => "3 m for each",
-            Fault::NotAnArea
-            | Fault::TooSmall
-            | Fault::NoGround
-            | Fault::TooFar
-            | Fault::NotABuilding
-            | Fault::MissingHeight
-            | Fault::NegativeHeight => LEFT_OUT,
+            F::SelfIntersection => "repaired by the even-odd rule",
+            F::StrayHole => "what is outside is no building",
+            F::UnclosedRing => "closed",
+            F::DecimalComma => "the comma is read as a point",
+            F::Floating => "taken as solid from the ground up",
+            F::Part => "joined with their outlines, the highest of what overlaps counts",
+            F::HeightFromLevels => "3 m for each",
+            _ => LEFT_OUT,
         }
     }
 }
@@ -180,30 +142,18 @@ impl Fault {
 /// What is done with most of what cannot be used.
 pub const LEFT_OUT: &str = "left out";
 
+/// How many faults there were of each kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FootprintFaults([usize; FootprintFault::ALL.len()]);
+
 impl FootprintFaults {
     /// How many there are of a kind.
-    pub fn of(&self, fault: Fault) -> usize {
-        let mut counts = *self;
-        *counts.of_mut(fault)
+    pub fn of(&self, fault: FootprintFault) -> usize {
+        self.0[fault as usize]
     }
 
-    /// The count of a kind.
-    pub fn of_mut(&mut self, fault: Fault) -> &mut usize {
-        match fault {
-            Fault::NotAnArea => &mut self.not_areas,
-            Fault::SelfIntersection => &mut self.repaired,
-            Fault::StrayHole => &mut self.stray_holes,
-            Fault::UnclosedRing => &mut self.unclosed,
-            Fault::TooSmall => &mut self.degenerate,
-            Fault::NoGround => &mut self.no_ground,
-            Fault::TooFar => &mut self.too_far,
-            Fault::NotABuilding => &mut self.not_buildings,
-            Fault::MissingHeight => &mut self.missing_height,
-            Fault::NegativeHeight => &mut self.negative_height,
-            Fault::DecimalComma => &mut self.decimal_comma,
-            Fault::Floating => &mut self.floating,
-            Fault::Part => &mut self.parts,
-            Fault::HeightFromLevels => &mut self.from_levels,
-        }
+    /// Counts one more.
+    pub fn add(&mut self, fault: FootprintFault) {
+        self.0[fault as usize] += 1;
     }
 }

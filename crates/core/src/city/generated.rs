@@ -57,9 +57,6 @@ impl BuiltUpCity {
 
     /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
     /// margin if there is one. A margin changes no building within the city.
-    ///
-    /// # Errors
-    /// Usage error for a bad size or cell; limit error above 65 536 m.
     pub fn city(&self) -> Result<City> {
         for (length, found) in [("size", self.size_m), ("cell size", self.cell_m)] {
             if !(found > 0.0 && found.is_finite()) {
@@ -137,24 +134,5 @@ impl BuiltUpCity {
             }
         }
         footprints
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_corner_of_a_generated_city_is_a_zero_without_sign() {
-        let built_up = BuiltUp::named("urban").expect("a known name");
-        let city = BuiltUpCity { built_up, size_m: 100.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 };
-        let grid = city.city().expect("a city").grid;
-        assert_eq!([grid.x_min(), grid.y_min()].map(f64::to_bits), [0, 0]);
-    }
-
-    #[test]
-    fn words_of_generated_cities_are_told_from_names_of_files() {
-        assert!(BuiltUpCity::parse_built_up("itu:0.3,500").is_some_and(|r| r.is_err()));
-        assert!(BuiltUpCity::parse_built_up("city.tif").is_none());
     }
 }

@@ -13,9 +13,6 @@ pub trait WindowedSolids: Sync {
     fn base(&self) -> WindowedBase;
 
     /// The solids over the cells of a window: [`Solids::Raster`].
-    ///
-    /// # Errors
-    /// If they cannot be read.
     fn solids(&self, window: CellWindow) -> Result<Solids>;
 }
 

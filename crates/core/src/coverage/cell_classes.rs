@@ -98,36 +98,3 @@ fn write_words<S: Simd>(simd: S, sets: &RowSets<'_>, mask: &mut [u8]) {
         out.copy_from_slice(&classes[..out.len()]);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::raster::BitGrid;
-
-    #[test]
-    fn every_class_is_written_where_it_belongs() {
-        let mut cells = CellSets { open: BitGrid::new(1, 100), building: BitGrid::new(1, 100) };
-        (0..90).for_each(|col| if col % 3 == 0 { cells.building.insert(0, col) } else { cells.open.insert(0, col) });
-        let mut sets = RowSets::new(&cells, 0, (10, 80));
-        let (mut receivers, mut los) = (BitGrid::new(1, 100), BitGrid::new(1, 100));
-        for col in (10..80).filter(|col| col % 3 != 0) {
-            receivers.insert(0, col);
-            if col % 2 == 0 {
-                los.insert(0, col);
-            }
-        }
-        sets.add(receivers.row(0), los.row(0));
-        let mut mask = vec![9; 100];
-        write_classes(&sets, &mut mask);
-        for (col, class) in mask.iter().enumerate() {
-            let expected = match col {
-                90.. => class::NODATA,
-                0..10 | 80.. => class::OUT_OF_RANGE,
-                _ if col % 3 == 0 => class::NOT_A_RECEIVER,
-                _ if col % 2 == 0 => class::LOS,
-                _ => class::NLOS,
-            };
-            assert_eq!(*class, expected, "column {col}");
-        }
-    }
-}

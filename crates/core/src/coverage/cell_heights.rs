@@ -30,6 +30,9 @@ impl<'a> CellHeights<'a> {
         row: usize,
         (wanted, los): (&[u64], &[u64]),
     ) {
+        if !self.layers.has_heights() {
+            return;
+        }
         let first = row * self.field.grid().n_cols();
         for col in set_bits(wanted) {
             let receiver = Station { place: positions.center(row, col), z: receivers.height(first + col) };

@@ -277,6 +277,34 @@ mod tests {
         counts
     }
 
+    fn counted(row: &RowElevations<'_>, receivers: &BitGrid, los: &BitGrid) -> [(u64, u64); N_BANDS] {
+        let mut found = [(0, 0); N_BANDS];
+        row.count(receivers.row(0), los.row(0), &mut |band, receivers, los| {
+            found[band].0 += receivers;
+            found[band].1 += los;
+        });
+        found
+    }
+
+    #[test]
+    fn ninety_degrees_are_in_the_last_band_and_the_horizon_in_the_first_above_it() {
+        let one = BitGrid::full(1, 1);
+        let receivers = GridReceivers::new(&one, StandsOn::Flat(0), 0);
+        for (x, z, band) in [(0.0, 1024, 17), (0.0, -1024, 0), (1.0, 0, 9), (1.0, 1024, 13), (1.0, -1, 8)] {
+            let (uav, xs) = ((x, 0.0, z), &[0.0; 64]);
+            let row = RowElevations {
+                xs,
+                n_cols: 1,
+                uav,
+                y: 0.0,
+                meters_per_unit: 1.0,
+                receivers: &receivers,
+                first_cell: 0,
+            };
+            assert_eq!(counted(&row, &one, &one)[band], (1, 1), "{x}, {z}");
+        }
+    }
+
     #[test]
     fn rows_are_counted_as_by_angles_one_by_one() {
         let n_cols = 333;
@@ -313,43 +341,15 @@ mod tests {
                         receivers: receivers_on,
                         first_cell: 0,
                     };
-                    let mut found = [(0, 0); N_BANDS];
-                    row.count(receivers.row(0), los.row(0), &mut |band, receivers, los| {
-                        found[band].0 += receivers;
-                        found[band].1 += los;
-                    });
-                    assert_eq!(found, by_angles(&row, &receivers, &los), "UAV at {x}, {y}, {z}");
+                    assert_eq!(
+                        counted(&row, &receivers, &los),
+                        by_angles(&row, &receivers, &los),
+                        "UAV at {x}, {y}, {z}"
+                    );
                     n += 1;
                 }
             }
         }
         assert_eq!(n, 98);
-    }
-
-    #[test]
-    fn ninety_degrees_are_in_the_last_band_and_the_horizon_in_the_first_above_it() {
-        let mut receivers = BitGrid::new(1, 64);
-        receivers.insert(0, 0);
-        let xs = vec![0.0; 64];
-        let on = GridReceivers::new(receivers.clone(), StandsOn::Flat(0), 0);
-        let band_from = |x: f64, z: i64| {
-            let row = RowElevations {
-                xs: &xs,
-                n_cols: 1,
-                uav: (x, 0.0, z),
-                y: 0.0,
-                meters_per_unit: 1.0,
-                receivers: &on,
-                first_cell: 0,
-            };
-            let mut found = None;
-            row.count(receivers.row(0), &[0], &mut |band, n, _| found = if n > 0 { Some(band) } else { found });
-            found
-        };
-        assert_eq!(band_from(0.0, 1024), Some(17));
-        assert_eq!(band_from(0.0, -1024), Some(0));
-        assert_eq!(band_from(1.0, 0), Some(9));
-        assert_eq!(band_from(1.0, 1024), Some(13));
-        assert_eq!(band_from(1.0, -1), Some(8));
     }
 }

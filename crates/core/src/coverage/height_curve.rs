@@ -17,7 +17,7 @@ use super::{Control, SiteCoverage, Uav, class};
 use crate::error::Result;
 use crate::height_field::{CellKind, HeightField, Station};
 use crate::los::link_least_step;
-use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID};
+use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, share};
 
 /// Highest lattice height \[1/1024 m\]; the lowest is its negative.
 #[expect(clippy::cast_possible_truncation, reason = "2^15 · 2^10")]
@@ -41,9 +41,6 @@ impl HeightCurve {
     /// The curve over the place of a map's UAV, for the receivers of that map.
     ///
     /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
         let n_cols = field.grid().n_cols();
         let positions = field.positions();
@@ -128,10 +125,8 @@ impl HeightCurve {
 
     /// P_LoS of a UAV at `height` \[1/1024 m above the datum\]; `None` without a receiver, and below the lowest height,
     /// where the UAV cannot be.
-    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
     pub fn p_los_at(&self, height: i32) -> Option<f64> {
-        let is_defined = self.receivers > 0 && height >= self.lowest;
-        is_defined.then(|| self.los_at(height) as f64 / self.receivers as f64)
+        share(self.los_at(height), self.receivers).filter(|_| height >= self.lowest)
     }
 
     /// The least height \[1/1024 m above the datum\] from which at least `percent` \[%\] of the receivers are in sight;

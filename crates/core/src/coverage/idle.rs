@@ -7,6 +7,7 @@
 use super::Uav;
 use super::map::Mapper;
 use crate::height_field::{Caster, Prisms, Station};
+use crate::overlay::bounds_of;
 
 /// Footprints of a scene, by what they can do to a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -29,26 +30,16 @@ impl IdleFootprints {
 /// The box that holds every link of a run, on the lattice of the prisms.
 #[derive(Debug, Clone, Copy)]
 struct LinkBox {
-    west: i64,
-    south: i64,
-    east: i64,
-    north: i64,
+    /// West, south, east, north.
+    bounds: [i64; 4],
     /// The lowest end of a link \[1/1024 m above the datum\].
     lowest: i64,
 }
 
 impl LinkBox {
-    const NONE: LinkBox =
-        LinkBox { west: i64::MAX, south: i64::MAX, east: i64::MIN, north: i64::MIN, lowest: i64::MAX };
-
-    fn with_point(self, (x, y): (i64, i64)) -> LinkBox {
-        LinkBox {
-            west: self.west.min(x),
-            south: self.south.min(y),
-            east: self.east.max(x),
-            north: self.north.max(y),
-            ..self
-        }
+    fn add(&mut self, x: i64, y: i64) {
+        let [west, south, east, north] = self.bounds;
+        self.bounds = [west.min(x), south.min(y), east.max(x), north.max(y)];
     }
 
     fn is_too_low(&self, top: i32) -> bool {
@@ -58,7 +49,7 @@ impl LinkBox {
     /// Whether a bounding box, west, south, east and north, lies outside; one that touches does not.
     fn is_beyond(&self, bounds: [i32; 4]) -> bool {
         let [west, south, east, north] = bounds.map(i64::from);
-        east < self.west || west > self.east || north < self.south || south > self.north
+        east < self.bounds[0] || west > self.bounds[2] || north < self.bounds[1] || south > self.bounds[3]
     }
 }
 
@@ -76,29 +67,26 @@ impl Mapper<'_> {
     }
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
-        let mut links = LinkBox::NONE;
+        let mut links = LinkBox { bounds: [i64::MAX, i64::MAX, i64::MIN, i64::MIN], lowest: i64::MAX };
         for uav in uavs {
             let place = uav.station.on_prisms();
-            links = links.with_point((place.x, place.y));
+            links.add(place.x, place.y);
             links.lowest = links.lowest.min(uav.station.z);
             let window = self.range_of(uav).window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }
-            for (row, col) in
-                [(window.row, window.col), (window.row + window.n_rows - 1, window.col + window.n_cols - 1)]
-            {
+            let last = (window.row + window.n_rows - 1, window.col + window.n_cols - 1);
+            for (row, col) in [(window.row, window.col), last] {
                 let corner = Station { place: self.engine.positions().center(row, col), z: 0 }.on_prisms();
-                links = links.with_point((corner.x, corner.y));
+                links.add(corner.x, corner.y);
             }
         }
         let lowest = self.receivers.iter().filter_map(|receivers| receivers.lowest()).min();
         // A lattice step to spare: how stable answers are is found by moving the UAV by one.
+        let [west, south, east, north] = links.bounds;
         LinkBox {
-            west: links.west - 1,
-            south: links.south - 1,
-            east: links.east + 1,
-            north: links.north + 1,
+            bounds: [west - 1, south - 1, east + 1, north + 1],
             lowest: links.lowest.min(lowest.unwrap_or(i64::MAX)) - 1,
         }
     }
@@ -115,12 +103,7 @@ fn count(prisms: &Prisms, n_footprints: usize, links: &LinkBox) -> IdleFootprint
     }
     let mut roles = vec![Role::None; n_footprints];
     for piece in prisms.pieces() {
-        let ring = prisms.ring(piece);
-        let extreme = |k: usize, least: bool| {
-            let values = ring.iter().map(|v| v[k]);
-            if least { values.min() } else { values.max() }.unwrap_or(0)
-        };
-        let bounds = [extreme(0, true), extreme(1, true), extreme(0, false), extreme(1, false)];
+        let bounds = bounds_of(prisms.ring(piece));
         let role = match (links.is_too_low(piece.top), links.is_beyond(bounds)) {
             (true, _) => Role::TooLow,
             (false, true) => Role::Beyond,

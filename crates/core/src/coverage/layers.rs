@@ -65,18 +65,3 @@ fn rank(class: u8) -> u8 {
         _ => 4,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counts_bits_and_union_agree() {
-        let masks: [&[u8]; 3] = [&[1, 0, 2, 3, 255], &[1, 1, 2, 0, 255], &[0, 0, 2, 3, 255]];
-        assert_eq!(which_layer(&masks), [[0b11, 0b10, 0, 0, 0]]);
-        let mut overlay = Overlay::new(5);
-        masks.iter().for_each(|mask| overlay.add(mask));
-        assert_eq!(overlay.union(), [1, 1, 2, 0, 255]);
-        assert_eq!(overlay.count(), [2, 1, 0, 0, 0]);
-    }
-}

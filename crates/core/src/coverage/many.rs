@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
 use crate::error::Result;
-use crate::raster::LargeVec;
 
 /// How long the masks and layers of maps are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,9 +32,6 @@ impl Mapper<'_> {
     /// and from the north, and `each` with every map once its mask is complete.
     ///
     /// The outcome does not depend on the number of threads.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map_many(
         &self,
         uavs: &[Uav],
@@ -63,9 +59,7 @@ impl Mapper<'_> {
                     overlay.add(&site.mask);
                 }
                 if keep != KeepMasks::Always {
-                    site.mask = LargeVec::default();
-                    (site.margin, site.least_receiver_height, site.least_height, site.stability) =
-                        (None, None, None, None);
+                    site = SiteCoverage::of_tally(&site.uav, site.tally);
                 }
                 sites.push(site);
             }

@@ -1,6 +1,7 @@
 //! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
 use std::borrow::Cow;
+use std::ops::Range as Rows;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -14,7 +15,7 @@ use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav}
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
-use crate::raster::{BitGrid, LargeVec, set_bits};
+use crate::raster::{BitGrid, LargeVec};
 
 /// Strips in which a map is decided that is handed over while it is made.
 const STRIPS: usize = 4;
@@ -39,6 +40,21 @@ pub struct SiteCoverage {
     pub tally: Tally,
 }
 
+impl SiteCoverage {
+    /// The coverage of a UAV without a mask and layers.
+    pub(super) fn of_tally(uav: &Uav, tally: Tally) -> Self {
+        SiteCoverage {
+            uav: uav.clone(),
+            mask: LargeVec::default(),
+            margin: None,
+            least_receiver_height: None,
+            least_height: None,
+            stability: None,
+            tally,
+        }
+    }
+}
+
 /// What a UAV sees, as sets of cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Seen {
@@ -49,9 +65,6 @@ pub struct Seen {
 }
 
 /// Maps what one UAV sees: [`Mapper::new`] and [`Mapper::map`] in one.
-///
-/// # Errors
-/// As those two.
 pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &Control) -> Result<SiteCoverage> {
     Mapper::new(field, options)?.map(uav, control)
 }
@@ -102,7 +115,8 @@ impl<'a> Mapper<'a> {
         let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();
         xs.resize(n_cols.div_ceil(64) * 64, 0.0);
         let engine = GridLos::new(field, method).map_err(refuse)?;
-        let alone = engine.clone().in_one_band();
+        let mut alone = engine.clone();
+        alone.is_one_band = true;
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
         Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })
     }
@@ -121,9 +135,9 @@ impl<'a> Mapper<'a> {
 
     /// Casts the shadows of these alone.
     pub(super) fn cast_only(&mut self, casters: Casters) {
-        let casters = Arc::new(casters);
-        self.engine = self.engine.clone().with_casters(Arc::clone(&casters));
-        self.alone = self.alone.clone().with_casters(casters);
+        let casters = Some(Arc::new(casters));
+        self.engine.casters.clone_from(&casters);
+        self.alone.casters = casters;
     }
 
     /// The cells in range of a UAV.
@@ -192,9 +206,6 @@ impl<'a> Mapper<'a> {
     ///
     /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for the layers of heights. Shared
     /// by all threads of the current pool.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }
@@ -208,95 +219,44 @@ impl<'a> Mapper<'a> {
         mut each_part: Option<EachPart<'_>>,
         keep: bool,
     ) -> Result<SiteCoverage> {
-        let grid = self.field.grid();
-        let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-        let range = self.range_of(uav);
-        // What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
-        let is_by_rows = self.receivers.iter().all(|receivers| self.engine.is_by_rows(&uav.station, receivers));
-        let n_strips = if !keep && is_by_rows { STRIPS } else { 1 };
-        let strip = n_rows.div_ceil(if rayon::current_num_threads() > 1 { n_strips } else { 1 });
-        let decide = |first: usize| -> Vec<Decided> {
-            let rows = first..(first + strip).min(n_rows);
-            let of_kind = |receivers: &GridReceivers<'_>| {
-                if control.stop.load(Ordering::Relaxed) {
-                    return (None, BitGrid::new(n_rows, n_cols));
-                }
-                if rows.len() == n_rows {
-                    return self.decide(&self.engine, uav, (receivers, &range));
-                }
-                let wanted = range.cut_rows(&receivers.cells, rows.clone());
-                self.decide_wanted(&self.engine, uav, (receivers, &range), Some(wanted))
-            };
-            self.receivers.iter().map(of_kind).collect()
-        };
-        let mut decided = decide(0);
-
+        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
         let layers = if keep { self.options.layers } else { HeightLayers::default() };
-        let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
-        let mut mask = if keep { LargeVec::<u8>::zeroed(grid.n_cells()) } else { LargeVec::default() };
-        let mut margin = layer(layers.margin);
-        let mut least_receiver_height = layer(layers.least_receiver_height);
-        let mut least_height = layer(layers.least_height);
-        let heights = CellHeights::new(self.field, uav, layers);
-        let is_stopped = || control.stop.load(Ordering::Relaxed);
-        let fill = |decided: &[Decided], row: usize, out: &mut Row<'_>| {
-            let mut tally = Tally::default();
-            if is_stopped() {
-                return tally;
-            }
-            let mut sets = RowSets::new(self.field.cells(), row, range.cols(row));
-            for (receivers, (wanted, los)) in self.receivers.iter().zip(decided) {
-                let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
-                sets.add(wanted, los.row(row));
-                tally.add_receivers(&self.elevations(uav, receivers, row), wanted, los.row(row));
-                if layers.has_heights() {
-                    heights.fill(out, self.engine.positions(), receivers, row, (wanted, los.row(row)));
-                }
-            }
-            tally.add_others(&sets, n_cols);
-            write_classes(&sets, out.mask);
-            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-            tally
-        };
+        let range = self.range_of(uav);
+        let map =
+            OneMap { mapper: self, uav, range: &range, control, heights: CellHeights::new(self.field, uav, layers) };
         // Rows enough for every thread, also of wide grids; all of them where nobody takes parts.
         let n_at_once = match &each_part {
             Some(_) => BAND_CELLS.div_ceil(n_cols).max(8 * rayon::current_num_threads()),
             None => n_rows,
         };
         let mut hand_over = |cells: &[u8]| match &mut each_part {
-            Some(each_part) if !is_stopped() => each_part(cells),
+            Some(each_part) if !map.is_stopped() => each_part(cells),
             _ => {}
         };
-        let tally = if keep {
-            let rows = split(&mut mask, n_rows, n_cols)
-                .zip(split(&mut margin, n_rows, n_cols))
-                .zip(split(&mut least_receiver_height, n_rows, n_cols))
-                .zip(split(&mut least_height, n_rows, n_cols))
-                .map(|(((mask, margin), least_receiver_height), least_height)| Row {
-                    mask,
-                    margin,
-                    least_receiver_height,
-                    least_height,
-                })
-                .enumerate();
-            in_bands(rows, n_at_once, |row, out| fill(&decided, row, out), &mut hand_over)
-        } else {
-            let mut tally = Tally::default();
-            for first in (0..n_rows).step_by(strip) {
-                let rows = first..(first + strip).min(n_rows);
-                let fill = |row: usize, mask: &mut [u8]| {
-                    let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
-                    fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
-                };
-                let (next, of_strip) = rayon::join(
-                    || if rows.end < n_rows { decide(rows.end) } else { Vec::new() },
-                    || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut hand_over),
-                );
-                tally = tally.plus(&of_strip);
-                decided = next;
-            }
-            tally
-        };
+        if !keep {
+            let tally = map.in_strips(n_at_once, &mut hand_over);
+            control.check()?;
+            return Ok(SiteCoverage::of_tally(uav, tally));
+        }
+        let decided = map.decide(0..n_rows);
+        let n_cells = n_rows * n_cols;
+        let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
+        let mut mask = LargeVec::<u8>::zeroed(n_cells);
+        let mut margin = layer(layers.margin);
+        let mut least_receiver_height = layer(layers.least_receiver_height);
+        let mut least_height = layer(layers.least_height);
+        let rows = split(&mut mask, n_rows, n_cols)
+            .zip(split(&mut margin, n_rows, n_cols))
+            .zip(split(&mut least_receiver_height, n_rows, n_cols))
+            .zip(split(&mut least_height, n_rows, n_cols))
+            .map(|(((mask, margin), least_receiver_height), least_height)| Row {
+                mask,
+                margin,
+                least_receiver_height,
+                least_height,
+            })
+            .enumerate();
+        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, row, out), &mut hand_over);
         control.check()?;
         let answers = Answers {
             field: self.field,
@@ -307,17 +267,15 @@ impl<'a> Mapper<'a> {
             range: &range,
             decided: &decided,
         };
-        let stability = self.roofs.as_ref().filter(|_| keep).map(|roofs| answers.stability(roofs, control));
-        let stability = stability.transpose()?;
+        let stability = self.roofs.as_ref().map(|roofs| answers.stability(roofs, control)).transpose()?;
         let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
         Ok(SiteCoverage {
-            uav: uav.clone(),
-            tally,
             mask,
             margin: some(layers.margin, margin),
             least_receiver_height: some(layers.least_receiver_height, least_receiver_height),
             least_height: some(layers.least_height, least_height),
             stability,
+            ..SiteCoverage::of_tally(uav, tally)
         })
     }
 
@@ -327,10 +285,7 @@ impl<'a> Mapper<'a> {
     /// Cost: a walk along each link; on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
         let range = self.range_of(uav);
-        let all = self.receivers.iter().flat_map(|receivers| {
-            let rows = 0..receivers.cells.n_rows();
-            rows.flat_map(move |row| set_bits(receivers.cells.row(row)).map(move |col| (receivers, (row, col))))
-        });
+        let all = self.receivers.iter().flat_map(|r| r.cells.cells().map(move |cell| (r, cell)));
         let hard = first.iter().flat_map(|cell| self.receivers_at(*cell));
         let mut worst: Option<WorstReceiver> = None;
         for (receivers, cell) in hard.chain(all).filter(|(_, cell)| range.contains(*cell)) {
@@ -374,6 +329,87 @@ impl<'a> Mapper<'a> {
             receivers,
             first_cell: row * grid.n_cols(),
         }
+    }
+}
+
+/// A map that is being made.
+struct OneMap<'m, 'a> {
+    mapper: &'m Mapper<'a>,
+    uav: &'m Uav,
+    range: &'m Range,
+    control: &'m Control,
+    heights: CellHeights<'m>,
+}
+
+impl OneMap<'_, '_> {
+    fn is_stopped(&self) -> bool {
+        self.control.stop.load(Ordering::Relaxed)
+    }
+
+    /// What the receivers of some rows come to, kind by kind.
+    fn decide(&self, rows: Rows<usize>) -> Vec<Decided> {
+        let Mapper { field, engine, receivers, .. } = self.mapper;
+        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+        let of_kind = |receivers: &GridReceivers<'_>| {
+            if self.is_stopped() {
+                return (None, BitGrid::new(n_rows, n_cols));
+            }
+            if rows.len() == n_rows {
+                return self.mapper.decide(engine, self.uav, (receivers, self.range));
+            }
+            let wanted = self.range.cut_rows(&receivers.cells, rows.clone());
+            self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), Some(wanted))
+        };
+        receivers.iter().map(of_kind).collect()
+    }
+
+    /// Fills one row of every output.
+    fn fill(&self, decided: &[Decided], row: usize, out: &mut Row<'_>) -> Tally {
+        let mut tally = Tally::default();
+        if self.is_stopped() {
+            return tally;
+        }
+        let mapper = self.mapper;
+        let n_cols = mapper.field.grid().n_cols();
+        let mut sets = RowSets::new(mapper.field.cells(), row, self.range.cols(row));
+        for (receivers, (wanted, los)) in mapper.receivers.iter().zip(decided) {
+            let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
+            sets.add(wanted, los.row(row));
+            tally.add_receivers(&mapper.elevations(self.uav, receivers, row), wanted, los.row(row));
+            self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)));
+        }
+        tally.add_others(&sets, n_cols);
+        write_classes(&sets, out.mask);
+        self.control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+        tally
+    }
+
+    /// Fills masks of which each part is handed over while the next is made, and none is kept.
+    ///
+    /// What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
+    fn in_strips(&self, n_at_once: usize, hand_over: EachPart<'_>) -> Tally {
+        let Mapper { field, engine, receivers, .. } = self.mapper;
+        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+        let is_by_rows = receivers.iter().all(|receivers| engine.is_by_rows(&self.uav.station, receivers));
+        let n_strips = if is_by_rows && rayon::current_num_threads() > 1 { STRIPS } else { 1 };
+        let strip = n_rows.div_ceil(n_strips);
+        let rows_from = |first: usize| first..(first + strip).min(n_rows);
+        let mut decided = self.decide(rows_from(0));
+        let mut tally = Tally::default();
+        for first in (0..n_rows).step_by(strip) {
+            let rows = rows_from(first);
+            let fill = |row: usize, mask: &mut [u8]| {
+                let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
+                self.fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
+            };
+            let (next, of_strip) = rayon::join(
+                || if rows.end < n_rows { self.decide(rows_from(rows.end)) } else { Vec::new() },
+                || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut *hand_over),
+            );
+            tally = tally.plus(&of_strip);
+            decided = next;
+        }
+        tally
     }
 }
 

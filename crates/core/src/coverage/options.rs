@@ -73,7 +73,8 @@ impl HeightLayers {
     }
 }
 
-/// Progress out of, and the wish to stop into, a running map.
+/// Progress out of, and the wish to stop into, running work: whatever takes one fails with [`Error::Interrupted`] once `stop`
+/// was set.
 #[derive(Debug, Default)]
 pub struct Control {
     /// Cells decided so far.
@@ -83,10 +84,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Whether the work may go on.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`] when `stop` was set.
+    /// Fails if the work is to stop.
     pub fn check(&self) -> Result<()> {
         if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
     }

@@ -8,31 +8,6 @@ use rayon::prelude::*;
 use super::class;
 use crate::raster::CellBlocks;
 
-/// Values of a difference layer.
-pub mod difference {
-    use super::class;
-
-    /// Neither sees the receiver.
-    pub const NEITHER: u8 = 0;
-    /// Only the first sees it: lost on the way to the second.
-    pub const ONLY_FIRST: u8 = 1;
-    /// Only the second sees it: gained.
-    pub const ONLY_SECOND: u8 = 2;
-    /// Both see it.
-    pub const BOTH: u8 = 3;
-    /// The cell is not a receiver of both.
-    pub const NOT_COMPARED: u8 = 255;
-
-    /// The value of a cell from its classes in two masks.
-    #[inline]
-    pub fn of(first: u8, second: u8) -> u8 {
-        if first > class::LOS || second > class::LOS {
-            return NOT_COMPARED;
-        }
-        first * ONLY_FIRST + second * ONLY_SECOND
-    }
-}
-
 /// Cells of two masks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PairCounts {
@@ -90,9 +65,6 @@ pub struct CellGroups<'a> {
 /// Counts two masks by block and group, `[block][group]`; a mask with itself counts its receivers (`both` and `neither`).
 ///
 /// Cost: one pass over the cells.
-///
-/// # Panics
-/// If an entry of `groups` is `N` or more.
 pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGroups<'_>) -> Vec<[PairCounts; N]> {
     // By the state of the cell in either mask: not in line of sight, in line of sight, no receiver.
     let mut counts = vec![[[0_u64; 9]; N]; cells.blocks.count()];
@@ -122,9 +94,15 @@ pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGrou
     counts.into_iter().map(|groups| groups.map(named)).collect()
 }
 
-/// The layer of [`difference`] values of two masks.
+/// The difference of two masks, cell by cell: 0 where neither sees the receiver, 1 where only the first does (it is lost on
+/// the way to the second), 2 where only the second does (it is gained), 3 where both do, 255 where the cell is not a receiver
+/// of both.
 pub fn difference_layer(first: &[u8], second: &[u8]) -> Vec<u8> {
-    first.par_iter().zip(second).map(|(first, second)| difference::of(*first, *second)).collect()
+    let of = |(first, second): (&u8, &u8)| match (*first, *second) {
+        (first @ ..=class::LOS, second @ ..=class::LOS) => first + 2 * second,
+        _ => class::NODATA,
+    };
+    first.par_iter().zip(second).map(of).collect()
 }
 
 /// Most placements whose sets of cells are counted.
@@ -147,16 +125,4 @@ pub fn count_sets(masks: &[&[u8]]) -> Option<Vec<u64>> {
         counts[set] += u64::from(is_receiver);
     }
     Some(counts)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sets_tell_who_sees_what() {
-        let masks: [&[u8]; 3] = [&[1, 0, 2, 1, 255], &[1, 0, 2, 2, 255], &[0, 0, 2, 1, 0]];
-        assert_eq!(count_sets(&masks), Some(vec![2, 0, 0, 1, 0, 1, 0, 0]));
-        assert_eq!(count_sets(&[&[0][..]; 9]), None);
-    }
 }

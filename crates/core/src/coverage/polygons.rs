@@ -1,7 +1,7 @@
 //! Coverage as polygons: the outlines of the connected parts of a class.
 
 use super::{SiteCoverage, class};
-use crate::outlines::{cell_parts, simpler_rings};
+use crate::outlines::{CellPart, cell_parts, doubled_cells, simpler_rings};
 use crate::raster::{BitGrid, GeoRef};
 
 /// What is outlined, and how closely.
@@ -44,7 +44,7 @@ fn polygons_of(site: &SiteCoverage, class: u8, grid: &GeoRef, options: &PolygonO
     let cells = site.mask.iter().enumerate().filter(|(_, found)| **found == class);
     cells.for_each(|(cell, _)| set.insert(cell / grid.n_cols(), cell % grid.n_cols()));
     let cell_m = (grid.cell_width() * options.meters_per_unit, grid.cell_height() * options.meters_per_unit);
-    let polygon = |part: crate::outlines::CellPart| {
+    let polygon = |part: CellPart| {
         let rings = match options.simplify_m {
             Some(tolerance) => simpler_rings(&part.rings, cell_m, tolerance),
             None => part.rings,
@@ -61,13 +61,6 @@ fn polygons_of(site: &SiteCoverage, class: u8, grid: &GeoRef, options: &PolygonO
         }
     };
     cell_parts(&set).into_iter().map(polygon).collect()
-}
-
-/// Twice the signed area within a ring of cell corners \[cells\].
-fn doubled_cells(ring: &[[usize; 2]]) -> i64 {
-    let signed = |p: &[usize; 2]| p.map(|v| v.cast_signed() as i64);
-    let edges = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| (signed(a), signed(b)));
-    edges.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
 
 impl CoveragePolygon {

@@ -11,7 +11,7 @@ use super::{Control, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::los::{GridLos, GridReceivers};
-use crate::raster::{BitGrid, set_bits};
+use crate::raster::BitGrid;
 
 /// One thing moved by one step of the lattice: 1/1024 m, of a raster horizontally 1/1024 of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,31 +39,23 @@ impl Move {
     pub const ALL: [Move; 8] =
         [Move::East, Move::West, Move::North, Move::South, Move::Up, Move::Down, Move::RoofsUp, Move::RoofsDown];
 
-    /// The word for it in documents.
-    pub fn name(self) -> &'static str {
+    /// The word for it in documents, and the steps of the UAV east, north and up.
+    fn told(self) -> (&'static str, [i64; 3]) {
         match self {
-            Move::East => "uav_east",
-            Move::West => "uav_west",
-            Move::North => "uav_north",
-            Move::South => "uav_south",
-            Move::Up => "uav_up",
-            Move::Down => "uav_down",
-            Move::RoofsUp => "roofs_up",
-            Move::RoofsDown => "roofs_down",
+            Move::East => ("uav_east", [1, 0, 0]),
+            Move::West => ("uav_west", [-1, 0, 0]),
+            Move::North => ("uav_north", [0, 1, 0]),
+            Move::South => ("uav_south", [0, -1, 0]),
+            Move::Up => ("uav_up", [0, 0, 1]),
+            Move::Down => ("uav_down", [0, 0, -1]),
+            Move::RoofsUp => ("roofs_up", [0; 3]),
+            Move::RoofsDown => ("roofs_down", [0; 3]),
         }
     }
 
-    /// Steps of the UAV east, north and up.
-    fn steps(self) -> [i64; 3] {
-        match self {
-            Move::East => [1, 0, 0],
-            Move::West => [-1, 0, 0],
-            Move::North => [0, 1, 0],
-            Move::South => [0, -1, 0],
-            Move::Up => [0, 0, 1],
-            Move::Down => [0, 0, -1],
-            Move::RoofsUp | Move::RoofsDown => [0, 0, 0],
-        }
+    /// The word for it in documents.
+    pub fn name(self) -> &'static str {
+        self.told().0
     }
 }
 
@@ -127,13 +119,12 @@ impl Answers<'_> {
     /// How stable the answers are.
     ///
     /// Cost: eight times the line of sight of the map, by the same engine.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
+        let n_cols = self.field.grid().n_cols();
         let mut turns = vec![f32::NAN; self.field.grid().n_cells()];
         for (receivers, (wanted, _)) in self.receivers.iter().zip(self.decided) {
-            each_cell(wanted.as_ref().unwrap_or(&receivers.cells), |cell| turns[cell] = 0.0);
+            let cells = wanted.as_ref().unwrap_or(&receivers.cells).cells();
+            cells.for_each(|(row, col)| turns[row * n_cols + col] = 0.0);
         }
         let mut moves = Vec::with_capacity(Move::ALL.len());
         for which in Move::ALL {
@@ -144,7 +135,7 @@ impl Answers<'_> {
                     let both = before.count_in(after);
                     turned.gained += after.count() - both;
                     turned.lost += before.count() - both;
-                    each_cell(&before.clone().xor(after), |cell| turns[cell] += 1.0);
+                    before.clone().xor(after).cells().for_each(|(row, col)| turns[row * n_cols + col] += 1.0);
                 }
                 turned
             });
@@ -164,18 +155,11 @@ impl Answers<'_> {
             _ => (self.field, self.engine),
         };
         // Who is in range does not change: what turns is an answer.
-        let moved = self.uav.moved(field, which.steps(), self.radius).map_err(|e| e.to_string())?;
+        let moved = self.uav.moved(field, which.told().1, self.radius).map_err(|e| e.to_string())?;
         let window = self.range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius));
         let los = |(receivers, (wanted, _)): (&GridReceivers<'_>, &Decided)| {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
         };
         Ok(self.receivers.iter().zip(self.decided).map(los).collect())
-    }
-}
-
-/// Does something with the index of each cell of a set.
-fn each_cell(cells: &BitGrid, mut act: impl FnMut(usize)) {
-    for row in 0..cells.n_rows() {
-        set_bits(cells.row(row)).for_each(|col| act(row * cells.n_cols() + col));
     }
 }

@@ -17,7 +17,7 @@ use crate::los::{
     streamed_sweep_los,
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
-use crate::raster::{BitGrid, CellWindow, GeoRef, LargeVec};
+use crate::raster::{BitGrid, CellWindow, GeoRef};
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
 ///
@@ -31,7 +31,8 @@ pub struct StreamedMapper<'a, S> {
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
     positions: GridPositions,
-    limits: StreamLimits,
+    /// Limits to what is held in memory: no result depends on them.
+    pub limits: StreamLimits,
 }
 
 /// What receivers stand on.
@@ -131,13 +132,6 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         Ok(StreamedMapper { scene, options, receivers, max_top, xs, positions, limits: StreamLimits::default() })
     }
 
-    /// The same with other limits to what is held in memory: no result depends on them.
-    #[must_use]
-    pub fn with_limits(mut self, limits: StreamLimits) -> Self {
-        self.limits = limits;
-        self
-    }
-
     /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is
     /// returned holds none.
     ///
@@ -194,15 +188,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             total = total.plus(&tally);
             visit(window.row..window.row + window.n_rows, &mask)?;
         }
-        Ok(SiteCoverage {
-            uav: uav.clone(),
-            mask: LargeVec::default(),
-            margin: None,
-            least_receiver_height: None,
-            least_height: None,
-            stability: None,
-            tally: total,
-        })
+        Ok(SiteCoverage::of_tally(uav, total))
     }
 
     /// The grid of receivers.

@@ -3,6 +3,7 @@
 use super::cell_classes::RowSets;
 use super::class;
 use super::elevation::{N_BANDS, RowElevations};
+use crate::quantity::share;
 
 /// Width of an elevation band \[deg\].
 pub const BAND_DEGREES: i32 = 10;
@@ -84,9 +85,6 @@ impl Tally {
     }
 
     /// Counts a mask by group: the cells whose entry in `groups` is k count in tally k. Without elevation bands.
-    ///
-    /// # Panics
-    /// If an entry of `groups` is `N` or more.
     pub fn by_group<const N: usize>(mask: &[u8], groups: &[u8]) -> [Tally; N] {
         let mut counts = [[0_u64; 256]; N];
         mask.iter().zip(groups).for_each(|(class, group)| counts[usize::from(*group)][usize::from(*class)] += 1);
@@ -109,9 +107,8 @@ impl Tally {
     }
 
     /// P_LoS: the share of receivers in line of sight, `None` without a receiver.
-    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
     pub fn p_los(&self) -> Option<f64> {
-        (self.receivers > 0).then(|| self.los as f64 / self.receivers as f64)
+        share(self.los, self.receivers)
     }
 
     /// Why there is no P_LoS.
@@ -142,15 +139,6 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn no_receiver_gives_no_probability() {
-        let tally = Tally::of_mask(&[2, 2, 255]);
-        assert_eq!(tally.p_los(), None);
-        assert_eq!(Tally::of_mask(&[0, 1, 1, 3]).p_los(), Some(2.0 / 3.0));
-        let [none, first] = Tally::by_group::<2>(&[0, 1, 1, 3], &[1, 0, 1, 1]);
-        assert_eq!((none.p_los(), first.p_los(), first.out_of_range), (Some(1.0), Some(0.5), 1));
-    }
 
     #[test]
     fn bands_have_no_gap_from_the_lowest_with_a_receiver_up() {

@@ -16,24 +16,24 @@ pub struct Uav {
     /// Height above the ground below it \[m\], if a ground is known there.
     pub height_agl_m: Option<f64>,
     /// What it hovers over.
-    pub placement: Placement,
+    pub placement: HoversOver,
 }
 
 /// What lies below a UAV.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Placement {
+pub enum HoversOver {
     /// Open ground, or nothing known.
     Ground,
     /// A building.
     Rooftop,
 }
 
-impl Placement {
+impl HoversOver {
     /// The word for it in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Placement::Ground => "ground",
-            Placement::Rooftop => "rooftop",
+            HoversOver::Ground => "ground",
+            HoversOver::Rooftop => "rooftop",
         }
     }
 }
@@ -87,9 +87,6 @@ impl Uav {
     }
 
     /// The same UAV some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
-    ///
-    /// # Errors
-    /// As [`Uav::place`].
     pub fn moved(&self, field: &HeightField, [east, north, up]: [i64; 3], radius: Option<f64>) -> Result<Uav, Error> {
         let place = field.neighbor(&self.station.place, (east, north));
         let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());
@@ -127,7 +124,7 @@ impl Uav {
             id: id.to_string(),
             station: Station { place, z: i64::from(z) },
             height_agl_m: ground_m.map(|ground_m| amsl_m - ground_m),
-            placement: if roof.is_some() { Placement::Rooftop } else { Placement::Ground },
+            placement: if roof.is_some() { HoversOver::Rooftop } else { HoversOver::Ground },
         })
     }
 

@@ -49,8 +49,7 @@ impl Mapper<'_> {
         let field = self.field;
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
-        let xs: Vec<i64> = positions.prisms_xs().collect();
-        let ys: Vec<i64> = positions.prisms_ys().collect();
+        let (xs, ys) = positions.on_prisms();
         let mut places = BitGrid::new(n_rows, n_cols);
         let mut z = None;
         for (place, uav) in uavs {
@@ -92,9 +91,6 @@ impl Mapper<'_> {
     /// cells row by row. `None` unless the engine is `shadow` over prisms alone.
     ///
     /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
-    ///
-    /// # Errors
-    /// Only [`crate::Error::Interrupted`], when `control.stop` was set.
     pub fn count_grid(
         &self,
         uavs: &UavGrid,
@@ -106,8 +102,13 @@ impl Mapper<'_> {
         let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
         let tiles_per_row = n_cols.div_ceil(SIDES[0]);
         let n_tiles = n_rows.div_ceil(SIDES[0]) * tiles_per_row;
-        let progress = Progress { n_uavs: uavs.places.count(), n_steps: n_tiles * self.receivers.len(), control };
+        let (n_uavs, n_steps) = (u128::from(uavs.places.count()), (n_tiles * self.receivers.len()).max(1) as u128);
         let n_done = AtomicU64::new(0);
+        let tile_is_done = || {
+            let up_to = |k: u64| n_uavs * u128::from(k) / n_steps;
+            let k = n_done.fetch_add(1, Ordering::Relaxed);
+            control.done.fetch_add(u64::try_from(up_to(k + 1) - up_to(k)).unwrap_or(0), Ordering::Relaxed);
+        };
         // One worker to a thread, each with sums of its own: they are large where places are many.
         let of_worker = |receivers: &GridReceivers<'_>, next: &AtomicUsize| {
             let mut counting = Counting::new(self, uavs, (positions, receivers), weight);
@@ -118,7 +119,7 @@ impl Mapper<'_> {
                 }
                 let at = (tile / tiles_per_row * SIDES[0], tile % tiles_per_row * SIDES[0]);
                 counting.tile(at, &SIDES, &whole, control);
-                progress.step(n_done.fetch_add(1, Ordering::Relaxed));
+                tile_is_done();
             }
         };
         let of_kind = |receivers: &GridReceivers<'_>| {
@@ -132,21 +133,6 @@ impl Mapper<'_> {
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
         let cut = |sums: Vec<u128>| sums.chunks(width).flat_map(|row| &row[..n_cols]).copied().collect();
         Ok(seen.map(|seen| cut(seen.totals())))
-    }
-}
-
-/// How far a count is.
-struct Progress<'a> {
-    n_uavs: u64,
-    n_steps: usize,
-    control: &'a Control,
-}
-
-impl Progress<'_> {
-    fn step(&self, k: u64) {
-        let up_to = |k: u64| u128::from(self.n_uavs) * u128::from(k) / self.n_steps.max(1) as u128;
-        let share = up_to(k + 1) - up_to(k);
-        self.control.done.fetch_add(u64::try_from(share).unwrap_or(0), Ordering::Relaxed);
     }
 }
 

@@ -39,7 +39,6 @@
 mod city;
 mod class;
 mod map;
-mod told;
 mod uav;
 mod warning;
 mod words;
@@ -49,30 +48,36 @@ use std::fmt;
 pub use city::CityError;
 pub use class::ErrorClass;
 pub use map::MapError;
-pub use told::Told;
 pub use uav::{UavAttempt, UavError};
 pub use warning::Warning;
 pub use words::{MOST_FOUND, escaped, io_words, is_text, one_line, shortened};
 
 /// The error of every fallible function of this crate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum Error {
     /// No city can be generated.
-    City(CityError),
+    #[error("{}", one_line(&.0.to_string()))]
+    City(#[from] CityError),
     /// A UAV cannot be where it was asked to be.
+    #[error("{}", one_line(&format!("cannot {attempt}: {why}")))]
     Uav { attempt: UavAttempt, why: UavError },
     /// No map can be made as it was asked for.
-    Map(MapError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Map(#[from] MapError),
     /// The work was told to stop.
+    #[error("interrupted; nothing was written")]
     Interrupted,
     /// A fault of the program: what should have held.
+    #[error("{0}")]
     Fault(Fault),
     /// An error, and the larger thing that it happened in.
+    #[error("{}", one_line(&format!("{error} ({context})")))]
     Within { error: Box<Error>, context: String },
-    /// An error that is text alone.
-    Told(Told),
+    /// An error that is text alone: class, code, one line, and a remedy where one is known.
+    #[error("{text}")]
+    Told { class: ErrorClass, code: u16, text: String, hint: Option<String> },
 }
 
 /// What should have held whatever was asked.
@@ -96,7 +101,7 @@ impl Error {
     /// Control characters in `text` (which may quote a file) are escaped, so that an error is always one line, and
     /// passages in backticks are cut to 400 characters.
     pub fn new(class: ErrorClass, code: u16, text: impl Into<String>) -> Self {
-        Error::Told(Told { class, code, text: one_line(&text.into()), hint: None })
+        Error::Told { class, code, text: one_line(&text.into()), hint: None }
     }
 
     /// A usage error (E1xx).
@@ -128,7 +133,7 @@ impl Error {
     #[must_use]
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
         let (class, code) = self.class_and_code();
-        Error::Told(Told { class, code, text: self.to_string(), hint: Some(one_line(&hint.into())) })
+        Error::Told { class, code, text: self.to_string(), hint: Some(one_line(&hint.into())) }
     }
 
     /// The error in a larger thing, which its text names at the end, in parentheses.
@@ -153,7 +158,7 @@ impl Error {
             Error::Interrupted | Error::Within { .. } => (ErrorClass::Interrupted, 130),
             Error::Fault(Fault::CityGrid) => (ErrorClass::Internal, 901),
             Error::Fault(Fault::NoRaster) => (ErrorClass::Internal, 902),
-            Error::Told(told) => (told.class, told.code),
+            Error::Told { class, code, .. } => (*class, *code),
         }
     }
 
@@ -175,38 +180,9 @@ impl Error {
     /// The remedy, where the error is text alone and has one.
     pub fn hint(&self) -> Option<&str> {
         match self.innermost() {
-            Error::Told(told) => told.hint.as_deref(),
+            Error::Told { hint, .. } => hint.as_deref(),
             _ => None,
         }
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match self {
-            Error::City(error) => error.to_string(),
-            Error::Uav { attempt, why } => format!("cannot {attempt}: {why}"),
-            Error::Map(error) => error.to_string(),
-            Error::Interrupted => "interrupted; nothing was written".to_string(),
-            Error::Fault(fault) => fault.to_string(),
-            Error::Within { error, context } => format!("{error} ({context})"),
-            Error::Told(told) => return f.write_str(&told.text),
-        };
-        f.write_str(&one_line(&text))
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl From<CityError> for Error {
-    fn from(error: CityError) -> Self {
-        Error::City(error)
-    }
-}
-
-impl From<MapError> for Error {
-    fn from(error: MapError) -> Self {
-        Error::Map(error)
     }
 }
 

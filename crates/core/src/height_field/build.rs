@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::known_ground::KnownGround;
-use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, cell_frame, convex_pieces};
 use crate::city::{DataArea, Footprint, Ground, Solids};
 use crate::error::Warning;
@@ -31,13 +31,9 @@ impl HeightField {
         let mut field = match solids {
             Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
-                let below = match ground {
-                    Ground::Surface => Below::Surface,
-                    Ground::Flat(z) => Below::Flat { z, building_threshold },
-                    Ground::Terrain(terrain) => Below::Terrain { tops: terrain.into_cells(), building_threshold },
-                };
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
-                let solid = Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), below });
+                let solid =
+                    Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), ground, building_threshold });
                 HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
@@ -114,53 +110,4 @@ fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
         rings.into_iter().map(move |ring| (ring, footprint.top, building))
     });
     Prisms::new(pieces)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::CellKind;
-    use super::*;
-    use crate::city::FootprintFaults;
-    use crate::quantity::{Frame, VOID};
-
-    fn square_scene() -> HeightField {
-        // A 4 m square building whose edges pass through cell centers, 10 m high, on ground at 2 m.
-        let grid = GeoRef::new((0.0, 8.0), (1.0, 1.0), (8, 8), None).expect("a valid grid");
-        let (low, high) = (1536, 1536 + 4096);
-        let footprint = Footprint {
-            id: "a".into(),
-            polygons: vec![vec![vec![[low, low], [high, low], [high, high], [low, high]]]],
-            top: 12 * 1024,
-            base: Some(2 * 1024),
-        };
-        let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
-        let solids = Solids::Vector {
-            footprints: vec![footprint],
-            frame,
-            ground: Ground::Flat(2 * 1024),
-            faults: FootprintFaults::default(),
-            data_area: DataArea::All,
-        };
-        HeightField::build(&grid, solids).field
-    }
-
-    #[test]
-    fn a_cell_whose_center_is_on_a_free_wall_is_open_ground() {
-        let field = square_scene();
-        let positions = field.positions();
-        let n_buildings = (0..64)
-            .filter(|i| matches!(field.cell_kind(*i, &positions.center(i / 8, i % 8)), CellKind::Building(_)))
-            .count();
-        // Centers at 1.5, 2.5 … 5.5 along each axis touch the square; three of the five are strictly inside.
-        assert_eq!(n_buildings, 9);
-    }
-
-    #[test]
-    fn the_roof_and_the_ground_are_told_at_any_point() {
-        let field = square_scene();
-        assert_eq!(field.roof_at(&field.place(3.0, 3.0)), Some(12 * 1024));
-        assert_eq!(field.roof_at(&field.place(0.5, 3.0)), None);
-        assert_eq!(field.ground_at(&field.place(100.0, -3.0)), 2048);
-        assert_eq!(field.inside_prisms_below(&field.place(1.5, 3.0)), VOID);
-    }
 }

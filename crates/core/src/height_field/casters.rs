@@ -7,6 +7,7 @@
 use std::cmp::Reverse;
 
 use super::merge::merged;
+use crate::overlay::bounds_of;
 
 /// Edge length of a block of casters \[lattice steps\]: 64 m.
 const BLOCK: i32 = 64 * 1024;
@@ -98,16 +99,13 @@ impl Casters {
     /// Begins a block without casters.
     fn begin_block(&mut self) {
         let first = u32::try_from(self.casters.len()).unwrap_or(u32::MAX);
-        let bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        self.blocks.push(CasterBlock { first, len: 0, max_top: i32::MIN, bounds });
+        self.blocks.push(CasterBlock { first, len: 0, max_top: i32::MIN, bounds: bounds_of(&[]) });
     }
 
     /// Adds a caster to the last block.
     fn push(&mut self, top: i32, ring: &[[i32; 2]]) {
         let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        let bounds = ring.iter().fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |b, v| {
-            [b[0].min(v[0]), b[1].min(v[1]), b[2].max(v[0]), b[3].max(v[1])]
-        });
+        let bounds = bounds_of(ring);
         let caster = Caster { first: narrow(self.vertices.len()), len: narrow(ring.len()), top, bounds };
         self.vertices.extend(ring);
         if let Some(b) = self.blocks.last_mut() {

@@ -7,8 +7,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use super::solid::{Below, RasterSolid, Solid, VectorGround, VectorSolid};
+use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellKind, CellSets, Columns, HeightField};
+use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::BitGrid;
 
@@ -16,7 +17,7 @@ impl CellSets {
     pub(super) fn of(field: &HeightField) -> Self {
         let mut cells = CellSets::with_all_data(field);
         if let Some(without) = &field.without_data {
-            let not = BitGrid::full(without.n_rows(), without.n_cols()).xor(without);
+            let not = without.complement();
             cells = CellSets { open: cells.open.and(&not), building: cells.building.and(&not) };
         }
         cells
@@ -35,10 +36,10 @@ impl CellSets {
             // Receivers stand on every cell of a surface without voids.
             return CellSets { open: BitGrid::full(n_rows, n_cols), building };
         }
-        if let Some(cells) = field.raster_cells() {
+        if let Some(raster) = field.solid.raster() {
             rows.enumerate().for_each(|(row, (open, building))| {
                 let range = row * n_cols..(row + 1) * n_cols;
-                dispatch!(Level::new(), simd => cells.sort_row(simd, range, open, building));
+                dispatch!(Level::new(), simd => raster.sort_row(simd, range, open, building));
             });
             return CellSets { open, building };
         }
@@ -55,61 +56,38 @@ impl CellSets {
     }
 }
 
-/// The cells of a raster scene: what they are follows from their heights.
-pub(super) struct RasterCells<'a> {
-    pub(super) tops: &'a [i32],
-    pub(super) ground: RasterGround<'a>,
-}
-
-/// What is below the surface of a raster scene; a cell higher than the threshold above it is a building.
-pub(super) enum RasterGround<'a> {
-    /// Nothing that is known.
-    Surface,
-    Flat {
-        z: i32,
-        building_threshold: i32,
-    },
-    Terrain {
-        tops: &'a [i32],
-        building_threshold: i32,
-    },
-}
-
-impl RasterCells<'_> {
+impl RasterSolid {
     /// Puts the cells of a row into the sets, as [`HeightField::cell_kind`] sorts them one by one.
     #[inline(always)]
     fn sort_row<S: Simd>(&self, simd: S, row: Range<usize>, open: &mut [u64], building: &mut [u64]) {
         let n = S::i32s::LEN;
         let (void, blocks_all) = (S::i32s::splat(simd, VOID), S::i32s::splat(simd, BLOCKS_ALL));
-        let tops = &self.tops[row.clone()];
+        let tops = &self.columns.tops()[row.clone()];
+        let is_surface_only = matches!(self.ground, Ground::Surface);
         for (k, tops) in tops.chunks(64).enumerate() {
             let mut padded = [VOID; 64];
             padded[..tops.len()].copy_from_slice(tops);
             let mut grounds = [0; 64];
             let (mut n_open, mut n_building) = (0_u64, 0_u64);
-            let threshold = match &self.ground {
-                RasterGround::Surface => None,
-                RasterGround::Flat { z, building_threshold } => {
-                    grounds = [*z; 64];
-                    Some(*building_threshold)
-                }
-                RasterGround::Terrain { tops: ground, building_threshold } => {
-                    let ground = &ground[row.start + 64 * k..][..tops.len()];
+            match &self.ground {
+                Ground::Surface => {}
+                Ground::Flat(z) => grounds = [*z; 64],
+                Ground::Terrain(terrain) => {
+                    let ground = &terrain.cells()[row.start + 64 * k..][..tops.len()];
                     grounds[..ground.len()].copy_from_slice(ground);
-                    Some(*building_threshold)
                 }
-            };
+            }
             for i in (0..64).step_by(n) {
                 let top = S::i32s::from_slice(simd, &padded[i..i + n]);
                 let known = top.simd_ne(void) & top.simd_ne(blocks_all);
-                let Some(threshold) = threshold else {
+                if is_surface_only {
                     n_open |= known.to_bitmask() << i;
                     continue;
-                };
+                }
                 let ground = S::i32s::from_slice(simd, &grounds[i..i + n]);
                 let known = known & ground.simd_ne(void);
                 // Known heights are at most 2^26 apart; others may wrap, and do not count.
-                let is_building = (top - ground).simd_gt(threshold);
+                let is_building = (top - ground).simd_gt(self.building_threshold);
                 n_building |= (known & is_building).to_bitmask() << i;
                 n_open |= (known & !is_building).to_bitmask() << i;
             }
@@ -130,24 +108,10 @@ pub enum StandsOn<'a> {
 }
 
 impl HeightField {
-    pub(super) fn raster_cells(&self) -> Option<RasterCells<'_>> {
-        let RasterSolid { columns, below, .. } = self.solid.raster()?;
-        let ground = match below {
-            Below::Surface => RasterGround::Surface,
-            Below::Flat { z, building_threshold } => {
-                RasterGround::Flat { z: *z, building_threshold: *building_threshold }
-            }
-            Below::Terrain { tops, building_threshold } => {
-                RasterGround::Terrain { tops, building_threshold: *building_threshold }
-            }
-        };
-        Some(RasterCells { tops: columns.tops(), ground })
-    }
-
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Flat { z, .. }, .. }) => Some(*z),
+            Solid::Raster(RasterSolid { ground: Ground::Flat(z), .. }) => Some(*z),
             Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
             Solid::Raster(_) | Solid::Vector(_) => None,
         }
@@ -156,18 +120,12 @@ impl HeightField {
     /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
     fn ground_on_grid(&self) -> Option<&[i32]> {
         match &self.solid {
-            Solid::Raster(RasterSolid { below: Below::Terrain { tops, .. }, .. }) => Some(tops),
-            Solid::Raster(RasterSolid { below: Below::Surface, columns, .. }) => Some(columns.tops()),
-            Solid::Raster(RasterSolid { below: Below::Flat { .. }, .. }) => None,
+            Solid::Raster(RasterSolid { ground, columns, .. }) => match ground {
+                Ground::Surface => Some(columns.tops()),
+                Ground::Flat(_) => None,
+                Ground::Terrain(terrain) => Some(terrain.cells()),
+            },
             Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
-        }
-    }
-
-    /// The roof of each building cell.
-    fn roofs_on_grid(&self) -> &[i32] {
-        match &self.solid {
-            Solid::Raster(raster) => raster.columns.tops(),
-            Solid::Vector(vector) => &vector.roofs,
         }
     }
 
@@ -199,15 +157,19 @@ impl HeightField {
     }
 
     /// The roofs of the building cells.
-    pub fn roof_of_cells(&self) -> StandsOn<'_> {
-        StandsOn::Cells(Cow::Borrowed(self.roofs_on_grid()))
+    pub(crate) fn roof_of_cells(&self) -> StandsOn<'_> {
+        let roofs = match &self.solid {
+            Solid::Raster(raster) => raster.columns.tops(),
+            Solid::Vector(vector) => &vector.roofs,
+        };
+        StandsOn::Cells(Cow::Borrowed(roofs))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city::{Ground, Solids};
+    use crate::city::Solids;
     use crate::raster::{GeoRef, Raster};
 
     #[test]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::HeightField;
-use super::cell_sets::RasterGround;
+use super::solid::RasterSolid;
 use crate::city::{Ground, Solids};
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
@@ -35,18 +35,22 @@ impl HeightField {
     /// Row r and column c of the fine grid lie in row r / `factor` and column c / `factor` of the coarse one. The last row and
     /// column may reach beyond the fine grid and pool what there is.
     pub fn coarser(&self, factor: usize, pooling: Pooling) -> Option<HeightField> {
-        let cells = self.raster_cells()?;
+        let raster = self.solid.raster()?;
         let grid = coarser_grid(self.grid(), factor)?;
         let pooled = |tops: &[i32]| {
             Raster::new(grid.clone(), pool((tops, self.without_data.as_ref()), self.grid(), (&grid, factor), pooling))
         };
-        let (ground, building_threshold) = match cells.ground {
-            RasterGround::Surface => (Ground::Surface, 0),
-            RasterGround::Flat { z, building_threshold } => (Ground::Flat(z), building_threshold),
-            RasterGround::Terrain { tops, building_threshold } => (Ground::Terrain(pooled(tops)), building_threshold),
+        let ground = match &raster.ground {
+            Ground::Terrain(terrain) => Ground::Terrain(pooled(terrain.cells())),
+            ground => ground.clone(),
         };
         let voids = self.without_data.as_ref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
-        let solids = Solids::Raster { surface: pooled(cells.tops), ground, building_threshold, voids };
+        let solids = Solids::Raster {
+            surface: pooled(raster.columns.tops()),
+            ground,
+            building_threshold: raster.building_threshold,
+            voids,
+        };
         Some(HeightField::build(&grid, solids).field)
     }
 
@@ -62,14 +66,9 @@ impl HeightField {
     pub fn with_finer_receivers(&self, factor: usize) -> Option<HeightField> {
         self.prisms()?;
         let grid = self.grid();
+        let shape = (grid.n_rows().checked_mul(factor)?, grid.n_cols().checked_mul(factor)?);
         #[expect(clippy::cast_precision_loss, reason = "a small factor")]
-        let parts = factor as f64;
-        let fine = GeoRef::new(
-            (grid.x_min(), grid.y_max()),
-            (grid.cell_width() / parts, grid.cell_height() / parts),
-            (grid.n_rows().checked_mul(factor)?, grid.n_cols().checked_mul(factor)?),
-            grid.crs().cloned(),
-        )?;
+        let fine = with_cells(grid, |side| side / factor as f64, shape)?;
         Some(self.with_receivers_on(&fine))
     }
 
@@ -79,11 +78,15 @@ impl HeightField {
         if self.prisms().is_some() {
             return self.columns().is_some().then(|| self.without_prisms());
         }
-        let RasterGround::Terrain { tops, building_threshold } = self.raster_cells()?.ground else { return None };
-        let terrain = || Raster::new(self.grid().clone(), tops.to_vec());
-        let ground = Ground::Terrain(terrain());
-        let solids =
-            Solids::Raster { surface: terrain(), ground, building_threshold, voids: self.without_data.clone() };
+        let RasterSolid { ground: Ground::Terrain(terrain), building_threshold, .. } = self.solid.raster()? else {
+            return None;
+        };
+        let solids = Solids::Raster {
+            surface: terrain.clone(),
+            ground: Ground::Terrain(terrain.clone()),
+            building_threshold: *building_threshold,
+            voids: self.without_data.clone(),
+        };
         Some(HeightField::build(self.grid(), solids).field)
     }
 
@@ -119,13 +122,13 @@ fn coarser_grid(grid: &GeoRef, factor: usize) -> Option<GeoRef> {
         return None;
     }
     #[expect(clippy::cast_precision_loss, reason = "a small factor")]
-    let times = factor as f64;
-    GeoRef::new(
-        (grid.x_min(), grid.y_max()),
-        (grid.cell_width() * times, grid.cell_height() * times),
-        (grid.n_rows().div_ceil(factor), grid.n_cols().div_ceil(factor)),
-        grid.crs().cloned(),
-    )
+    with_cells(grid, |side| side * factor as f64, (grid.n_rows().div_ceil(factor), grid.n_cols().div_ceil(factor)))
+}
+
+/// A grid of cells of other sides from the same north-west corner.
+fn with_cells(grid: &GeoRef, side: impl Fn(f64) -> f64, shape: (usize, usize)) -> Option<GeoRef> {
+    let cell = (side(grid.cell_width()), side(grid.cell_height()));
+    GeoRef::new((grid.x_min(), grid.y_max()), cell, shape, grid.crs().cloned())
 }
 
 /// The coarse cells of which all fine ones are in a set.
@@ -136,7 +139,7 @@ fn all_of(fine: &BitGrid, (n_rows, n_cols): (usize, usize), factor: usize) -> Bi
             .filter(|col| !fine.contains(row, *col))
             .for_each(|col| others.insert(row / factor, col / factor));
     }
-    BitGrid::full(n_rows, n_cols).xor(&others)
+    others.complement()
 }
 
 /// Cells without data have a height where something blocks there; it counts where there is no other.
@@ -181,7 +184,6 @@ fn mean(tops: impl Iterator<Item = i32>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city::{BuiltUp, BuiltUpCity};
 
     fn raster(n_rows: usize, n_cols: usize, tops: Vec<i32>, ground: Ground) -> HeightField {
         let grid = GeoRef::new((100.0, 50.0), (1.0, 2.0), (n_rows, n_cols), None).expect("a valid grid");
@@ -214,28 +216,5 @@ mod tests {
         let field = HeightField::build(&grid, solids).field;
         let tops = |pooling| field.coarser(2, pooling).expect("a raster").columns().expect("columns").tops().to_vec();
         assert_eq!((tops(Pooling::Mean), tops(Pooling::Maximum)), (vec![20, 4], vec![20, 5]));
-    }
-
-    #[test]
-    fn a_cell_that_blocks_everything_still_does() {
-        let field = raster(1, 2, vec![BLOCKS_ALL, 0], Ground::Surface);
-        for pooling in [Pooling::Maximum, Pooling::Mean] {
-            let coarse = field.coarser(2, pooling).expect("a raster");
-            assert_eq!(coarse.columns().expect("columns").tops(), [BLOCKS_ALL]);
-        }
-    }
-
-    #[test]
-    fn footprints_become_the_raster_of_their_roofs() {
-        let built_up = BuiltUp::new(0.3, 500.0, 15.0).expect("valid parameters");
-        let scene = BuiltUpCity { built_up, size_m: 90.0, margin_m: 0.0, cell_m: 1.0, seed: 4, ground_m: 7.0 }
-            .city()
-            .expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids).field;
-        let raster = field.rasterized().expect("footprints");
-        assert_eq!((raster.surface_m(), raster.cells()), (field.surface_m(), field.cells()));
-        let fewer = field.with_coarser_receivers(4).expect("footprints");
-        assert_eq!((fewer.grid().n_cols(), fewer.grid().n_rows()), (23, 23));
-        assert_eq!(fewer.prisms().map(|p| p.pieces().len()), field.prisms().map(|p| p.pieces().len()));
     }
 }

@@ -37,9 +37,6 @@ impl Eq for Columns {}
 
 impl Columns {
     /// Columns from their tops \[1/1024 m above the datum\], row by row from the north-west cell; [`VOID`] blocks nothing.
-    ///
-    /// # Panics
-    /// If the number of tops is not `n_rows · n_cols`, or a shape is zero.
     pub fn new(n_rows: usize, n_cols: usize, tops: impl Into<LargeVec<i32>>) -> Self {
         let tops = tops.into();
         assert!(n_rows > 0 && n_cols > 0 && tops.len() == n_rows * n_cols, "one top per cell");
@@ -54,7 +51,7 @@ impl Columns {
 
     /// The same with cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
     #[must_use]
-    pub fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
+    pub(crate) fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
         self.steps = steps;
         self
     }
@@ -66,7 +63,7 @@ impl Columns {
     }
 
     /// Whether a cell has 1024 × 1024 lattice steps, as the engines for whole rasters reckon with.
-    pub fn has_unit_cells(&self) -> bool {
+    pub(crate) fn has_unit_cells(&self) -> bool {
         self.steps == [CELL; 2]
     }
 
@@ -82,18 +79,18 @@ impl Columns {
 
     /// Top of the cell at an index into [`Columns::tops`], which need not be in memory as a whole for it.
     #[inline]
-    pub fn top_at(&self, index: usize) -> i32 {
+    pub(crate) fn top_at(&self, index: usize) -> i32 {
         self.tops.value(index)
     }
 
     /// Copies tops from an index into [`Columns::tops`] on, all in one row, which need not be in memory as a whole for it.
     #[inline]
-    pub fn copy_tops(&self, first: usize, out: &mut [i32]) {
+    pub(crate) fn copy_tops(&self, first: usize, out: &mut [i32]) {
         self.tops.copy(first, out);
     }
 
     /// All tops, if they are in memory one by one.
-    pub fn tops_in_memory(&self) -> Option<&[i32]> {
+    pub(crate) fn tops_in_memory(&self) -> Option<&[i32]> {
         self.tops.in_memory()
     }
 
@@ -125,7 +122,7 @@ impl Columns {
     }
 
     /// The lowest top, [`VOID`] if any cell is void.
-    pub fn min_top(&self) -> i32 {
+    pub(crate) fn min_top(&self) -> i32 {
         self.extremes.0
     }
 
@@ -167,23 +164,5 @@ impl Columns {
         let ((west, east), (south, north)) = (touching(x, self.steps[0]), touching(y, self.steps[1]));
         let lowest = [(west, south), (west, north), (east, south), (east, north)].map(|(e, n)| self.top(e, n));
         lowest.into_iter().min().unwrap_or(VOID)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_run_north_to_south_and_the_origin_is_the_south_west_corner() {
-        let columns = Columns::new(2, 3, vec![1, 2, 3, 4, 5, 6]);
-        assert_eq!(columns.top(0, 0), 4);
-        assert_eq!(columns.top(2, 1), 3);
-        assert_eq!(columns.top(3, 0), VOID);
-        assert_eq!(columns.top(-1, 0), VOID);
-        assert_eq!(columns.center(0, 1), (1536, 1536));
-        assert_eq!(columns.cell_at(1024, 0), Some(4));
-        assert_eq!((columns.min_top(), columns.max_top()), (1, 6));
-        assert_eq!(Columns::new(1, 2, vec![VOID, 3]).min_top(), VOID);
     }
 }

@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 
 use super::positions::RangeLattice;
-use super::solid::{Below, RasterSolid, Solid, VectorGround};
+use super::solid::{RasterSolid, Solid, VectorGround};
 use super::{Columns, GridPositions, Place, Plateaus, Prisms, cell_frame};
+use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
 
@@ -49,7 +50,7 @@ impl HeightField {
     }
 
     /// Whether the cells of the columns are those of the receivers' grid.
-    pub fn columns_are_on_grid(&self) -> bool {
+    pub(crate) fn columns_are_on_grid(&self) -> bool {
         self.solid.columns().is_some_and(|(columns, frame)| {
             let shape = (columns.n_rows(), columns.n_cols());
             let of_grid = match self.prisms_frame() {
@@ -62,20 +63,18 @@ impl HeightField {
 
     /// Whether the engine for whole rasters can decide over the columns: receivers stand at the centers of their cells, which
     /// have as many lattice steps as it reckons with.
-    pub fn columns_can_be_swept(&self) -> bool {
+    pub(crate) fn columns_can_be_swept(&self) -> bool {
         let Some(columns) = self.columns().filter(|_| self.columns_are_on_grid()) else { return false };
-        let positions = self.positions();
-        let mut centers = (0..columns.n_cols()).map(|col| columns.center(0, col).0);
-        let mut middles = (0..columns.n_rows()).map(|row| columns.center(row, 0).1);
+        let (xs, ys) = self.positions().on_columns();
         columns.has_unit_cells()
-            && positions.columns_xs().all(|x| centers.next() == Some(x))
-            && positions.columns_ys().all(|y| middles.next() == Some(y))
+            && xs.into_iter().eq((0..columns.n_cols()).map(|col| columns.center(0, col).0))
+            && ys.into_iter().eq((0..columns.n_rows()).map(|row| columns.center(row, 0).1))
     }
 
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
     /// known.
     pub fn plateaus(&self) -> Option<&Plateaus> {
-        let raster = self.solid.raster().filter(|raster| !matches!(raster.below, Below::Terrain { .. }))?;
+        let raster = self.solid.raster().filter(|raster| !matches!(raster.ground, Ground::Terrain(_)))?;
         Some(&raster.columns).filter(|_| self.columns_are_on_grid())?.plateaus()
     }
 
@@ -117,7 +116,7 @@ impl HeightField {
 
     /// Whether receivers stand on a surface model because nothing below it is known.
     pub fn is_surface_only(&self) -> bool {
-        self.solid.raster().is_some_and(|raster| matches!(raster.below, Below::Surface))
+        self.solid.raster().is_some_and(|raster| matches!(raster.ground, Ground::Surface))
     }
 
     /// What a cell is; `place` is its center.
@@ -147,18 +146,12 @@ impl HeightField {
         if top == VOID || top == BLOCKS_ALL || self.without_data.as_ref().is_some_and(is_void) {
             return (None, None);
         }
-        let parts = |ground: i32, threshold: i32| {
-            let is_building = ground != VOID && i64::from(top) - i64::from(ground) > i64::from(threshold);
-            (Some(if is_building { ground } else { top }), is_building.then_some(top))
-        };
         match &self.solid {
+            Solid::Raster(raster) if matches!(raster.kind_of(top, cell), CellKind::Building(_)) => {
+                (raster.ground_of(cell), Some(top))
+            }
             // Under footprints the columns are the terrain.
-            Solid::Vector(_) => (Some(top), None),
-            Solid::Raster(raster) => match &raster.below {
-                Below::Surface => (Some(top), None),
-                Below::Flat { z, building_threshold } => parts(*z, *building_threshold),
-                Below::Terrain { tops, building_threshold } => parts(tops[cell], *building_threshold),
-            },
+            _ => (Some(top), None),
         }
     }
 
@@ -170,11 +163,11 @@ impl HeightField {
             _ => VOID,
         };
         match &self.solid {
-            Solid::Raster(raster) => match &raster.below {
-                Below::Surface => top_of(&raster.columns),
+            Solid::Raster(raster) => match &raster.ground {
+                Ground::Surface => top_of(&raster.columns),
                 // Ground that was typed has no end.
-                Below::Flat { z, .. } => *z,
-                Below::Terrain { tops, .. } => cell_of(&raster.columns).map_or(VOID, |cell| tops[cell]),
+                Ground::Flat(z) => *z,
+                Ground::Terrain(terrain) => cell_of(&raster.columns).map_or(VOID, |cell| terrain.cells()[cell]),
             },
             Solid::Vector(vector) => match &vector.ground {
                 VectorGround::Flat(z) => *z,
@@ -303,31 +296,34 @@ impl HeightField {
     }
 
     /// The cell centers of any grid on the lattices.
-    pub fn positions_on(&self, grid: &GeoRef) -> GridPositions {
+    pub(crate) fn positions_on(&self, grid: &GeoRef) -> GridPositions {
         GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
     }
 }
 
 impl RasterSolid {
+    /// The ground below a cell, if it is known apart from the surface.
+    fn ground_of(&self, cell: usize) -> Option<i32> {
+        match &self.ground {
+            Ground::Surface => None,
+            Ground::Flat(z) => Some(*z),
+            Ground::Terrain(terrain) => Some(terrain.cells()[cell]),
+        }
+    }
+
     /// What a cell is, given the top of its column.
     #[inline]
     pub(super) fn kind_of(&self, top: i32, cell: usize) -> CellKind {
         if top == VOID || top == BLOCKS_ALL {
             return CellKind::Void;
         }
-        let above = |ground: i32, threshold: i32| {
-            if ground == VOID {
-                CellKind::Void
-            } else if i64::from(top) - i64::from(ground) > i64::from(threshold) {
+        match self.ground_of(cell) {
+            None => CellKind::Open(top),
+            Some(VOID) => CellKind::Void,
+            Some(ground) if i64::from(top) - i64::from(ground) > i64::from(self.building_threshold) => {
                 CellKind::Building(top)
-            } else {
-                CellKind::Open(ground)
             }
-        };
-        match &self.below {
-            Below::Surface => CellKind::Open(top),
-            Below::Flat { z, building_threshold } => above(*z, *building_threshold),
-            Below::Terrain { tops, building_threshold } => above(tops[cell], *building_threshold),
+            Some(ground) => CellKind::Open(ground),
         }
     }
 }

@@ -89,7 +89,7 @@ impl KnownGround {
                 cols.for_each(|col| built.insert(row, col));
             });
         }
-        let closed = filled(&complement(&grown(&complement(&grown(&built, reach)), reach)));
+        let closed = filled(&grown(&grown(&built, reach).complement(), reach).complement());
         Some(KnownGround::Cells(KnownCells { frame: *frame, corner: [x0, y0], side: steps, cells: closed }))
     }
 
@@ -107,7 +107,7 @@ impl KnownGround {
     /// The cells of a grid of receivers whose centers it does not hold.
     pub(super) fn outside(&self, receivers: &GeoRef) -> BitGrid {
         match self {
-            KnownGround::Area(area) => complement(&area.cells(receivers)),
+            KnownGround::Area(area) => area.cells(receivers).complement(),
             KnownGround::Cells(known) => {
                 let col = |col| known.col_at(receivers.world_from_cell(0, col).0);
                 let cols: Vec<Option<usize>> = (0..receivers.n_cols()).map(col).collect();
@@ -168,15 +168,10 @@ fn grown(set: &BitGrid, radius: u16) -> BitGrid {
     grown
 }
 
-/// The cells that are not in a set.
-fn complement(set: &BitGrid) -> BitGrid {
-    BitGrid::full(set.n_rows(), set.n_cols()).xor(set)
-}
-
 /// A set with what it encloses: the parts of its complement that do not reach the border of the grid.
 fn filled(set: &BitGrid) -> BitGrid {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
-    let (labels, sizes) = labelled_parts(&complement(set));
+    let (labels, sizes) = labelled_parts(&set.complement());
     let mut is_open = vec![false; sizes.len()];
     for cell in 0..labels.len() {
         let (row, col) = (cell / n_cols, cell % n_cols);
@@ -209,7 +204,7 @@ mod tests {
 
     fn known(footprints: &[Footprint], receivers: &GeoRef) -> BitGrid {
         let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
-        complement(&KnownGround::near(footprints, &frame, receivers).expect("footprints").outside(receivers))
+        KnownGround::near(footprints, &frame, receivers).expect("footprints").outside(receivers).complement()
     }
 
     #[test]

@@ -91,27 +91,11 @@ fn join(p: &Ring, q: &Ring, a: [i32; 2], b: [i32; 2]) -> Option<Ring> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rings::doubled_area;
     use super::*;
+    use crate::overlay::doubled_area;
 
     fn rectangle(x0: i32, y0: i32, x1: i32, y1: i32) -> Ring {
         vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
-    }
-
-    #[test]
-    fn a_row_of_houses_becomes_one_ring_and_one_that_stands_back_stays() {
-        let row = vec![rectangle(0, 0, 5, 9), rectangle(5, 0, 9, 9), rectangle(9, 0, 20, 9), rectangle(20, 1, 25, 9)];
-        let mut found = merged(row);
-        found.sort_unstable();
-        assert_eq!(found.len(), 2);
-        assert_eq!(doubled_area(&found[0]), 2 * 180);
-        assert_eq!(found[0].len(), 4);
-    }
-
-    #[test]
-    fn rings_on_the_same_side_of_an_edge_are_not_joined() {
-        let rings = vec![rectangle(0, 0, 5, 9), rectangle(0, 0, 5, 4)];
-        assert_eq!(merged(rings.clone()), rings);
     }
 
     #[test]

@@ -249,27 +249,4 @@ mod tests {
         assert_eq!(found.prisms().solid_below(5 * 1024, 510 * 1024), 50);
         assert_eq!(found.prisms().solid_below(5 * 1024, 491 * 1024), VOID);
     }
-
-    #[test]
-    fn the_ground_is_what_most_cells_are_not_the_bottom_of_a_pit() {
-        let found = Plateaus::if_few(&raster(&[((3, 9), (5, 8), -4), ((20, 40), (100, 130), 90)]).into(), 600);
-        let found = found.expect("few plateaus");
-        assert_eq!((found.lowest(), found.ground(), found.apart().len()), (-4, 7, 2));
-        assert!(found.raised().len() > 4);
-        // Half of the raster higher than the rest, in strips.
-        let strips: Vec<Rectangle> =
-            (0..50).zip([30, 32].into_iter().cycle()).map(|(k, top)| ((10 * k, 10 * k + 6), (0, 600), top)).collect();
-        assert!(Plateaus::if_few(&raster(&strips).into(), 600).is_none());
-    }
-
-    #[test]
-    fn small_noisy_or_blocking_rasters_have_none() {
-        assert!(Plateaus::if_few(&raster(&[]).into(), 600).is_some());
-        assert!(Plateaus::if_few(&vec![7; 1000].into(), 100).is_none());
-        assert!(Plateaus::of(&[7; 1000], 100).is_some());
-        assert!(Plateaus::of(&raster(&[((3, 4), (5, 6), BLOCKS_ALL)]), 600).is_none());
-        let noise: Vec<i32> = (0..512 * 600).map(|k: i32| k % 53).collect();
-        assert!(Plateaus::if_few(&noise.into(), 600).is_none());
-        assert!(Plateaus::of(&vec![VOID; 512 * 600], 600).is_none());
-    }
 }

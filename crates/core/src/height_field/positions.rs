@@ -16,7 +16,7 @@ pub struct Place {
 
 impl Place {
     /// A world position on the lattice of the cells of a grid, in a scene without prisms.
-    pub fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
+    pub(crate) fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
         Place { x, y, on_prisms: (0, 0), on_columns: cell_frame(grid).lattice_from_world(x, y) }
     }
 }
@@ -87,7 +87,7 @@ pub struct GridPositions {
 
 impl GridPositions {
     /// Those of the cells of a grid in a scene without prisms.
-    pub fn on_cells(grid: &GeoRef) -> Self {
+    pub(crate) fn on_cells(grid: &GeoRef) -> Self {
         GridPositions::new(grid, RangeLattice::of(grid, false), |x, y| Place::on_cells(grid, x, y))
     }
 
@@ -121,14 +121,14 @@ impl GridPositions {
         move |row, col| (self.xs[col].3 - x, self.ys[row].3 - y)
     }
 
-    /// Positions of the columns of cells on the columns' lattice, west to east.
-    pub fn columns_xs(&self) -> impl Iterator<Item = i64> {
-        self.xs.iter().map(|x| x.2)
+    /// Positions on the columns' lattice: of the columns of cells, west to east, and of their rows, north to south.
+    pub fn on_columns(&self) -> (Vec<i64>, Vec<i64>) {
+        (self.xs.iter().map(|x| x.2).collect(), self.ys.iter().map(|y| y.2).collect())
     }
 
-    /// Positions of the rows of cells on the columns' lattice, north to south.
-    pub fn columns_ys(&self) -> impl Iterator<Item = i64> {
-        self.ys.iter().map(|y| y.2)
+    /// Positions on the prisms' lattice: of the columns of cells, west to east, and of their rows, north to south.
+    pub fn on_prisms(&self) -> (Vec<i64>, Vec<i64>) {
+        (self.xs.iter().map(|x| x.1).collect(), self.ys.iter().map(|y| y.1).collect())
     }
 
     /// The center of a cell.
@@ -137,19 +137,9 @@ impl GridPositions {
         let ((x, prisms_x, columns_x, _), (y, prisms_y, columns_y, _)) = (self.xs[col], self.ys[row]);
         Place { x, y, on_prisms: (prisms_x, prisms_y), on_columns: (columns_x, columns_y) }
     }
-
-    /// Positions of the columns of cells on the prisms' lattice, west to east.
-    pub fn prisms_xs(&self) -> impl Iterator<Item = i64> {
-        self.xs.iter().map(|x| x.1)
-    }
-
-    /// Positions of the rows of cells on the prisms' lattice, north to south.
-    pub fn prisms_ys(&self) -> impl Iterator<Item = i64> {
-        self.ys.iter().map(|y| y.1)
-    }
 }
 
 /// The lattice of the columns over the cells of a grid, in a raster scene.
-pub fn cell_frame(georef: &GeoRef) -> Frame {
+pub(crate) fn cell_frame(georef: &GeoRef) -> Frame {
     CellLattice::of_cells(georef).frame
 }

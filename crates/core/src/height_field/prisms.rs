@@ -1,6 +1,7 @@
 //! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
 
 use super::casters::Casters;
+use crate::overlay::bounds_of;
 use crate::quantity::VOID;
 
 /// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat top.
@@ -57,9 +58,6 @@ impl Buckets {
 
 impl Prisms {
     /// Prisms from convex counterclockwise rings, each with its top and the index of its building.
-    ///
-    /// # Panics
-    /// If there are more than 2^32 vertices.
     pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
         let pieces: Vec<Piece> = pieces
@@ -91,7 +89,7 @@ impl Prisms {
     }
 
     /// The grid that finds pieces by place.
-    pub fn buckets(&self) -> &Buckets {
+    pub(crate) fn buckets(&self) -> &Buckets {
         &self.buckets
     }
 
@@ -119,7 +117,7 @@ impl Prisms {
     /// if the position is not interior to the union of the footprints.
     ///
     /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
-    pub fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
+    pub(crate) fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
         /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
         struct Sector {
             from: [i64; 2],
@@ -209,12 +207,7 @@ fn shortest(direction: [i64; 2]) -> [i64; 2] {
 /// Buckets sized so that there is about one for every piece, between 8 m and 256 m.
 fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
     let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
-    let bounds = |ring: &[[i32; 2]]| {
-        ring.iter().fold([i64::MAX, i64::MAX, i64::MIN, i64::MIN], |[x0, y0, x1, y1], v| {
-            let (x, y) = (i64::from(v[0]), i64::from(v[1]));
-            [x0.min(x), y0.min(y), x1.max(x), y1.max(y)]
-        })
-    };
+    let bounds = |ring: &[[i32; 2]]| bounds_of(ring).map(i64::from);
     if pieces.is_empty() {
         return Buckets {
             origin: (0, 0),
@@ -269,23 +262,4 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
         next[bucket] += 1;
     });
     Buckets { origin, size, shape, start, items, max_tops }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::overlay::Ring;
-
-    fn square(x: i32, y: i32, edge: i32) -> Ring {
-        vec![[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]]
-    }
-
-    #[test]
-    fn the_roof_of_a_point_on_an_edge_is_the_one_to_its_north_east() {
-        let prisms = Prisms::new([(square(0, 0, 100), 30, 0), (square(100, 0, 100), 20, 1)]);
-        assert_eq!(prisms.roof_at(100, 50), Some((20, 1)));
-        assert_eq!(prisms.roof_at(0, 0), Some((30, 0)));
-        assert_eq!(prisms.roof_at(200, 50), None);
-        assert_eq!(prisms.roof_at(50, 100), None);
-    }
 }

@@ -1,12 +1,6 @@
-//! Turns and areas of rings on the lattice, exactly.
+//! Turns of rings on the lattice, exactly.
 
 use crate::overlay::Ring;
-
-/// Twice the area between a ring and its winding: positive counterclockwise.
-pub(super) fn doubled_area(ring: &[[i32; 2]]) -> i128 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| i128::from(a[0]) * i128::from(b[1]) - i128::from(b[0]) * i128::from(a[1])).sum()
-}
 
 /// Twice the signed area of the triangle `a`, `b`, `c`. Coordinates differ by at most 2^28, so this is exact.
 pub(super) fn turn(a: [i32; 2], b: [i32; 2], c: [i32; 2]) -> i64 {

@@ -12,14 +12,7 @@ impl HeightField {
     ///
     /// Cost: the rows that each edge of a piece passes, and the cells in each piece.
     pub(super) fn find_roofs(&mut self) {
-        if let Some(prisms) = self.prisms() {
-            let roofs = self.roofs_of(prisms);
-            self.set_roofs(roofs);
-        }
-    }
-
-    /// Says what the roofs of a vector scene are.
-    pub(super) fn set_roofs(&mut self, roofs: Vec<i32>) {
+        let Some(roofs) = self.prisms().map(|prisms| self.roofs_of(prisms)) else { return };
         if let Solid::Vector(vector) = &mut self.solid {
             vector.roofs = roofs;
         }
@@ -28,7 +21,8 @@ impl HeightField {
     fn roofs_of(&self, prisms: &Prisms) -> Vec<i32> {
         let mut roofs = vec![VOID; self.grid.n_cells()];
         let positions = self.positions();
-        let centers = Centers { xs: positions.prisms_xs().collect(), ys: positions.prisms_ys().collect() };
+        let (xs, ys) = positions.on_prisms();
+        let centers = Centers { xs, ys };
         let n_cols = self.grid.n_cols();
         let mut on_an_edge = BitGrid::new(self.grid.n_rows(), n_cols);
         for piece in prisms.pieces() {

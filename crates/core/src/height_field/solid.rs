@@ -2,8 +2,8 @@
 
 use super::known_ground::KnownGround;
 use super::{Columns, Prisms};
+use crate::city::Ground;
 use crate::quantity::Frame;
-use crate::raster::LargeVec;
 
 /// The solids of a scene, of one kind or the other.
 #[derive(Debug, Clone)]
@@ -18,18 +18,10 @@ pub(super) enum Solid {
 pub(super) struct RasterSolid {
     pub(super) columns: Columns,
     pub(super) frame: Frame,
-    pub(super) below: Below,
-}
-
-/// What lies below the surface of a raster scene; a cell more than the threshold above it is a building.
-#[derive(Debug, Clone)]
-pub(super) enum Below {
-    /// Nothing that is known: receivers stand on the surface.
-    Surface,
-    /// A plane.
-    Flat { z: i32, building_threshold: i32 },
-    /// A terrain, cell by cell.
-    Terrain { tops: LargeVec<i32>, building_threshold: i32 },
+    /// What lies below the surface; a terrain is on the same grid.
+    pub(super) ground: Ground,
+    /// A cell more than this above the ground is a building \[1/1024 m\].
+    pub(super) building_threshold: i32,
 }
 
 /// A vector scene: prisms on the ground. A wall that they happen to share with the terrain is not joined.

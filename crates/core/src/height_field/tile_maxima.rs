@@ -42,12 +42,12 @@ impl TileMaxima {
     }
 
     /// All maxima, row by row from the north-west tile.
-    pub fn maxima(&self) -> &[i32] {
+    pub(crate) fn maxima(&self) -> &[i32] {
         &self.maxima
     }
 
     /// The lowest and the highest value of all cells; `(i32::MAX, i32::MIN)` without cells.
-    pub fn extremes(&self) -> (i32, i32) {
+    pub(crate) fn extremes(&self) -> (i32, i32) {
         (self.lowest, self.highest)
     }
 }

@@ -6,13 +6,11 @@
 //! are integers far below 2^53, so spade's predicates see them exactly, and the outcome is checked in integers: twice
 //! the area of the pieces equals twice the area of the polygon.
 
-use std::collections::HashMap;
-
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::Triangulation;
 
 use super::merge::merged;
-use super::rings::{doubled_area, turn, without_collinear};
-use crate::overlay::Ring;
+use super::rings::{turn, without_collinear};
+use crate::overlay::{Ring, corners_and_edges, doubled_area, inside_faces, triangulated};
 
 /// The outcome of [`convex_pieces`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,80 +61,25 @@ fn counterclockwise(mut ring: Ring) -> Ring {
 
 /// The triangles inside, or `None` if the triangulation does not cover the polygon exactly.
 fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
-    let mut index: HashMap<[i32; 2], usize> = HashMap::new();
-    let mut points = Vec::new();
-    let mut edges: Vec<[usize; 2]> = Vec::new();
-    for contour in contours {
-        let ids: Vec<usize> = contour
-            .iter()
-            .map(|&p| {
-                *index.entry(p).or_insert_with(|| {
-                    points.push(p);
-                    points.len() - 1
-                })
-            })
-            .collect();
-        let next = ids.iter().cycle().skip(1);
-        edges.extend(ids.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]));
-    }
-    if points.len() < 3 {
+    let (corners, edges) = corners_and_edges(contours);
+    if corners.len() < 3 {
         return Some(Vec::new());
     }
-    let vertices = points.iter().map(|p| Point2::new(f64::from(p[0]), f64::from(p[1]))).collect();
-    let mut conflict = false;
-    let triangulation =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| conflict = true)
-            .ok()?;
-    if conflict {
+    let points: Vec<[f64; 2]> = corners.iter().map(|p| p.map(f64::from)).collect();
+    let (triangulation, _) = triangulated(&points, edges).filter(|(_, are_apart)| *are_apart)?;
+    let (inside, is_consistent) = inside_faces(&triangulation);
+    if !is_consistent {
         return None;
     }
-
-    // Flood from the outer face; crossing a constraint edge changes sides.
-    let mut inside: Vec<Option<bool>> = vec![None; triangulation.num_all_faces()];
-    let outer = triangulation.outer_face().fix();
-    inside[outer.index()] = Some(false);
-    let mut queue: Vec<_> = Vec::new();
-    let neighbors = |edge: spade::handles::DirectedEdgeHandle<'_, _, _, _, _>, here: bool| {
-        let crossed = edge.as_undirected().is_constraint_edge();
-        (edge.rev().face().fix(), here != crossed)
-    };
-    for edge in triangulation.convex_hull() {
-        // Hull edges belong to the outer face.
-        let (face, side) = neighbors(edge, false);
-        if inside[face.index()].is_none() {
-            inside[face.index()] = Some(side);
-            queue.push(face);
-        }
-    }
-    while let Some(face) = queue.pop() {
-        let Some(triangle) = triangulation.face(face).as_inner() else { continue };
-        let here = inside[face.index()]?;
-        for edge in triangle.adjacent_edges() {
-            let (next, side) = neighbors(edge, here);
-            match inside[next.index()] {
-                None => {
-                    inside[next.index()] = Some(side);
-                    queue.push(next);
-                }
-                Some(known) if known != side => return None,
-                Some(_) => {}
-            }
-        }
-    }
-
     let pieces: Vec<Ring> = triangulation
         .inner_faces()
-        .filter(|face| inside[face.fix().index()] == Some(true))
-        .map(|face| counterclockwise(face.vertices().map(|v| points[v.fix().index()]).to_vec()))
+        .filter(|face| inside[face.fix().index()])
+        .map(|face| counterclockwise(face.vertices().map(|v| corners[v.fix().index()]).to_vec()))
         .collect();
     let covered: i128 = pieces.iter().map(|p| doubled_area(p)).sum();
-    (covered == polygon_doubled_area(contours)).then_some(pieces)
-}
-
-/// Twice the area of a polygon: that of its shell, which comes first, less that of its holes.
-fn polygon_doubled_area(contours: &[Ring]) -> i128 {
     let area = |ring: &Ring| doubled_area(ring).abs();
-    contours.first().map_or(0, area) - contours.iter().skip(1).map(area).sum::<i128>()
+    let of_polygon = contours.first().map_or(0, area) - contours.iter().skip(1).map(area).sum::<i128>();
+    (covered == of_polygon).then_some(pieces)
 }
 
 /// The convex hull, counterclockwise (Andrew 1979, monotone chain).
@@ -168,12 +111,6 @@ mod tests {
             ConvexPieces::Exact(pieces) => pieces,
             ConvexPieces::Hull(_) => panic!("fell back to the hull"),
         }
-    }
-
-    #[test]
-    fn a_rectangle_stays_one_piece_whatever_its_winding_and_extra_vertices() {
-        let clockwise = vec![[0, 0], [0, 5], [0, 10], [20, 10], [20, 0]];
-        assert_eq!(exact(&[clockwise]), vec![vec![[20, 0], [20, 10], [0, 10], [0, 0]]]);
     }
 
     #[test]

@@ -41,8 +41,8 @@ impl<'a> Engine<'a> {
     /// The engine of a method over the solids of a field.
     fn new(field: &'a HeightField, method: Method, positions: &GridPositions) -> Result<Self, WrongMethod> {
         let shadows = |prisms| {
-            let grid = ShadowGrid::new(positions.prisms_xs().collect(), positions.prisms_ys().collect());
-            PrismShadows { prisms, grid }
+            let (xs, ys) = positions.on_prisms();
+            PrismShadows { prisms, grid: ShadowGrid::new(xs, ys) }
         };
         Ok(match (method, field.prisms(), field.columns()) {
             (Method::Ray, ..) => Engine::Ray,
@@ -56,8 +56,8 @@ impl<'a> Engine<'a> {
             }
             (Method::Shadow, None, Some(columns)) => match field.plateaus() {
                 Some(plateaus) => {
-                    let grid = ShadowGrid::new(positions.columns_xs().collect(), positions.columns_ys().collect());
-                    Engine::Plateaus(columns, plateaus, grid)
+                    let (xs, ys) = positions.on_columns();
+                    Engine::Plateaus(columns, plateaus, ShadowGrid::new(xs, ys))
                 }
                 // A raster that was changed may have none any more.
                 None => Engine::Sweep(columns),
@@ -86,11 +86,13 @@ pub struct GridLos<'a> {
     method: Method,
     engine: Engine<'a>,
     positions: GridPositions,
-    /// What casts shadows, if not all prisms do.
-    casters: Option<Arc<Casters>>,
-    level: SimdLevel,
-    /// Whether shadows are cast in one band of rows, by one thread.
-    is_one_band: bool,
+    /// What casts shadows, if not all prisms do: none that is left out can hide a receiver that will be asked about.
+    pub(crate) casters: Option<Arc<Casters>>,
+    /// The vector instructions that it uses: no result depends on them.
+    pub level: SimdLevel,
+    /// Whether shadows are cast in one band of rows, by one thread: that costs less in all where many UAVs are decided at
+    /// once, and no result depends on it.
+    pub(crate) is_one_band: bool,
     /// What the last UAV that was asked about has in view of plateaus: no result depends on it.
     last_view: Arc<Mutex<Option<Arc<PlateauView>>>>,
 }
@@ -114,28 +116,6 @@ impl<'a> GridLos<'a> {
         })
     }
 
-    /// The same with other vector instructions: no result depends on them.
-    #[must_use]
-    pub fn with_level(mut self, level: SimdLevel) -> Self {
-        self.level = level;
-        self
-    }
-
-    /// The same with the shadows of each UAV cast by one thread, which costs less in all where many UAVs are decided at
-    /// once: no result depends on it.
-    #[must_use]
-    pub fn in_one_band(mut self) -> Self {
-        self.is_one_band = true;
-        self
-    }
-
-    /// The same with shadows of some casters alone, where no other can hide a receiver that will be asked about.
-    #[must_use]
-    pub fn with_casters(mut self, casters: Arc<Casters>) -> Self {
-        self.casters = Some(casters);
-        self
-    }
-
     /// The engine in use.
     pub fn method(&self) -> Method {
         self.method
@@ -148,7 +128,7 @@ impl<'a> GridLos<'a> {
 
     /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as receivers see them; `None` unless the
     /// engine is `shadow` over prisms alone.
-    pub fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
+    pub(crate) fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
         let Engine::Shadow(PrismShadows { prisms, .. }) = &self.engine else { return None };
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
@@ -156,7 +136,7 @@ impl<'a> GridLos<'a> {
 
     /// Whether receivers are decided by one level of shadows, or by the shadows of plateaus: at a cost that grows with the
     /// rows that are asked for.
-    pub fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
+    pub(crate) fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
         match &self.engine {
             Engine::Shadow(_) => receivers.level().is_some(),
             Engine::Plateaus(columns, plateaus, _) => on_plateaus(columns, plateaus, uav, receivers).is_some(),

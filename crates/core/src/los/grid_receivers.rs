@@ -66,7 +66,7 @@ impl<'a> GridReceivers<'a> {
     }
 
     /// Copies what receivers stand on in cells of one row, from cell `first` on.
-    pub fn copy_bases(&self, first: usize, out: &mut [i32]) {
+    pub(crate) fn copy_bases(&self, first: usize, out: &mut [i32]) {
         match &self.stands_on {
             StandsOn::Flat(z) => out.fill(*z),
             StandsOn::Cells(heights) => out.copy_from_slice(&heights[first..first + out.len()]),

@@ -46,6 +46,21 @@ pub enum Method {
     R2,
 }
 
+impl MethodChoice {
+    /// The engine that it names; `None` for the fastest one.
+    pub fn method(self) -> Option<Method> {
+        Some(match self {
+            MethodChoice::Auto => return None,
+            MethodChoice::Ray => Method::Ray,
+            MethodChoice::Sweep => Method::Sweep,
+            MethodChoice::Shadow => Method::Shadow,
+            MethodChoice::Step(length) => Method::Step(length),
+            MethodChoice::Xdraw => Method::Xdraw,
+            MethodChoice::R2 => Method::R2,
+        })
+    }
+}
+
 impl std::str::FromStr for MethodChoice {
     type Err = String;
 
@@ -88,9 +103,6 @@ pub struct WrongMethod {
 
 impl Method {
     /// The method that a choice comes to on a scene, and why.
-    ///
-    /// # Errors
-    /// If the choice names an engine for another kind of scene.
     pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
             (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
@@ -107,24 +119,17 @@ impl Method {
             }
             (false, _) => (Method::Sweep, "a raster: one sweep over its cells"),
         };
-        let is_raster = field.prisms().is_none();
-        match (choice, auto.0) {
-            (MethodChoice::Auto, _) => Ok(auto),
-            (MethodChoice::Ray, _) => Ok((Method::Ray, "asked for")),
-            (MethodChoice::Sweep, _) if is_raster => Ok((Method::Sweep, "asked for")),
-            (MethodChoice::Step(length), _) if is_raster => Ok((Method::Step(length), "asked for")),
-            (MethodChoice::Xdraw, _) if is_raster => Ok((Method::Xdraw, "asked for")),
-            (MethodChoice::R2, _) if is_raster => Ok((Method::R2, "asked for")),
-            (MethodChoice::Shadow, Method::Shadow | Method::ShadowSweep | Method::ShadowRay) => {
-                Ok((auto.0, "asked for"))
-            }
-            (MethodChoice::Sweep | MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2, _) => {
-                Err(WrongMethod { why: "footprints are no raster", instead: auto.0 })
-            }
-            (MethodChoice::Shadow, _) => Err(WrongMethod {
+        let Some(method) = choice.method() else { return Ok(auto) };
+        let is_cast = matches!(auto.0, Method::Shadow | Method::ShadowSweep | Method::ShadowRay);
+        match method {
+            Method::Shadow if is_cast => Ok((auto.0, "asked for")),
+            Method::Shadow => Err(WrongMethod {
                 why: "no raster of few flat blocks on flat ground (of 512 × 512 cells or more)",
                 instead: auto.0,
             }),
+            Method::Ray => Ok((method, "asked for")),
+            _ if field.prisms().is_none() => Ok((method, "asked for")),
+            _ => Err(WrongMethod { why: "footprints are no raster", instead: auto.0 }),
         }
     }
 

@@ -48,7 +48,8 @@ pub use columns_ray::{
 };
 pub use grid_los::GridLos;
 pub use grid_receivers::GridReceivers;
-pub use link::{link_least_heights, link_least_receiver_heights, link_least_step, link_los};
+pub(crate) use link::{link_least_heights, link_least_step};
+pub use link::{link_least_receiver_heights, link_los};
 pub use method::{Method, MethodChoice, WrongMethod};
 pub use obstruction::{LeastHeight, Obstruction};
 pub use prisms_ray::{

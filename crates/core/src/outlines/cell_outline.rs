@@ -8,7 +8,7 @@ const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 /// The outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north from the south-west corner of
 /// the grid; the set is on the left. Each ring begins at its first corner from the south-west. Cells that touch only at a
 /// corner have outlines of their own.
-pub fn traced_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
+pub(crate) fn traced_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let width = n_cols + 1;
     // One bit per direction in which an outline leaves a corner.

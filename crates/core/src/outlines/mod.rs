@@ -5,7 +5,8 @@ mod cell_parts;
 mod overlapped_cells;
 mod simpler_rings;
 
-pub use cell_outline::traced_around;
-pub use cell_parts::{CellPart, cell_parts, labelled_parts, n_cell_parts};
+pub(crate) use cell_outline::traced_around;
+pub use cell_parts::{CellPart, labelled_parts};
+pub(crate) use cell_parts::{cell_parts, doubled_cells, n_cell_parts};
 pub use overlapped_cells::{covered_shares, overlapped_cells};
-pub use simpler_rings::simpler_rings;
+pub(crate) use simpler_rings::{distance, simpler_rings};

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use crate::overlay::doubled_area;
+
 /// Calls `visit` with a row, counted from the north, and columns of it that the polygons overlap with positive area.
 ///
 /// Rings hold positions from the south-west corner of the grid, in steps of which a cell has `steps` along each axis; each
@@ -95,7 +97,7 @@ pub fn covered_shares(
     // Edges with the sign of their ring, by the row in which they begin.
     let mut to_come: Vec<(f64, [i64; 2], [i64; 2])> = Vec::new();
     for (k, ring) in polygons.iter().flat_map(|rings| rings.iter().enumerate()) {
-        let sign = if is_counterclockwise(ring) == (k == 0) { 1.0 } else { -1.0 };
+        let sign = if (doubled_area(ring) > 0) == (k == 0) { 1.0 } else { -1.0 };
         to_come.extend(edges(ring).filter(|(a, b)| a[1] != b[1]).map(|(a, b)| (sign, a, b)));
     }
     to_come.sort_by_key(|(_, a, b)| std::cmp::Reverse(a[1].min(b[1])));
@@ -151,11 +153,6 @@ fn add_edge(x: (f64, f64), height: f64, heights: &mut [f64], areas: &mut [f64]) 
         heights[col] += part;
         areas[col] += part * (right - 0.5 * (from + to));
     }
-}
-
-fn is_counterclockwise(ring: &[[i64; 2]]) -> bool {
-    let turn = |(a, b): ([i64; 2], [i64; 2])| i128::from(a[0]) * i128::from(b[1]) - i128::from(b[0]) * i128::from(a[1]);
-    edges(ring).map(turn).sum::<i128>() > 0
 }
 
 /// The edges of a ring, which is not closed.

@@ -19,7 +19,7 @@ const BUCKET: i64 = 8;
 /// neither themselves nor each other. Their order and winding are kept.
 ///
 /// Cost: O(n log n) for n corners, times the corners between two that are kept.
-pub fn simpler_rings(rings: &[Vec<[usize; 2]>], cell_m: (f64, f64), tolerance_m: f64) -> Vec<Vec<[usize; 2]>> {
+pub(crate) fn simpler_rings(rings: &[Vec<[usize; 2]>], cell_m: (f64, f64), tolerance_m: f64) -> Vec<Vec<[usize; 2]>> {
     let mut work = Work::new(rings, cell_m, tolerance_m);
     let mut open: BinaryHeap<Reverse<(i64, usize, u32)>> = (0..work.corners.len()).map(|k| work.entry(k)).collect();
     while let Some(Reverse((_, corner, version))) = open.pop() {
@@ -162,8 +162,8 @@ fn is_in(p: [i64; 2], [a, b, c]: [[i64; 2]; 3]) -> bool {
     sides.iter().all(|s| *s >= 0) || sides.iter().all(|s| *s <= 0)
 }
 
-/// From a point to a segment.
-fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Distance of a point from a segment.
+pub(crate) fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let squared = ab[0] * ab[0] + ab[1] * ab[1];
     let along = if squared > 0.0 { ((ab[0] * ap[0] + ab[1] * ap[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };

@@ -6,6 +6,7 @@
 
 mod crossings;
 mod rings;
+mod triangulation;
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
@@ -13,7 +14,9 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 pub use crossings::{Tangle, tangle};
-pub use rings::{Polygon, Ring};
+pub(crate) use rings::bounds_of;
+pub use rings::{Polygon, Ring, doubled_area};
+pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 
 /// The region that rings enclose by the even-odd rule.
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
@@ -76,16 +79,6 @@ fn polygons_of(mut overlay: Overlay<i32>, rule: OverlayRule, fill: FillRule) -> 
     overlay.overlay(rule, fill).into_iter().map(|shape| shape.into_iter().map(ring).collect()).collect()
 }
 
-/// Twice the signed area of a ring within ±2^26, positive counterclockwise: below 2^55 for any ring that does not wind many
-/// times.
-pub fn doubled_area(ring: &[[i32; 2]]) -> i64 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter()
-        .zip(next)
-        .map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(b[0]) * i64::from(a[1]))
-        .fold(0, i64::wrapping_add)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +87,7 @@ mod tests {
         vec![vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]]
     }
 
-    fn doubled(polygons: &[Polygon]) -> i64 {
+    fn doubled(polygons: &[Polygon]) -> i128 {
         polygons.iter().flatten().map(|ring| doubled_area(ring)).sum()
     }
 

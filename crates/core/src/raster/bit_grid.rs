@@ -46,7 +46,7 @@ impl BitGrid {
     ///
     /// PERF: memory of the other rows is not touched, so that the kernel need not provide it.
     #[must_use]
-    pub fn in_rows(&self, rows: Range<usize>) -> Self {
+    pub(crate) fn in_rows(&self, rows: Range<usize>) -> Self {
         let mut kept = BitGrid::new(self.n_rows, self.n_cols);
         let words = rows.start * self.words_per_row..rows.end * self.words_per_row;
         kept.words[words.clone()].copy_from_slice(&self.words[words]);
@@ -125,10 +125,21 @@ impl BitGrid {
 
     /// The cells that are in one set but not in both, which are of one shape.
     #[must_use]
-    pub fn xor(mut self, other: &BitGrid) -> Self {
+    pub(crate) fn xor(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a ^= b);
         self
+    }
+
+    /// The cells that are not in the set.
+    #[must_use]
+    pub(crate) fn complement(&self) -> Self {
+        BitGrid::full(self.n_rows, self.n_cols).xor(self)
+    }
+
+    /// Rows and columns of the cells in the set, row by row from the north-west.
+    pub fn cells(&self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.n_rows).flat_map(|row| set_bits(self.row(row)).map(move |col| (row, col)))
     }
 
     /// Number of cells in the set and in `other`, of the same shape.
@@ -168,7 +179,7 @@ pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
 
 /// The bits of word `word` whose columns lie in `from..to`.
 #[inline]
-pub fn bits_between(from: usize, to: usize, word: usize) -> u64 {
+pub(crate) fn bits_between(from: usize, to: usize, word: usize) -> u64 {
     let below = |col: usize| match col.saturating_sub(64 * word) {
         n if n >= 64 => u64::MAX,
         n => (1 << n) - 1,
@@ -181,39 +192,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn some_rows_are_those_alone() {
-        let all = BitGrid::full(5, 70);
-        let some = all.in_rows(1..3);
-        assert_eq!(some.count(), 140);
-        assert!((0..5).all(|row| some.contains(row, 69) == (1..3).contains(&row)));
-        assert_eq!((all.in_rows(0..5), all.in_rows(2..2)), (all.clone(), BitGrid::new(5, 70)));
-    }
-
-    #[test]
     fn bits_between_cover_words_and_their_ends() {
         assert_eq!(bits_between(0, 64, 0), u64::MAX);
         assert_eq!(bits_between(3, 5, 0), 0b11000);
         assert_eq!(bits_between(3, 5, 1), 0);
         assert_eq!(bits_between(60, 70, 1), 0b11_1111);
         assert_eq!(bits_between(7, 7, 0), 0);
-    }
-
-    #[test]
-    fn cells_across_word_borders_are_kept_apart() {
-        let mut set = BitGrid::new(3, 65);
-        assert_eq!(set.words_per_row(), 2);
-        for (row, col) in [(0, 0), (1, 63), (1, 64), (2, 64)] {
-            set.insert(row, col);
-        }
-        assert_eq!(set.count(), 4);
-        assert!(set.contains(1, 64) && !set.contains(0, 64) && !set.contains(1, 0));
-        assert_eq!(set.row(1), [1 << 63, 1]);
-        assert_eq!(BitGrid::full(3, 65).count(), 195);
-        let mut other = BitGrid::new(3, 65);
-        other.insert(1, 64);
-        other.insert(0, 1);
-        assert_eq!((set.count_in(&other), set.clone().and(&other).count(), set.clone().or(&other).count()), (1, 1, 5));
-        assert_eq!(BitGrid::full(2, 64).row(1), [u64::MAX]);
-        assert_eq!(set_bits(set.row(1)).collect::<Vec<_>>(), [63, 64]);
     }
 }

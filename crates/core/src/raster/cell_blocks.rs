@@ -40,18 +40,3 @@ impl CellBlocks {
         self.block.1
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_cover_the_grid_and_are_numbered_row_by_row() {
-        let grid = GeoRef::new((0.0, 0.0), (1.0, 2.0), (10, 25), None).expect("a valid grid");
-        let blocks = CellBlocks::new(&grid, 1.0, 10.0);
-        assert_eq!((blocks.count(), blocks.n_cols()), (6, 10));
-        assert_eq!([0, 4, 5, 9].map(|row| blocks.first_of_row(row)), [0, 0, 3, 3]);
-        assert_eq!(CellBlocks::new(&grid, 1.0, 0.1).count(), 250);
-        assert_eq!(CellBlocks::new(&grid, 0.3048, 1e9).count(), 1);
-    }
-}

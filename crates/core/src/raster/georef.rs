@@ -140,9 +140,6 @@ impl GeoRef {
     }
 
     /// The part of the grid that `window` covers.
-    ///
-    /// # Panics
-    /// If the window is empty or reaches beyond the grid.
     #[must_use]
     pub fn part(&self, window: CellWindow) -> GeoRef {
         assert!(window.n_rows > 0 && window.n_cols > 0, "a window holds at least one cell");

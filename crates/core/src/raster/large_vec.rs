@@ -76,9 +76,6 @@ impl<T: Pod> LargeVec<T> {
     }
 
     /// Copies values from index `first` on, which are in one row of cells if they are known as runs.
-    ///
-    /// # Panics
-    /// If there are no such values.
     #[inline]
     pub fn copy(&self, first: usize, out: &mut [T]) {
         match &self.0 {
@@ -91,9 +88,6 @@ impl<T: Pod> LargeVec<T> {
     }
 
     /// One value.
-    ///
-    /// # Panics
-    /// If there is none.
     #[inline]
     pub fn value(&self, i: usize) -> T {
         match &self.0 {
@@ -194,12 +188,6 @@ impl<T> From<Vec<T>> for LargeVec<T> {
     }
 }
 
-impl<T> FromIterator<T> for LargeVec<T> {
-    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
-        LargeVec::from(values.into_iter().collect::<Vec<T>>())
-    }
-}
-
 impl<'a, T: Pod> IntoIterator for &'a LargeVec<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
@@ -238,19 +226,6 @@ impl<T: Pod + fmt::Debug> fmt::Debug for LargeVec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn large_and_small_ones_behave_alike() {
-        for n in [0, 5, (4 << 20) / 4 - 1, (4 << 20) / 4, (6 << 20) / 4 + 3] {
-            let mut values = LargeVec::<i32>::zeroed(n);
-            assert_eq!(values.len(), n);
-            assert!(values.iter().all(|value| *value == 0));
-            values.iter_mut().zip(0..).for_each(|(value, i)| *value = i);
-            let copy = values.clone();
-            assert!(copy == values, "{n}");
-            assert!(values.into_vec().into_iter().eq(0..i32::try_from(n).expect("small")), "{n}");
-        }
-    }
 
     #[test]
     fn runs_are_the_values_they_stand_for() {

@@ -13,7 +13,8 @@ mod row_runs;
 
 use bytemuck::Pod;
 
-pub use bit_grid::{BitGrid, bits_between, set_bits};
+pub(crate) use bit_grid::bits_between;
+pub use bit_grid::{BitGrid, set_bits};
 pub use cell_blocks::CellBlocks;
 pub use cell_lattice::CellLattice;
 pub use crs::{Crs, CrsDefinition, CrsKind};
@@ -30,9 +31,6 @@ pub struct Raster<T: Pod> {
 
 impl<T: Pod> Raster<T> {
     /// A raster from its cells.
-    ///
-    /// # Panics
-    /// If `cells` does not hold exactly `georef.n_cells()` values.
     pub fn new(georef: GeoRef, cells: impl Into<LargeVec<T>>) -> Self {
         let cells = cells.into();
         assert_eq!(cells.len(), georef.n_cells(), "a raster holds one value per cell of its grid");
@@ -50,9 +48,6 @@ impl<T: Pod> Raster<T> {
     }
 
     /// One row of values, row 0 being the northernmost.
-    ///
-    /// # Panics
-    /// If `row` is not below the number of rows.
     pub fn row(&self, row: usize) -> &[T] {
         let n_cols = self.georef.n_cols();
         &self.cells[row * n_cols..(row + 1) * n_cols]

@@ -8,11 +8,10 @@
 //! Corners are integers, so that a corner which touches a wall lies exactly on it, and the triangulation splits the wall
 //! there; scaled to meters first, it would fall to either side, and edges would cross.
 
-use std::collections::HashMap;
-
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::Triangulation;
 
 use super::outline::OpenGround;
+use crate::overlay::{Cdt, corners_and_edges, inside_faces, triangulated};
 
 /// A foot this close to an end of its wall \[m\], or this share of its distance, is left out.
 const CLOSEST_FOOT_M: f64 = 0.25;
@@ -87,36 +86,27 @@ impl Mesh {
         let mut outline = Outline::of(ground);
         let mut triangulated = outline.triangulated();
         for _ in 0..MOST_REPAIRS {
-            if !matches!(triangulated, Some((_, Edges::Cross))) {
+            if !matches!(triangulated, Some((_, false))) {
                 break;
             }
             outline = Outline::of(&ground.again());
             triangulated = outline.triangulated();
         }
         // Should edges still cross, one of each two is left out.
-        let Some((mut cdt, edges)) = triangulated else { return Mesh::default() };
+        let Some((mut cdt, are_apart)) = triangulated else { return Mesh::default() };
         let n_corners = outline.points.len();
         for _ in 0..MOST_ROUNDS {
-            if edges == Edges::Cross || !outline.split_at_feet(&cdt, n_corners, ground.step_m) {
+            if !are_apart || !outline.split_at_feet(&cdt, n_corners, ground.step_m) {
                 break;
             }
             match outline.triangulated() {
-                Some((finer, Edges::Apart)) => cdt = finer,
+                Some((finer, true)) => cdt = finer,
                 _ => break,
             }
         }
         mesh_of(&cdt, ground)
     }
 }
-
-/// Whether edges of walls cross.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Edges {
-    Apart,
-    Cross,
-}
-
-type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Vertices and the edges of walls and frame between them.
 struct Outline {
@@ -126,40 +116,18 @@ struct Outline {
 
 impl Outline {
     fn of(ground: &OpenGround) -> Self {
-        let mut index: HashMap<[i32; 2], usize> = HashMap::new();
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        let mut edges = Vec::new();
-        for ring in &ground.rings {
-            let ids: Vec<usize> = ring
-                .iter()
-                .map(|p| {
-                    *index.entry(*p).or_insert_with(|| {
-                        points.push(p.map(f64::from));
-                        points.len() - 1
-                    })
-                })
-                .collect();
-            let next = ids.iter().cycle().skip(1);
-            edges.extend(ids.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]));
-        }
-        Outline { points, edges }
+        let (corners, edges) = corners_and_edges(&ground.rings);
+        Outline { points: corners.into_iter().map(|p| p.map(f64::from)).collect(), edges }
     }
 
-    /// The triangulation, whose vertices have the numbers of `points`, and whether edges cross; `None` if there are too
-    /// few vertices.
-    fn triangulated(&self) -> Option<(Cdt, Edges)> {
-        if self.points.len() < 3 {
-            return None;
-        }
-        let vertices = self.points.iter().map(|p| Point2::new(p[0], p[1])).collect();
-        let mut found = Edges::Apart;
-        let cdt = Cdt::try_bulk_load_cdt(vertices, self.edges.clone(), |_| found = Edges::Cross).ok()?;
-        (cdt.num_vertices() == self.points.len()).then_some((cdt, found))
+    /// The triangulation, and whether no edges cross; `None` if there are too few vertices.
+    fn triangulated(&self) -> Option<(Cdt, bool)> {
+        triangulated(&self.points, self.edges.clone())
     }
 
     /// Splits walls at the feet of the first `n_corners` vertices opposite; says whether there were any.
     fn split_at_feet(&mut self, cdt: &Cdt, n_corners: usize, step_m: f64) -> bool {
-        let is_open = open_faces(cdt);
+        let (is_open, _) = inside_faces(cdt);
         let closest = CLOSEST_FOOT_M / step_m;
         let mut edges = Vec::with_capacity(self.edges.len() * 2);
         let n_before = self.points.len();
@@ -198,29 +166,9 @@ impl Outline {
     }
 }
 
-/// Which faces are open ground, by index: from the outside, each constraint edge that is crossed changes sides.
-fn open_faces(cdt: &Cdt) -> Vec<bool> {
-    let mut is_open = vec![false; cdt.num_all_faces()];
-    let mut is_met = vec![false; cdt.num_all_faces()];
-    is_met[cdt.outer_face().fix().index()] = true;
-    // A hull edge has the outer face on its left.
-    let mut queue: Vec<_> =
-        cdt.convex_hull().map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
-    while let Some((face, here)) = queue.pop() {
-        if std::mem::replace(&mut is_met[face.index()], true) {
-            continue;
-        }
-        is_open[face.index()] = here;
-        let Some(triangle) = cdt.face(face).as_inner() else { continue };
-        let beyond = triangle.adjacent_edges();
-        queue.extend(beyond.map(|edge| (edge.rev().face().fix(), here != edge.is_constraint_edge())));
-    }
-    is_open
-}
-
 /// The triangles of open ground.
 fn mesh_of(cdt: &Cdt, ground: &OpenGround) -> Mesh {
-    let is_open = open_faces(cdt);
+    let (is_open, _) = inside_faces(cdt);
     let mut number = vec![usize::MAX; cdt.num_all_faces()];
     let faces = || cdt.inner_faces().filter(|f| is_open[f.fix().index()]);
     for (k, face) in faces().enumerate() {

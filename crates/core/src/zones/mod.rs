@@ -57,13 +57,13 @@ mod outline;
 mod mesh;
 mod crossings;
 mod open_space;
-mod parts;
 mod zone;
 
 pub use zone::{N_CODES, NONE, Zone};
 
 use crate::city::BuiltUp;
 use crate::height_field::HeightField;
+use crate::outlines::{CellPart, cell_parts, n_cell_parts};
 use crate::raster::{BitGrid, GeoRef};
 
 /// How the zones of a scene were found.
@@ -163,9 +163,6 @@ impl ZoneMap {
     }
 
     /// The zone of a cell.
-    ///
-    /// # Panics
-    /// If the cell is outside the grid.
     pub fn of_cell(&self, row: usize, col: usize) -> Option<Zone> {
         assert!(col < self.grid.n_cols(), "a column of the grid");
         Zone::of_code(self.codes[row * self.grid.n_cols() + col])
@@ -174,14 +171,7 @@ impl ZoneMap {
     /// The zone at a world position \[CRS units\]: that of the cell that holds it, the one to its north-east on an edge;
     /// `None` outside the grid.
     pub fn at(&self, x: f64, y: f64) -> Option<Zone> {
-        let (east, north) = self.grid.cells_from_world(x, y);
-        let (n_cols, n_rows) = (self.grid.n_cols(), self.grid.n_rows());
-        if !(east >= 0.0 && north >= 0.0 && east < n_cols as f64 && north < n_rows as f64) {
-            return None;
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid")]
-        let (col, from_south) = (east as usize, north as usize);
-        self.of_cell(n_rows - 1 - from_south, col)
+        self.grid.cell_at(x, y).and_then(|(row, col)| self.of_cell(row, col))
     }
 
     /// The zone of a place of which it is known whether it is over a building: a cell whose center is on the other side of
@@ -210,23 +200,24 @@ impl ZoneMap {
     /// The cells of a zone.
     pub fn cells(&self, zone: Zone) -> BitGrid {
         let mut cells = BitGrid::new(self.grid.n_rows(), self.grid.n_cols());
-        for (row, codes) in self.codes.chunks_exact(self.grid.n_cols()).enumerate() {
-            codes
-                .iter()
-                .enumerate()
-                .filter(|(_, code)| **code == zone.code())
-                .for_each(|(col, _)| cells.insert(row, col));
-        }
+        let n_cols = self.grid.n_cols();
+        let of_zone = self.codes.iter().enumerate().filter(|(_, code)| **code == zone.code());
+        of_zone.for_each(|(cell, _)| cells.insert(cell / n_cols, cell % n_cols));
         cells
+    }
+
+    /// The connected parts of a zone, each with its outline, those that begin farther south first.
+    pub fn parts(&self, zone: Zone) -> Vec<CellPart> {
+        cell_parts(&self.cells(zone))
+    }
+
+    /// Number of connected parts of a zone.
+    pub fn n_parts(&self, zone: Zone) -> usize {
+        n_cell_parts(&self.cells(zone))
     }
 
     /// Number of cells in a zone.
     pub fn count(&self, zone: Zone) -> u64 {
         self.counts[usize::from(zone.code()) - 1]
-    }
-
-    /// Number of cells in no zone.
-    pub fn n_without(&self) -> u64 {
-        self.codes.len() as u64 - self.counts.iter().sum::<u64>()
     }
 }

@@ -56,24 +56,10 @@ impl Zone {
     }
 
     /// The zone with this number; [`NONE`] and numbers above 4 are none.
-    pub fn of_code(code: u8) -> Option<Zone> {
+    pub(crate) fn of_code(code: u8) -> Option<Zone> {
         Zone::ALL.into_iter().find(|zone| zone.code() == code)
     }
 }
 
 /// Number of codes: those of the zones and [`NONE`].
 pub const N_CODES: usize = 5;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn zones_have_names_and_codes() {
-        for zone in Zone::ALL {
-            assert_eq!(Zone::named(zone.name()), Some(zone));
-            assert_eq!(Zone::of_code(zone.code()), Some(zone));
-        }
-        assert_eq!((Zone::of_code(NONE), Zone::of_code(9), Zone::named("park")), (None, None, None));
-    }
-}

@@ -26,7 +26,7 @@ pub struct Comparison<'a> {
 }
 
 /// Adds a GeoTIFF of byte bands to a batch: `SITE.los` per placement, `A-B.difference` per pair with the values of
-/// [`crate::coverage::difference`], and `count`, how many see a cell. 255 is nodata in all: no receiver of both in a
+/// [`crate::coverage::difference_layer`], and `count`, how many see a cell. 255 is nodata in all: no receiver of both in a
 /// difference, of none in the count.
 ///
 /// # Errors

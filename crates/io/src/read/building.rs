@@ -9,7 +9,7 @@
 use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
 use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
-use crate::city::Fault;
+use crate::city::FootprintFault;
 use crate::error::{Error, Place, ReadFault, Result};
 use crate::input::Input;
 
@@ -77,7 +77,7 @@ impl Buildings {
             let number = index + 1;
             let says = Says { feature: &feature, name_limit: set.name_limit, options };
             if feature.polygons.is_empty() {
-                log.note(Fault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
+                log.note(FootprintFault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
                 continue;
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
@@ -87,14 +87,14 @@ impl Buildings {
             }
             let footprint = says.footprint(number);
             if feature.has_other_parts {
-                log.note(Fault::NotAnArea, footprint.culprit());
+                log.note(FootprintFault::NotAnArea, footprint.culprit());
             }
             if says.is_no_building() {
-                log.note(Fault::NotABuilding, footprint.culprit());
+                log.note(FootprintFault::NotABuilding, footprint.culprit());
                 continue;
             }
             if says.is_part() {
-                log.note(Fault::Part, footprint.culprit());
+                log.note(FootprintFault::Part, footprint.culprit());
             }
             buildings.footprints.push(footprint);
         }

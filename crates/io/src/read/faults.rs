@@ -1,7 +1,7 @@
 //! What was mended or left out while reading footprints, in words.
 
 use super::footprint_options::{FootprintOptions, MissingHeight};
-use crate::city::{Fault, FootprintFaults};
+use crate::city::{FootprintFault, FootprintFaults};
 use crate::error::Warning;
 use crate::input::Input;
 use crate::quantity::counted;
@@ -41,8 +41,8 @@ pub(super) fn warn_of_faults(
     let share =
         format!("left out, {:.1} % of the footprint area (`--missing levels|median|fail`)", missing_area_share * 100.0);
     let treated = if words.drops { share.as_str() } else { words.treated.as_str() };
-    for fault in Fault::ALL.into_iter().filter(|fault| faults.of(*fault) > 0) {
-        let done = if fault == Fault::MissingHeight { treated } else { fault.done() };
+    for fault in FootprintFault::ALL.into_iter().filter(|fault| faults.of(*fault) > 0) {
+        let done = if fault == FootprintFault::MissingHeight { treated } else { fault.done() };
         let [one, many] = fault.names();
         let what = counted(faults.of(fault) as u64, one, many);
         warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", input)));

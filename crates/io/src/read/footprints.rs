@@ -2,7 +2,7 @@
 //!
 //! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
 //! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
-//! left-out thing is counted in [`super::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
+//! left-out thing is counted in [`crate::city::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ use super::surface::ground_steps;
 use super::systems::{refuse_degrees, refuse_two_crs};
 use super::vector::{Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
-use crate::city::{Fault, HeightGap, LEFT_OUT};
+use crate::city::{FootprintFault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::Transformation;
 use crate::error::{Error, HeightOf, HeightsMissing, InputKind, Pair, ReadFault, Result, Warning};
@@ -322,11 +322,11 @@ impl Making<'_> {
             }
             let Some((height, above_datum)) = self.height(&shaped, median, &words, log)? else { continue };
             if !above_datum && height < 0.0 {
-                log.note(Fault::NegativeHeight, shaped.raw.culprit());
+                log.note(FootprintFault::NegativeHeight, shaped.raw.culprit());
                 continue;
             }
             if shaped.base.is_none() && !above_datum {
-                log.note(Fault::NoGround, shaped.raw.culprit());
+                log.note(FootprintFault::NoGround, shaped.raw.culprit());
                 continue;
             }
             let top = self.top(&shaped, (height, above_datum))?;
@@ -366,7 +366,7 @@ impl Making<'_> {
         match shaped.raw.height {
             FoundHeight::Meters(m) => return Ok(Some((m, shaped.raw.above_datum))),
             FoundHeight::DecimalComma(m) => {
-                log.note(Fault::DecimalComma, culprit);
+                log.note(FootprintFault::DecimalComma, culprit);
                 return Ok(Some((m, shaped.raw.above_datum)));
             }
             FoundHeight::Missing => {}
@@ -384,9 +384,9 @@ impl Making<'_> {
             }
             MissingHeight::Median => median.map(|height| ((height, shaped.raw.above_datum), "given the median height")),
         };
-        log.note_done(Fault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
+        log.note_done(FootprintFault::MissingHeight, culprit, found.map_or(LEFT_OUT, |(_, done)| done));
         if self.options.missing == MissingHeight::Levels && found.is_some() {
-            log.note(Fault::HeightFromLevels, culprit);
+            log.note(FootprintFault::HeightFromLevels, culprit);
         }
         Ok(found.map(|(height, _)| height))
     }
@@ -417,14 +417,14 @@ fn is_usable(shaped: &Shaped) -> bool {
 /// Notes what is odd about a building whatever its height is.
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
-    shaped.repaired.iter().for_each(|k| log.note(Fault::SelfIntersection, raw.culprit_at(*k)));
-    shaped.stray_holes.iter().for_each(|k| log.note(Fault::StrayHole, raw.culprit_at(*k)));
-    (0..raw.unclosed).for_each(|_| log.note(Fault::UnclosedRing, raw.culprit()));
-    shaped.degenerate.iter().for_each(|k| log.note(Fault::TooSmall, raw.culprit_at(*k)));
+    shaped.repaired.iter().for_each(|k| log.note(FootprintFault::SelfIntersection, raw.culprit_at(*k)));
+    shaped.stray_holes.iter().for_each(|k| log.note(FootprintFault::StrayHole, raw.culprit_at(*k)));
+    (0..raw.unclosed).for_each(|_| log.note(FootprintFault::UnclosedRing, raw.culprit()));
+    shaped.degenerate.iter().for_each(|k| log.note(FootprintFault::TooSmall, raw.culprit_at(*k)));
     if shaped.too_far {
-        log.note(Fault::TooFar, raw.culprit());
+        log.note(FootprintFault::TooFar, raw.culprit());
     } else if is_usable(shaped) && raw.floats {
-        log.note(Fault::Floating, raw.culprit());
+        log.note(FootprintFault::Floating, raw.culprit());
     }
 }
 

@@ -108,8 +108,8 @@ pub fn region_of(rings: &[Ring]) -> Region {
     // A valid polygon comes back with the area of its shell less that of its holes and with as many rings. A hole that is not
     // in the shell would have added its area.
     let area = |ring: &Ring| doubled_area(ring).abs();
-    let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i64>();
-    let after: i64 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i64>()).sum();
+    let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i128>();
+    let after: i128 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i128>()).sum();
     let n_rings: usize = polygons.iter().map(Vec::len).sum();
     if before == after && n_rings == rings.len() {
         return Region { polygons, is_repaired: false, has_stray_hole: false };
@@ -173,7 +173,7 @@ mod tests {
         let square = |w: i32, s: i32, side: i32| vec![[w, s], [w + side, s], [w + side, s + side], [w, s + side]];
         let area = |region: &Region| {
             let of_ring = |ring: &Vec<[i32; 2]>| doubled_area(ring).abs() / 2;
-            region.polygons.iter().map(|p| of_ring(&p[0]) - p[1..].iter().map(of_ring).sum::<i64>()).sum::<i64>()
+            region.polygons.iter().map(|p| of_ring(&p[0]) - p[1..].iter().map(of_ring).sum::<i128>()).sum::<i128>()
         };
         let shell = square(0, 0, 100);
         for (holes, wanted, is_stray) in [

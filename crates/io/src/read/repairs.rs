@@ -1,6 +1,6 @@
 //! What was mended or left out while reading footprints, thing by thing, where that is asked for.
 
-use crate::city::{Fault, FootprintFaults};
+use crate::city::{FootprintFault, FootprintFaults};
 
 /// One thing that was mended or left out.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Repair {
     /// Its id; its number where it has none.
     pub id: String,
     /// What was wrong.
-    pub fault: Fault,
+    pub fault: FootprintFault,
     /// What was done.
     pub done: &'static str,
     /// A point of it \[CRS units of the scene\]; `None` for what has no area.
@@ -49,13 +49,18 @@ impl FaultLog {
     }
 
     /// Notes a fault that is treated as its kind always is.
-    pub(super) fn note(&mut self, fault: Fault, culprit: Culprit<'_>) {
+    pub(super) fn note(&mut self, fault: FootprintFault, culprit: Culprit<'_>) {
         self.note_done(fault, culprit, fault.done());
     }
 
     /// Notes a fault and what was done about it.
-    pub(super) fn note_done(&mut self, fault: Fault, Culprit { feature, id, place }: Culprit<'_>, done: &'static str) {
-        *self.counts.of_mut(fault) += 1;
+    pub(super) fn note_done(
+        &mut self,
+        fault: FootprintFault,
+        Culprit { feature, id, place }: Culprit<'_>,
+        done: &'static str,
+    ) {
+        self.counts.add(fault);
         if let Some(list) = &mut self.list {
             list.push(Repair { feature, id: id.to_string(), fault, done, place });
         }

@@ -67,9 +67,6 @@ const MOST_RAYS: u64 = 1 << 23;
 /// The budget of a map whose P_LoS is known, the largest change first; lines without a number last.
 ///
 /// `cities` makes other cities of the same kind, where there are any.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn error_budget(
     setup: &Setup<'_>,
     p_los: f64,
@@ -207,16 +204,4 @@ fn city_line(setup: &Setup<'_>, cities: &[HeightField]) -> BudgetLine {
         (format!("{} other cities of the same kind: standard deviation", values.len()), Ok(variance.sqrt()))
     };
     BudgetLine { part: Part::Cities, changed, change }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_largest_change_keeps_its_sign_and_a_missing_one_its_reason() {
-        assert_eq!(largest([Ok(0.1), Ok(-0.3), Ok(0.2)].into_iter()), Ok(-0.3));
-        assert_eq!(largest([Ok(0.1), Err("why".into())].into_iter()), Err("why".into()));
-        assert_eq!(largest(std::iter::empty()), Ok(0.0));
-    }
 }

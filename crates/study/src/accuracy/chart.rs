@@ -14,6 +14,7 @@ use crate::coverage::{MapOptions, Mapper, Seen, Uav};
 use crate::error::{ChartError, Result};
 use crate::height_field::{HeightField, Pooling};
 use crate::los::{Method, MethodChoice, StepLength};
+use crate::quantity::share;
 use crate::raster::BitGrid;
 
 /// Kinds of contestants, as legends tell them apart.
@@ -38,28 +39,25 @@ impl Family {
     pub const ALL: [Family; 6] =
         [Family::Exact, Family::Step, Family::Neighbors, Family::Coarser, Family::Raster, Family::Peer];
 
+    fn told(self) -> (&'static str, &'static str) {
+        match self {
+            Family::Exact => ("exact", "Exact engines"),
+            Family::Step => ("step", "Samples along the ray"),
+            Family::Neighbors => ("neighbors", "Interpolated, nearest ray"),
+            Family::Coarser => ("coarser", "Exact, coarser cells"),
+            Family::Raster => ("raster", "Exact, raster of the scene"),
+            Family::Peer => ("peer", "Other programs"),
+        }
+    }
+
     /// The word for it in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Family::Exact => "exact",
-            Family::Step => "step",
-            Family::Neighbors => "neighbors",
-            Family::Coarser => "coarser",
-            Family::Raster => "raster",
-            Family::Peer => "peer",
-        }
+        self.told().0
     }
 
     /// What it is, in a few words.
     pub fn in_words(self) -> &'static str {
-        match self {
-            Family::Exact => "Exact engines",
-            Family::Step => "Samples along the ray",
-            Family::Neighbors => "Interpolated, nearest ray",
-            Family::Coarser => "Exact, coarser cells",
-            Family::Raster => "Exact, raster of the scene",
-            Family::Peer => "Other programs",
-        }
+        self.told().1
     }
 }
 
@@ -100,9 +98,6 @@ const FACTORS: [usize; 3] = [2, 4, 8];
 
 impl Contestant {
     /// Those who compete on a scene, the exact ones first; `more` joins them if it is another engine.
-    ///
-    /// # Errors
-    /// E118 if `more` cannot decide the scene.
     pub fn all(field: &HeightField, more: MethodChoice) -> Result<Vec<Contestant>> {
         let on = |ground: Ground| move |method: Method| Contestant { method, ground };
         let own = Method::choose(field, MethodChoice::Auto).map_or(Method::Ray, |(method, _)| method);
@@ -124,14 +119,11 @@ impl Contestant {
         let mut forms = Simpler::forms(field, &FACTORS);
         forms.sort_by_key(|form| form.pooling.map(Pooling::name));
         all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(of_forms)));
-        let more = match (more, is_vector) {
+        let more = match more.method() {
             // Approximations of a vector scene are those of its raster.
-            (MethodChoice::Step(length), true) => on(Ground::Raster)(Method::Step(length)),
-            (MethodChoice::Xdraw, true) => on(Ground::Raster)(Method::Xdraw),
-            (MethodChoice::R2, true) => on(Ground::Raster)(Method::R2),
-            (MethodChoice::Sweep, true) => on(Ground::Raster)(Method::Sweep),
-            (choice, _) => {
-                let method = Method::choose(field, choice)
+            Some(method) if is_vector && !matches!(method, Method::Ray | Method::Shadow) => on(Ground::Raster)(method),
+            _ => {
+                let method = Method::choose(field, more)
                     .map_err(|wrong| ChartError::Method { why: wrong.why, instead: wrong.instead.name() })?;
                 on(Ground::Scene)(method.0)
             }
@@ -225,9 +217,6 @@ pub struct Prepared<'a> {
 
 impl Prepared<'_> {
     /// Makes ready what does not depend on the UAV.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn mapper(&self) -> Result<Mapper<'_>> {
         Ok(Mapper::new(&self.field, &self.options)?)
     }
@@ -294,8 +283,7 @@ impl Truth {
 
     /// The exact P_LoS of all UAVs together; `None` without a receiver.
     pub fn p_los(&self) -> Option<f64> {
-        let receivers = self.receivers();
-        (receivers > 0).then(|| self.los() as f64 / receivers as f64)
+        share(self.los(), self.receivers())
     }
 
     /// Compares an answer for the same UAVs, on cells so many times as large.
@@ -313,7 +301,6 @@ impl Truth {
 /// Every `n`th cell of a set in row order.
 fn every_nth(cells: &BitGrid, n: usize) -> BitGrid {
     let mut some = BitGrid::new(cells.n_rows(), cells.n_cols());
-    let all = (0..cells.n_rows()).flat_map(|row| crate::raster::set_bits(cells.row(row)).map(move |col| (row, col)));
-    all.step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));
+    cells.cells().step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));
     some
 }

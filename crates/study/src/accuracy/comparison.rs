@@ -2,7 +2,7 @@
 
 use super::{CoarseAnswer, coarse_answer};
 use crate::coverage::Seen;
-use crate::raster::set_bits;
+use crate::quantity::share;
 
 /// Counts of an answer against the exact one, summed over UAVs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -62,44 +62,16 @@ impl Comparison {
             own_los: answer.los.count_in(&answer.receivers),
             ..Comparison::default()
         };
-        for row in 0..exact.receivers.n_rows() {
-            let truth = [exact.receivers.row(row), exact.los.row(row)];
-            if factor == 1 {
-                counts.add_words(truth, [answer.receivers.row(row), answer.los.row(row)]);
-            } else {
-                counts.add_cells(truth, answer, (row, factor));
+        for (row, col) in exact.receivers.cells() {
+            let said = coarse_answer(&answer.receivers, &answer.los, factor, (row, col));
+            counts.receivers += u64::from(said != CoarseAnswer::None);
+            match (said, exact.los.contains(row, col)) {
+                (CoarseAnswer::None, _) => counts.unanswered += 1,
+                (CoarseAnswer::Los, false) => counts.false_los += 1,
+                (CoarseAnswer::Nlos, true) => counts.false_nlos += 1,
+                _ => {}
             }
         }
         counts
     }
-
-    /// Adds a row of the same cells.
-    fn add_words(&mut self, [receivers, los]: [&[u64]; 2], [answered, said]: [&[u64]; 2]) {
-        let count = |word: u64| u64::from(word.count_ones());
-        for (k, receivers) in receivers.iter().enumerate() {
-            let both = receivers & answered[k];
-            self.receivers += count(both);
-            self.unanswered += count(receivers & !answered[k]);
-            self.false_los += count(both & said[k] & !los[k]);
-            self.false_nlos += count(both & !said[k] & los[k]);
-        }
-    }
-
-    /// Adds a row whose cells are found in larger ones.
-    fn add_cells(&mut self, [receivers, los]: [&[u64]; 2], answer: &Seen, (row, factor): (usize, usize)) {
-        for col in set_bits(receivers) {
-            let said = coarse_answer(&answer.receivers, &answer.los, factor, (row, col));
-            self.receivers += u64::from(said != CoarseAnswer::None);
-            match (said, los[col / 64] >> (col % 64) & 1 == 1) {
-                (CoarseAnswer::None, _) => self.unanswered += 1,
-                (CoarseAnswer::Los, false) => self.false_los += 1,
-                (CoarseAnswer::Nlos, true) => self.false_nlos += 1,
-                _ => {}
-            }
-        }
-    }
-}
-
-fn share(part: u64, whole: u64) -> Option<f64> {
-    (whole > 0).then(|| part as f64 / whole as f64)
 }

@@ -4,6 +4,7 @@ use super::simpler::{FACTORS, Simpler, moved_to};
 use crate::coverage::{MapOptions, Mapper, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
+use crate::quantity::share;
 
 /// A change of P_LoS below this is none: a tenth of a percentage point.
 pub const NO_CHANGE: f64 = 0.001;
@@ -27,9 +28,6 @@ impl std::fmt::Debug for Setup<'_> {
 
 impl Setup<'_> {
     /// Receivers in range of the UAVs and those of them in line of sight, summed over the UAVs.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn count(&self) -> Result<(u64, u64)> {
         let options = (self.options)(self.field);
         let mapper = Mapper::new(self.field, &options)?;
@@ -37,19 +35,13 @@ impl Setup<'_> {
     }
 
     /// P_LoS of all UAVs together; `None` without a receiver.
-    ///
-    /// # Errors
-    /// As [`Mapper::new`].
     pub fn p_los(&self) -> Result<Option<f64>> {
         let (receivers, los) = self.count()?;
-        Ok((receivers > 0).then(|| los as f64 / receivers as f64))
+        Ok(share(los, receivers))
     }
 
     /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.
-    ///
-    /// # Errors
-    /// Where the form has a building in which a UAV hovers.
-    pub fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
+    pub(crate) fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
         let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
         Setup { field, uavs: &uavs, options: self.options }.p_los()
     }
@@ -107,9 +99,6 @@ pub enum TerrainEffect {
 }
 
 /// What the terrain of a scene hides by itself.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     let Some(terrain) = setup.field.terrain_alone() else { return Ok(TerrainEffect::None) };
     // The same receivers as with the buildings, also where a building would stand in the way of none.

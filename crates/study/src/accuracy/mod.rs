@@ -16,5 +16,6 @@ mod tolerance;
 pub use budget::{BudgetLine, Part, Uncertain, error_budget};
 pub use economy::{CellEffect, NO_CHANGE, Setup, TerrainEffect, cell_effects, coarsest_unchanged, terrain_effect};
 pub use paired::{Paired, paired_difference};
-pub use simpler::{CoarseAnswer, FACTORS, Simpler, coarse_answer, moved_to};
+pub(crate) use simpler::moved_to;
+pub use simpler::{CoarseAnswer, FACTORS, Simpler, coarse_answer};
 pub use tolerance::{CONFIDENCE, Choice, Measured, Question, Tried, coarsest_within};

@@ -85,9 +85,6 @@ impl PlosWay {
     }
 
     /// P_LoS of users at one distance.
-    ///
-    /// # Errors
-    /// Why there is none: a model outside of its domain, or cities that are too large.
     pub fn answer(self, setting: &Setting, seed: u64) -> std::result::Result<PlosAnswer, String> {
         let estimate = match self {
             PlosWay::Product(points) => by_product(setting, seed, points),

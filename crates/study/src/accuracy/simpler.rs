@@ -60,7 +60,7 @@ impl Simpler {
 ///
 /// # Errors
 /// As [`Uav::place`]: coarser cells may hold a building where it hovers.
-pub fn moved_to(uav: &Uav, field: &HeightField) -> Result<Uav> {
+pub(crate) fn moved_to(uav: &Uav, field: &HeightField) -> Result<Uav> {
     let (x, y) = (uav.station.place.x, uav.station.place.y);
     let site = Site { id: uav.id.clone(), x, y, height: Height::AboveDatum(uav.height_amsl_m()) };
     let placed = Uav::place(&site, field, None)?;

@@ -99,9 +99,6 @@ pub struct Choice {
 ///
 /// Cost: a map of the form by the engine for it, and a ray for each of 6/tolerance² receivers (at least 2000), for each
 /// UAV, and for each form until one will do.
-///
-/// # Errors
-/// As [`Mapper::new`].
 pub fn coarsest_within(
     question: &Question<'_>,
     options: &(dyn Fn(&HeightField) -> MapOptions + Sync),
@@ -160,7 +157,7 @@ impl Sample {
         let is_all = n >= n_receivers;
         let drawn = if is_all {
             let los = mapper.seen(uav).los;
-            cells_of(&receivers).into_iter().map(|cell| (cell, los.contains(cell.0, cell.1))).collect()
+            receivers.cells().map(|cell| (cell, los.contains(cell.0, cell.1))).collect()
         } else {
             let cells = random_cells(&receivers, n, (question.seed, stream)).into_par_iter();
             cells.map(|cell| (cell, mapper.is_los(uav, cell).unwrap_or(false))).collect()
@@ -214,11 +211,6 @@ impl Sample {
     }
 }
 
-/// Rows and columns of all cells of a set.
-fn cells_of(cells: &BitGrid) -> Vec<(usize, usize)> {
-    (0..cells.n_rows()).flat_map(|row| set_bits(cells.row(row)).map(move |col| (row, col))).collect()
-}
-
 /// `n` cells of a set, drawn with replacement.
 fn random_cells(cells: &BitGrid, n: u64, (seed, stream): (u64, u64)) -> Vec<(usize, usize)> {
     let mut before = Vec::with_capacity(cells.n_rows() + 1);
@@ -262,9 +254,9 @@ mod tests {
         for cell in [(0, 5), (0, 129), (2, 0), (2, 64)] {
             cells.insert(cell.0, cell.1);
         }
-        assert_eq!(cells_of(&cells), [(0, 5), (0, 129), (2, 0), (2, 64)]);
+        assert!(cells.cells().eq([(0, 5), (0, 129), (2, 0), (2, 64)]));
         let drawn = random_cells(&cells, 40_000, (3, 1));
-        for cell in cells_of(&cells) {
+        for cell in cells.cells() {
             let n = drawn.iter().filter(|c| **c == cell).count();
             // 10 000 ± 4 standard deviations of 87.
             assert!((9650..10_350).contains(&n), "{cell:?} {n} times");

@@ -104,11 +104,6 @@ impl CitySimulator {
         side * side
     }
 
-    /// Edge length of a city that holds all links \[m\].
-    pub fn city_size_m(&self) -> f64 {
-        f64::from(2 * self.n_around + 1) * self.built_up.period()
-    }
-
     /// The links of a draw for a setting: whose user counts, in the order of the circle. `None`: the UAV would be inside
     /// the building below it, and is to be clear of roofs.
     pub fn links(
@@ -121,14 +116,13 @@ impl CitySimulator {
         // The UAV's period is in the middle of the city, whose south-west corner is the origin.
         let corner = f64::from(self.n_around) * grid.period();
         let [x, y] = setting.placement.position(grid, draw.position).map(|v| corner + v);
-        let uav = LatticePoint { x: steps(x), y: steps(y), z: height_of(setting.uav_height_m) };
+        let uav = lattice_point([x, y], setting.uav_height_m);
         if setting.uav_clear_of_roof
             && self.city.zone(uav.x, uav.y) == GridZone::Building
             && i64::from(height(self.n_around, self.n_around)) > uav.z
         {
             return None;
         }
-        let z = height_of(setting.rx_height_m);
         // With a given azimuth there is one user in each octant; more would stand at the same places.
         let n_users = if setting.phi_deg.is_some() { OCTANTS } else { self.n_users };
         let n = f64::from(n_users);
@@ -140,7 +134,7 @@ impl CitySimulator {
             // Zones are those of the exact position: on the lattice a wall is as wide as a step, and its points would count
             // as street. A user outside a wall stays outside, because both are rounded alike.
             let user = [x + offset[0], y + offset[1]];
-            let receiver = LatticePoint { x: steps(user[0]), y: steps(user[1]), z };
+            let receiver = lattice_point(user, setting.rx_height_m);
             setting.counts(grid.zone(user[0], user[1]), street).then_some(CityLink { receiver, uav })
         };
         Some((0..n_users).filter_map(user).collect())
@@ -177,13 +171,9 @@ const OCTANTS: u32 = 8;
 /// 2/(1 + √5).
 const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_8;
 
-/// Lattice steps of a position \[m\].
-#[expect(clippy::cast_possible_truncation, reason = "positions are within the lattice by the checks of Setting")]
-pub(super) fn steps(v: f64) -> i64 {
-    (v * f64::from(STEPS_PER_UNIT)).round() as i64
-}
-
-/// Lattice steps of a height \[m\].
-pub(super) fn height_of(v: f64) -> i64 {
-    height_steps(v).map_or(0, i64::from)
+/// A position and a height above ground \[m\] on the lattice.
+pub(super) fn lattice_point(position: [f64; 2], height_m: f64) -> LatticePoint {
+    #[expect(clippy::cast_possible_truncation, reason = "positions are within the lattice by the checks of Setting")]
+    let [x, y] = position.map(|v| (v * f64::from(STEPS_PER_UNIT)).round() as i64);
+    LatticePoint { x, y, z: height_steps(height_m).map_or(0, i64::from) }
 }

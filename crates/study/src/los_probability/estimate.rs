@@ -46,19 +46,33 @@ pub struct Count {
     pub los: u64,
 }
 
+impl std::ops::Add for Count {
+    type Output = Count;
+
+    fn add(self, other: Count) -> Count {
+        Count { receivers: self.receivers + other.receivers, los: self.los + other.los }
+    }
+}
+
+impl std::iter::Sum for Count {
+    fn sum<I: Iterator<Item = Count>>(counts: I) -> Count {
+        counts.fold(Count::default(), std::ops::Add::add)
+    }
+}
+
 /// The two-sided quantile of Student's t distribution.
 pub fn student_quantile(confidence: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
 /// The two-sided quantile of the normal distribution.
-pub fn normal_quantile(confidence: f64) -> f64 {
+fn normal_quantile(confidence: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
 }
 
 /// The estimate Σx / Σw of means over independent randomizations (x, w), with Student's interval; its standard error is
 /// that of a ratio, by linearization.
-pub fn ratio_of_clusters(
+pub(super) fn ratio_of_clusters(
     clusters: impl Iterator<Item = (f64, f64)> + Clone,
     samples: u64,
     confidence: f64,
@@ -101,7 +115,7 @@ pub fn ratio_of_clusters(
 /// MacKinnon & White 1985, J. Econometrics 29, 305–325; Satterthwaite 1946, Biometrics Bulletin 2, 110–114; Korn & Graubard
 /// 1998, Survey Methodology 24, 193–201 (effective sample size); Wilson 1927, JASA 22, 209–212.
 pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
-    let (los, samples) = clusters.iter().fold((0, 0), |sum, c| (sum.0 + c.los, sum.1 + c.receivers));
+    let Count { receivers: samples, los } = clusters.iter().copied().sum();
     if samples == 0 {
         return Estimate::none();
     }

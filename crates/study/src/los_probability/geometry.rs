@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use super::city::{CityLink, height_of, steps};
+use super::city::{CityLink, lattice_point};
 use super::estimate::Count;
 use super::lattice_city::LatticeCity;
 use super::points::unit_interval;
@@ -52,8 +52,8 @@ impl GeometrySimulator {
                 continue;
             }
             let link = CityLink {
-                receiver: LatticePoint { x: steps(user[0]), y: steps(user[1]), z: height_of(setting.rx_height_m) },
-                uav: LatticePoint { x: steps(x), y: steps(y), z: height_of(setting.uav_height_m) },
+                receiver: lattice_point(user, setting.rx_height_m),
+                uav: lattice_point([x, y], setting.uav_height_m),
             };
             let mut heights = setting.built_up.heights(city_seed);
             if setting.uav_clear_of_roof && self.is_inside(&link.uav, &mut heights) {
@@ -72,14 +72,8 @@ impl GeometrySimulator {
     /// Counts draws `first` to `first + n` of a seed in parallel: how many have a user, and how many of those are in line
     /// of sight.
     pub fn count(&self, seed: u64, first: u64, n: u64) -> Count {
-        let add = |a: Count, b: Count| Count { receivers: a.receivers + b.receivers, los: a.los + b.los };
-        (first..first + n)
-            .into_par_iter()
-            .map(|k| match self.draw(seed, k) {
-                Some(los) => Count { receivers: 1, los: u64::from(los) },
-                None => Count::default(),
-            })
-            .reduce(Count::default, add)
+        let draws = (first..first + n).into_par_iter().filter_map(|k| self.draw(seed, k));
+        draws.map(|los| Count { receivers: 1, los: u64::from(los) }).sum()
     }
 
     fn is_inside(&self, uav: &LatticePoint, heights: &mut BuildingHeights) -> bool {

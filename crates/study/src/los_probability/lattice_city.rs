@@ -46,19 +46,7 @@ impl LatticeCity {
 
     /// The zone of a place \[1/1024 m\].
     pub fn zone(&self, x: i64, y: i64) -> GridZone {
-        let is_street = |v: i64| {
-            let k = self.period_of(v);
-            ![k - 1, k, k + 1].iter().any(|k| {
-                let [start, end] = self.built_up.building_span(*k);
-                start < v && v < end
-            })
-        };
-        match (is_street(x), is_street(y)) {
-            (true, true) => GridZone::Crossroad,
-            (true, false) => GridZone::StreetAlongY,
-            (false, true) => GridZone::StreetAlongX,
-            (false, false) => GridZone::Building,
-        }
+        GridZone::where_street(self.built_up.building_at(x).is_none(), self.built_up.building_at(y).is_none())
     }
 
     /// Whether the UAV, not below the receiver, is in line of sight of it; `height(i, j)` gives the height of a building
@@ -73,15 +61,8 @@ impl LatticeCity {
         let [d, e] = to.map(i64::abs);
         let signs = to.map(|v| if v < 0 { -1_i64 } else { 1 });
         if d == 0 {
-            let k = |v: i64| self.period_of(v);
-            let is_inside = |v: i64, i: i32| {
-                let [start, end] = self.built_up.building_span(i);
-                start < v && v < end
-            };
             // Straight up: only a building around both ends is in the way.
-            let (x, y) = (receiver.x, receiver.y);
-            let around = |v: i64| [k(v) - 1, k(v), k(v) + 1].into_iter().find(|i| is_inside(v, *i));
-            return match (around(x), around(y)) {
+            return match (self.built_up.building_at(receiver.x), self.built_up.building_at(receiver.y)) {
                 (Some(i), Some(j)) => i64::from(height(i, j)) <= receiver.z,
                 _ => true,
             };

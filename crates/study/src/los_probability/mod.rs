@@ -9,10 +9,8 @@
 //!
 //! [`models`] holds what has been published instead.
 
-pub mod bootstrap;
 pub mod city;
 pub mod estimate;
-pub mod fit;
 pub mod geometry;
 pub mod lattice_city;
 pub mod models;
@@ -22,4 +20,3 @@ pub mod real_city;
 pub mod setting;
 pub mod street_grid;
 pub mod study;
-pub mod tiles;

@@ -38,39 +38,6 @@ pub fn rayleigh_cdf(z: f64, height_scale: f64) -> f64 {
     -libm::expm1(-0.5 * q * q)
 }
 
-/// A building that a link crosses, and what it leaves of P_LoS.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Factor {
-    /// Index of the building along x and y.
-    pub building: (i32, i32),
-    /// Ground distance from the receiver at which the link enters it \[m\].
-    pub t_in: f64,
-    /// Ground distance at which the link leaves it, or ends \[m\].
-    pub t_out: f64,
-    /// Height of the ray at the obstructing point \[m\].
-    pub z: f64,
-    /// Probability that the building is not higher.
-    pub factor: f64,
-}
-
-/// The buildings that a link crosses, with their factors. P_LoS is the product of the factors.
-pub fn factors(grid: &StreetGrid, height_scale: f64, link: &GridLink) -> Vec<Factor> {
-    let r = link.ground_distance();
-    let mut factors = Vec::new();
-    grid.for_each_crossed(link, |crossing| {
-        let z = link.height_at(crossing.t_in, r).min(link.height_at(crossing.t_out, r));
-        factors.push(Factor {
-            building: crossing.building,
-            t_in: crossing.t_in,
-            t_out: crossing.t_out,
-            z,
-            factor: rayleigh_cdf(z, height_scale),
-        });
-        true
-    });
-    factors
-}
-
 /// P_LoS of one link, to a few units of the last place.
 pub fn link_p_los(grid: &StreetGrid, height_scale: f64, link: &GridLink) -> f64 {
     let r = link.ground_distance();

@@ -11,8 +11,8 @@
 
 use rayon::prelude::*;
 
-use super::bootstrap::{Drawing, RESAMPLINGS, spread};
 use super::estimate::{Count, Estimate, FEWEST_CLUSTERS};
+use crate::city_statistics::bootstrap::{Drawing, RESAMPLINGS, spread};
 use crate::height_field::{HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;
@@ -92,9 +92,6 @@ pub struct RealCity<'a> {
 
 impl<'a> RealCity<'a> {
     /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
-    ///
-    /// # Errors
-    /// If the choice names an engine for another kind of scene.
     pub fn new(
         field: &'a HeightField,
         choice: MethodChoice,
@@ -185,11 +182,8 @@ impl<'a> RealCity<'a> {
                 count.los += seen[col / 64] >> (col % 64) & 1;
             }
         }
-        let sum = |counts: &[Count]| {
-            let (receivers, los) = counts.iter().fold((0, 0), |sum, c| (sum.0 + c.receivers, sum.1 + c.los));
-            Count { receivers, los }
-        };
-        let of_block = |counts: &[Count]| of_bands.iter().map(|of| sum(&counts[of.clone()])).collect::<Vec<_>>();
+        let of_block =
+            |counts: &[Count]| of_bands.iter().map(|of| counts[of.clone()].iter().copied().sum()).collect::<Vec<_>>();
         counts.chunks(parts.len()).flat_map(of_block).collect()
     }
 }

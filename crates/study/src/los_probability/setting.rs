@@ -25,15 +25,6 @@ impl Users {
             Users::Crossroad => "crossroad",
         }
     }
-
-    /// Whether a user in this zone is counted.
-    pub fn include(self, zone: GridZone) -> bool {
-        match self {
-            Users::Outdoor => zone != GridZone::Building,
-            Users::Street => matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY),
-            Users::Crossroad => zone == GridZone::Crossroad,
-        }
-    }
 }
 
 /// Where the UAV hovers.
@@ -163,9 +154,6 @@ impl Setting {
     }
 
     /// Users at a ground distance \[m\] ≥ 0.
-    ///
-    /// # Errors
-    /// As [`Setting::reach_at_elevation`].
     pub fn reach_at_distance(distance_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         let rise = checked_rise(uav_height_m, rx_height_m)?;
         if !(distance_m >= 0.0 && distance_m.is_finite()) {
@@ -176,9 +164,6 @@ impl Setting {
     }
 
     /// Users within a radius \[m\] > 0 on the ground.
-    ///
-    /// # Errors
-    /// As [`Setting::reach_at_elevation`].
     pub fn reach_within(radius_m: f64, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         checked_rise(uav_height_m, rx_height_m)?;
         if !(radius_m > 0.0 && radius_m.is_finite()) {
@@ -189,9 +174,6 @@ impl Setting {
     }
 
     /// The azimuth \[deg\], if it is one: 0 ≤ φ ≤ 90; the rest follows by symmetry.
-    ///
-    /// # Errors
-    /// Usage error (E120) outside.
     pub fn checked_phi(phi_deg: f64) -> Result<f64> {
         if (0.0..=90.0).contains(&phi_deg) {
             Ok(phi_deg)
@@ -226,7 +208,7 @@ impl Setting {
             return ([r * cos, r * sin], None);
         };
         // φ is measured from across the street; its mirror images look the same, and a street along x turns it by 90°.
-        let (across, along) = unit_vector(phi);
+        let (along, across) = if phi >= 90.0 { (1.0, 0.0) } else { phi.to_radians().sin_cos() };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an octant, 0..8")]
         let octant = (azimuth * 8.0) as u8;
         let across = if octant & 1 == 0 { across } else { -across };
@@ -240,17 +222,13 @@ impl Setting {
 
     /// Whether a user in `zone` is counted, given the street that [`Setting::offset`] asked for.
     pub fn counts(&self, zone: GridZone, street: Option<GridZone>) -> bool {
-        self.users.include(zone) && (self.users != Users::Street || street.is_none_or(|s| s == zone))
+        let is_street = matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY);
+        match self.users {
+            Users::Outdoor => zone != GridZone::Building,
+            Users::Street => is_street && street.is_none_or(|s| s == zone),
+            Users::Crossroad => zone == GridZone::Crossroad,
+        }
     }
-}
-
-/// Cosine and sine of an angle in \[0, 90\]°, exact at both ends.
-pub fn unit_vector(degrees: f64) -> (f64, f64) {
-    if degrees >= 90.0 {
-        return (0.0, 1.0);
-    }
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    (cos, sin)
 }
 
 fn out_of_range(what: &'static str, found: f64, wanted: &'static str) -> Error {

@@ -30,6 +30,18 @@ pub enum GridZone {
     Building,
 }
 
+impl GridZone {
+    /// The zone of a place by whether its x and its y are in a street.
+    pub(super) fn where_street(x: bool, y: bool) -> Self {
+        match (x, y) {
+            (true, true) => GridZone::Crossroad,
+            (true, false) => GridZone::StreetAlongY,
+            (false, true) => GridZone::StreetAlongX,
+            (false, false) => GridZone::Building,
+        }
+    }
+}
+
 /// A straight link over the grid, from the receiver to the UAV. Heights are above ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridLink {
@@ -82,12 +94,7 @@ impl StreetGrid {
     /// The zone of a place.
     pub fn zone(&self, x: f64, y: f64) -> GridZone {
         let is_street = |v: f64| v.rem_euclid(self.period) <= self.street;
-        match (is_street(x), is_street(y)) {
-            (true, true) => GridZone::Crossroad,
-            (true, false) => GridZone::StreetAlongY,
-            (false, true) => GridZone::StreetAlongX,
-            (false, false) => GridZone::Building,
-        }
+        GridZone::where_street(is_street(x), is_street(y))
     }
 
     /// Calls `visit` for every building whose interior the link enters, from the receiver on, until it says `false`.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::city::CitySimulator;
-use super::estimate::{Count, Estimate, clustered, wilson};
+use super::estimate::{Estimate, clustered, wilson};
 use super::geometry::GeometrySimulator;
 use super::points::MOST_POINTS;
 use super::product::{Product, across_street};
@@ -67,9 +67,6 @@ const MOST_LINKS: u64 = 1 << 28;
 ///
 /// Whole cities serve all settings that share α, β, γ. With `until` the number of cities or links grows by half until all
 /// intervals are narrow enough; it depends on the seed alone.
-///
-/// # Errors
-/// Limit error (E502) if whole cities would be too large.
 pub fn estimate_all(estimator: Estimator, settings: &[Setting], effort: &Effort) -> Result<Vec<Estimate>> {
     match estimator {
         Estimator::Product => Ok(settings.par_iter().map(|s| by_product(s, effort)).collect()),
@@ -140,8 +137,7 @@ fn by_geometry(setting: &Setting, effort: &Effort) -> Estimate {
             return estimate;
         }
         let more = n / 2;
-        let added = simulator.count(effort.seed, n, more);
-        count = Count { receivers: count.receivers + added.receivers, los: count.los + added.los };
+        count = count + simulator.count(effort.seed, n, more);
         n += more;
     }
 }

@@ -1,7 +1,7 @@
 //! Which places and heights can be flown, and why the others cannot.
 
 use crate::city::{Area, Site};
-use crate::coverage::{Placement, Uav, surface_under};
+use crate::coverage::{HoversOver, Uav, surface_under};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::quantity::{Height, VOID, whole};
@@ -155,9 +155,6 @@ impl Candidates {
 }
 
 /// The candidate at a spot, or why there is none.
-///
-/// # Errors
-/// As [`Candidates::of`].
 pub(super) fn candidate(
     spot: &Spot,
     field: &HeightField,
@@ -184,7 +181,7 @@ pub(super) fn candidate(
         }) => return Ok(Err(|s| &mut s.no_base)),
         Err(error) => return Err(error.into()),
     };
-    let is_building = uav.placement == Placement::Rooftop;
+    let is_building = uav.placement == HoversOver::Rooftop;
     let mut zone = None;
     if let Some((over, zones)) = rules.over {
         zone = zones.over(spot.x, spot.y, is_building);
@@ -197,24 +194,4 @@ pub(super) fn candidate(
         return Ok(Err(|s| &mut s.clearance));
     }
     Ok(Ok(Candidate { spot: *spot, uav, zone }))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_the_centers_of_whole_cells_and_the_rest_is_shared() {
-        let scene = GeoRef::new((100.0, 300.0), (1.0, 1.0), (50, 47), None).expect("a valid grid");
-        let places = PlaceGrid::over(&scene, 10.0).expect("a step above 0");
-        assert_eq!((places.grid.n_rows(), places.grid.n_cols()), (5, 4));
-        let spots = places.spots(&[Height::AboveGround(30.0), Height::AboveGround(60.0)]);
-        let at = |k: usize| (spots[k].x, spots[k].y, spots[k].level, spots[k].place);
-        assert_eq!(
-            (at(0), at(1), at(4), at(20)),
-            ((108.5, 295.0, 0, 0), (118.5, 295.0, 0, 1), (108.5, 285.0, 0, 4), (108.5, 295.0, 1, 0))
-        );
-        assert_eq!(PlaceGrid::over(&scene, 1e9).map(|p| p.spots(&[Height::AboveGround(1.0)]).len()), Some(1));
-        assert!(PlaceGrid::over(&scene, 0.0).is_none() && PlaceGrid::over(&scene, f64::NAN).is_none());
-    }
 }

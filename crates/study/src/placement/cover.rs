@@ -61,9 +61,6 @@ impl SeenSets {
     }
 
     /// What some candidates see, and their scores: as [`super::scores`] finds them. Adds 1 to `control.done` for each.
-    ///
-    /// # Errors
-    /// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
     pub fn of(scorer: &Scorer<'_>, candidates: &[Candidate], control: &Control) -> Result<(Vec<Score>, SeenSets)> {
         let mut scores = Vec::with_capacity(candidates.len());
         let mut sets = SeenSets::over(&scorer.mapper.receiver_cells(), scorer.weights);
@@ -153,9 +150,6 @@ impl Cover {
 
 /// Chooses `k` sets whose union is large: greedy, the first of equal sets first, with an upper bound on every choice of
 /// `k`. Every gain is computed in every round, because the bound asks for all of them.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let mut left = sets.wanted.clone();
     let wanted = sets.value(&left, &left);

@@ -24,9 +24,6 @@ pub struct LeastHeight {
 ///
 /// A link never becomes NLoS by raising the UAV and range is horizontal, so over one place the share never falls with the
 /// height, and the outcome is that of trying every height. Shares are compared as they are printed: as doubles.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn least_heights(
     scorer: &Scorer<'_>,
     candidates: &[Candidate],

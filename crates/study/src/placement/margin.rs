@@ -28,9 +28,6 @@ const BATCH: usize = 8;
 /// with the highest bounds are asked about all receivers, until enough exact values are as high as every bound that is
 /// left. So few candidates are decided in full: cost is some walks per candidate, and a walk to each receiver for those
 /// few.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn worst_margins(
     mapper: &Mapper<'_>,
     candidates: &[Candidate],

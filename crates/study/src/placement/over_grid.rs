@@ -11,9 +11,6 @@ use crate::los::Method;
 /// candidates share a height, or the scene is no flat ground with footprints.
 ///
 /// Adds the number of candidates to `control.done` as it goes.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn scores_over_grid(
     scorer: &Scorer<'_>,
     places: &PlaceGrid,

@@ -22,9 +22,6 @@ pub struct Refined<S> {
 /// rules are left out. It climbs, so it may end short of the best place of all.
 ///
 /// `better(uav, best)` tells what a UAV is worth if that is more than the best so far.
-///
-/// # Errors
-/// As [`super::Candidates::of`].
 pub fn refined<S>(
     field: &HeightField,
     rules: &CandidateRules<'_>,

@@ -226,10 +226,7 @@ impl SampledCounts {
     pub fn totals(&self) -> Vec<Count> {
         let mut totals = vec![Count::default(); self.n_parts];
         for counts in self.placements.iter().flat_map(|placement| placement.chunks_exact(self.n_parts)) {
-            for (total, count) in totals.iter_mut().zip(counts) {
-                total.receivers += count.receivers;
-                total.los += count.los;
-            }
+            totals.iter_mut().zip(counts).for_each(|(total, count)| *total = *total + *count);
         }
         totals
     }
@@ -239,41 +236,4 @@ impl SampledCounts {
 pub fn over_cities(totals: &[Vec<Count>], n_parts: usize, confidence: f64) -> Vec<Estimate> {
     let of_part = |part: usize| totals.iter().map(|of_city| of_city[part]).collect::<Vec<Count>>();
     (0..n_parts).map(|part| clustered(&of_part(part), confidence)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::city::BuiltUpCity;
-
-    #[test]
-    fn middles_are_in_their_zones_and_places_too() {
-        let built_up = BuiltUp::named("high-rise").expect("a known city");
-        let city = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 3, ground_m: 0.0 };
-        let scene = city.city().expect("a city");
-        let field = HeightField::build(&scene.grid, scene.solids).field;
-        let zones = ZoneMap::of(&field, Some(&built_up));
-        for zone in Zone::ALL {
-            let middles = middles_of(&built_up, 300.0, zone);
-            // 300 m are 5.2 periods; the sixth street ends at 305.6 m, its middle is at 297.1 m.
-            let wanted = match zone {
-                Zone::Crossroad => 36,
-                Zone::Street => 60,
-                Zone::Rooftop => 25,
-                Zone::Courtyard => 0,
-            };
-            assert_eq!(middles.len(), wanted, "{zone:?}");
-            let drawn = Drawn { zone, n: 100, within: [0.0, 0.0, 300.0, 300.0], radius: None, seed: 1 };
-            let places = drawn.places(&field, &zones).places;
-            assert_eq!(places.len(), if zone == Zone::Courtyard { 0 } else { 100 });
-            // Discs of 100 m leave a square of 100 m.
-            let whole = Drawn { radius: Some(100.0), ..drawn }.places(&field, &zones);
-            assert!(whole.places.iter().flatten().all(|v| (100.0..=200.0).contains(v)));
-            assert_eq!((whole.places.len(), whole.n_cut > 0), (places.len(), zone != Zone::Courtyard));
-            for [x, y] in middles.into_iter().chain(places) {
-                let is_building = field.roof_at(&field.place(x, y)).is_some();
-                assert_eq!(zones.over(x, y, is_building), Some(zone), "({x}, {y})");
-            }
-        }
-    }
 }

@@ -181,16 +181,13 @@ impl<'a> Scorer<'a> {
     }
 
     /// The score of what a UAV sees.
-    pub fn score_of(&self, seen: &Seen) -> Score {
+    pub(crate) fn score_of(&self, seen: &Seen) -> Score {
         let seen = self.weights.map_or_else(|| seen.los.count().into(), |weights| weights.sum(&seen.los));
         Score { wanted: self.wanted, seen }
     }
 }
 
 /// The scores of some UAVs, in their order; each is worked on by one thread. Adds 1 to `control.done` for each.
-///
-/// # Errors
-/// Only [`skyshed_core::Error::Interrupted`], when `control.stop` was set.
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         control.check()?;
@@ -226,18 +223,5 @@ mod tests {
         ];
         assert_eq!(ranked(&scores), [4, 3, 5, 0, 2, 1]);
         assert_eq!((scores[1].share(), scores[0].share()), (None, Some(0.5)));
-    }
-
-    #[test]
-    fn weights_sum_over_sets_across_words() {
-        let mut of_cells = vec![0.0; 140];
-        (of_cells[0], of_cells[69], of_cells[139]) = (1.0, 0.5, 2.0);
-        let weights = Weights::new(&of_cells, 70).expect("some are above 0");
-        let mut cells = BitGrid::full(2, 70);
-        // In halves.
-        assert_eq!(weights.sum(&cells), 2 + 1 + 4);
-        cells.words_mut()[0] &= !1;
-        assert_eq!(weights.sum(&cells), 1 + 4);
-        assert_eq!(Weights::new(&[0.0; 4], 2), None);
     }
 }

@@ -116,15 +116,3 @@ impl Samples<'_> {
         if is_own { VOID } else { self.columns.top(east, north) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_are_thousandths_of_a_cell() {
-        assert_eq!(StepLength::new(0.25).map(StepLength::cells), Some(0.25));
-        assert_eq!(StepLength::new(0.0), None);
-        assert_eq!(StepLength::new(f64::NAN), None);
-    }
-}

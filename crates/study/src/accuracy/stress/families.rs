@@ -154,9 +154,6 @@ impl Family {
     }
 
     /// One of its scenes. Those of a mirrored family carry the answers of the scene that they are an image of.
-    ///
-    /// # Errors
-    /// Those of [`truth()`] for the scene that is mirrored.
     pub fn scene(&self, seed: u64, number: u32) -> Result<StressScene> {
         let place = FAMILIES.iter().position(|f| f.name == self.name).and_then(|k| u32::try_from(k).ok()).unwrap_or(0);
         let drawn = |number: u32| (self.make)(&mut Draw::new(seed, place, number));

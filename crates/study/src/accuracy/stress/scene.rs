@@ -47,10 +47,16 @@ impl Board {
     }
 
     fn index(&self, east: i64, north: i64) -> Option<usize> {
-        let col = usize::try_from(east).ok().filter(|col| *col < self.n_cols)?;
-        let from_south = usize::try_from(north).ok().filter(|row| *row < self.n_rows)?;
-        Some((self.n_rows - 1 - from_south) * self.n_cols + col)
+        let (row, col) = row_and_col((east, north), (self.n_rows, self.n_cols))?;
+        Some(row * self.n_cols + col)
     }
+}
+
+/// Row and column of the cell so many cells east and north of the south-west one; `None` outside.
+fn row_and_col((east, north): (i64, i64), (n_rows, n_cols): (usize, usize)) -> Option<(usize, usize)> {
+    let col = usize::try_from(east).ok().filter(|col| *col < n_cols)?;
+    let from_south = usize::try_from(north).ok().filter(|row| *row < n_rows)?;
+    Some((n_rows - 1 - from_south, col))
 }
 
 /// A prism over the even-odd interior of some rings.
@@ -150,15 +156,12 @@ impl StressScene {
     /// Notes that a receiver `east` cells from the west and `north` cells from the south is LoS, or not; outside of the
     /// scene nothing happens.
     pub(super) fn know(&mut self, (east, north): (i64, i64), is_los: bool) {
-        let col = usize::try_from(east).ok().filter(|col| *col < self.n_cols);
-        let from_south = usize::try_from(north).ok().filter(|row| *row < self.n_rows);
-        if let (Some(col), Some(from_south)) = (col, from_south) {
-            self.known.push(Known { row: self.n_rows - 1 - from_south, col, is_los });
-        }
+        let place = row_and_col((east, north), (self.n_rows, self.n_cols));
+        self.known.extend(place.map(|(row, col)| Known { row, col, is_los }));
     }
 
     /// Whether columns stand in the way.
-    pub fn is_board(&self) -> bool {
+    pub(crate) fn is_board(&self) -> bool {
         matches!(self.solid, StressSolid::Columns { .. })
     }
 

@@ -28,21 +28,13 @@ impl Contender {
 
     /// The contender of an engine.
     pub fn of(choice: MethodChoice) -> Self {
-        let name = match choice {
-            MethodChoice::Auto => "auto".into(),
-            MethodChoice::Ray => Method::Ray.name(),
-            MethodChoice::Sweep => Method::Sweep.name(),
-            MethodChoice::Shadow => Method::Shadow.name(),
-            MethodChoice::Step(length) => Method::Step(length).name(),
-            MethodChoice::Xdraw => Method::Xdraw.name(),
-            MethodChoice::R2 => Method::R2.name(),
-        };
+        let name = choice.method().map_or_else(|| "auto".into(), Method::name);
         Contender { name: name.into_owned(), choice }
     }
 
     /// Whether every answer of it must be right.
     pub fn is_exact(&self) -> bool {
-        !matches!(self.choice, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2)
+        self.choice.method().is_none_or(Method::is_exact)
     }
 }
 

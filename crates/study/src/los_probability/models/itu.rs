@@ -58,14 +58,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quoted_values_are_met() {
-        assert_eq!(m(173.2051, &city("urban")), 1);
-        assert_near(p_los(&link("urban", 30.0)).unwrap().p_los, 0.750645, 5e-7);
-        assert_near(p_los(&link("suburban", 20.0)).unwrap().p_los, 0.992424, 5e-7);
-        assert_near(p_los(&link("high-rise", 45.0)).unwrap().p_los, 0.393469, 5e-7);
-    }
-
-    #[test]
     fn there_is_no_building_before_the_first_step_and_at_no_distance() {
         let urban = city("urban");
         // 1/√(αβ) = 81.65 m.

@@ -169,9 +169,6 @@ impl Model {
     }
 
     /// The probability of line of sight of a link.
-    ///
-    /// # Errors
-    /// [`OutsideDomain`] where the model has no value: what was found and what was wanted.
     pub fn p_los(self, link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
         check(link)?;
         (self.card().p_los)(link)

@@ -105,13 +105,70 @@ fn models_of_the_elevation_angle_rise_with_it() {
     }
 }
 
+/// What each model says of links that it was not made for: a caution beside its value, or why it has none.
 #[test]
-fn two_reasons_for_care_are_both_given() {
+fn what_a_model_was_not_made_for_is_told() {
+    let at = |h: f64| ModelLink { uav_height_m: h, rx_height_m: 25.0, ..link("urban", 30.0) };
+    let of = |alpha: f64, beta: f64, gamma: f64| ModelLink {
+        built_up: BuiltUp::new(alpha, beta, gamma).unwrap(),
+        phi_deg: Some(0.0),
+        ..link("urban", 30.0)
+    };
+    let street = ModelLink { rx_height_m: 1.5, ..at(10.0) };
     let roof = ModelLink { rx_height_m: 12.0, ..link("urban", 5.0) };
-    let caution = Model::Tr38811.p_los(&roof).unwrap().caution.unwrap();
-    assert_eq!(
-        caution,
-        "tabulated from 10°, the elevation angle is 5°; made for platforms from 8 km up, the UAV is at 100 m; made for \
-         receivers at street level, the receiver is at 12 m"
-    );
+    let along = |phi: f64| ModelLink { phi_deg: Some(phi), ..link("urban", 30.0) };
+    let platform = ModelLink { uav_height_m: 20_000.0, ..link("urban", 30.0) };
+    let (none, care, refused) = (None, true, false);
+    let cases = [
+        (Model::AlHourani2014, link("urban", 30.0), none),
+        (Model::AlHourani2014, of(0.1, 400.0, 8.0), Some((care, "the city has αβ = 40"))),
+        (Model::AlHourani2014, of(0.3, 500.0, 6.0), Some((care, "γ = 6 m"))),
+        (Model::AlHourani2014, link("ghent", 30.0), Some((refused, "b = -112.49"))),
+        (Model::AlHourani2014Table, link("ghent", 30.0), Some((refused, "wanted suburban"))),
+        (Model::AlHourani2014Table, roof, Some((care, "street level"))),
+        (Model::Holis2008, link("urban", 0.99), Some((refused, "wanted 1° to 90°"))),
+        (Model::Holis2008, link("urban", 1.0), Some((care, "the UAV is at 100 m"))),
+        (Model::Holis2008, platform, none),
+        (Model::Kang2019, ModelLink { rx_height_m: 100.0, ..roof }, Some((refused, "wanted above the receiver"))),
+        (Model::Mohammed2023, of(0.3, 500.0, 15.0), none),
+        (Model::Mohammed2023, of(0.7, 500.0, 15.0), Some((care, "here they are 0.2"))),
+        (Model::Mohammed2023, of(0.07, 500.0, 15.0), Some((care, "here they are 2.78"))),
+        (Model::Mohammed2023, of(0.02, 500.0, 15.0), Some((refused, "6.07 building widths"))),
+        (Model::Saboor2024, along(-180.0), none),
+        (Model::Saboor2024, link("urban", 30.0), Some((care, "not a mean over azimuths"))),
+        (Model::Saboor2024, along(90.0), Some((refused, "the azimuth is 90°"))),
+        (Model::Tr36777UmaAv, at(300.0), none),
+        (Model::Tr36777UmaAv, at(300.1), Some((refused, "wanted 1.5 m to 300 m"))),
+        (Model::Tr36777UmaAv, street, Some((care, "base station"))),
+        (Model::Tr38901Uma, at(23.0), none),
+        (Model::Tr38901Uma, at(23.001), Some((refused, "wanted at most 23 m"))),
+        (Model::Tr38901Rma, at(10.5), Some((care, "users at 1 to 10 m"))),
+        (Model::Tr38901Umi, at(22.5), none),
+        (Model::Tr38901Umi, at(100.0), Some((care, "users at 1.5 to 22.5 m"))),
+        (Model::Tr38901Umi, street, Some((care, "made for a base station at 10 m"))),
+        (Model::Tr38811, link("high-rise", 30.0), Some((refused, "high-rise"))),
+        (Model::Tr38811Linear, link("ghent", 30.0), Some((refused, "wanted suburban"))),
+        // All reasons for care are given.
+        (
+            Model::Tr38811,
+            roof,
+            Some((
+                care,
+                "tabulated from 10°, the elevation angle is 5°; made for platforms from 8 km up, the UAV is at 100 m; made \
+                 for receivers at street level, the receiver is at 12 m",
+            )),
+        ),
+    ];
+    for (model, link, told) in cases {
+        let found = match model.p_los(&link) {
+            Ok(value) => value.caution.map(|caution| (care, caution)),
+            Err(outside) => Some((refused, outside.reason)),
+        };
+        let is_told = match (&found, told) {
+            (None, None) => true,
+            (Some((kind, text)), Some((wanted, part))) => *kind == wanted && text.contains(part),
+            _ => false,
+        };
+        assert!(is_told, "{}: {found:?}, wanted {told:?}", model.id());
+    }
 }

@@ -90,15 +90,8 @@ fn umi_av(d: f64, h: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{assert_near, link};
+    use super::super::tests::assert_near;
     use super::*;
-
-    #[test]
-    fn quoted_values_are_met() {
-        assert_near(uma_av(1000.0, 50.0), 0.772052, 5e-7);
-        assert_near(umi_av(300.0, 100.0), 0.771170, 5e-7);
-        assert_near(uma_av(1000.0, 22.501), 0.615756, 5e-7);
-    }
 
     #[test]
     fn a_limit_belongs_to_the_band_below_it() {
@@ -110,20 +103,5 @@ mod tests {
         assert!(rma_av(4000.0, 40.0) < 1.0 && uma_av(4000.0, 100.0) < 1.0 && umi_av(4000.0, 300.0) < 1.0);
         assert_near(rma_av(4000.0, 40.001), 1.0, 0.0);
         assert_near(uma_av(4000.0, 100.001), 1.0, 0.0);
-    }
-
-    #[test]
-    fn heights_outside_the_table_are_refused() {
-        let at = |h: f64| ModelLink { uav_height_m: h, rx_height_m: 25.0, ..link("urban", 30.0) };
-        for card in [RMA_AV, UMA_AV, UMI_AV] {
-            for h in [0.0, 1.49, 300.1] {
-                assert!((card.p_los)(&at(h)).unwrap_err().reason.contains("wanted 1.5 m to 300 m"));
-            }
-            assert_eq!((card.p_los)(&at(300.0)).unwrap().caution, None);
-            let on_the_street = ModelLink { rx_height_m: 1.5, ..at(100.0) };
-            assert!((card.p_los)(&on_the_street).unwrap().caution.unwrap().contains("base station"));
-            let overhead = ModelLink { distance_m: 0.0, ..at(100.0) };
-            assert_near((card.p_los)(&overhead).unwrap().p_los, 1.0, 0.0);
-        }
     }
 }

@@ -73,9 +73,6 @@ impl UserCurve {
     }
 
     /// The value at an elevation angle \[deg\] or ground distance \[m\], whichever the curve is given over.
-    ///
-    /// # Errors
-    /// [`OutsideDomain`] before the first and after the last row.
     pub fn p_los(&self, theta_deg: f64, distance_m: f64) -> std::result::Result<f64, OutsideDomain> {
         let (at, what, unit) = match self.axis {
             CurveAxis::Theta => (theta_deg, "elevation angle", "°"),

@@ -17,24 +17,24 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use super::estimate::FEWEST_CLUSTERS;
+use crate::los_probability::estimate::FEWEST_CLUSTERS;
 
 /// Resamplings behind an interval.
 pub const RESAMPLINGS: u64 = 1000;
 
 /// The random numbers of one resampling: a stream of its own, so that no order of work changes it.
-pub(super) struct Drawing(ChaCha8Rng);
+pub(crate) struct Drawing(ChaCha8Rng);
 
 impl Drawing {
     /// The `k`th resampling of a seed.
-    pub(super) fn nth(seed: u64, k: u64) -> Self {
+    pub(crate) fn nth(seed: u64, k: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(k);
         Drawing(random)
     }
 
     /// How often each of `n` clusters is drawn in `n` draws with replacement.
-    pub(super) fn times(&mut self, n: usize) -> Vec<f64> {
+    pub(crate) fn times(&mut self, n: usize) -> Vec<f64> {
         let mut times = vec![0.0; n];
         for _ in 0..n {
             #[expect(clippy::cast_possible_truncation, reason = "below n")]
@@ -47,15 +47,15 @@ impl Drawing {
 
 /// What resamplings tell of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spread {
+pub(crate) struct Spread {
     /// Percentile interval, which holds the value.
-    pub(super) interval: (f64, f64),
-    pub(super) std_error: f64,
+    pub(crate) interval: (f64, f64),
+    pub(crate) std_error: f64,
 }
 
 /// The spread of a ratio over resampled numerators and denominators; `None` where more than one in a hundred resamplings
 /// has no denominator, because too few clusters bear on it.
-pub(super) fn spread(value: f64, resampled: impl Iterator<Item = (f64, f64)>, confidence: f64) -> Option<Spread> {
+pub(crate) fn spread(value: f64, resampled: impl Iterator<Item = (f64, f64)>, confidence: f64) -> Option<Spread> {
     let mut ratios: Vec<f64> = resampled.filter(|r| r.1 > 0.0).map(|r| r.0 / r.1).collect();
     ratios.sort_by(f64::total_cmp);
     let n = ratios.len() as f64;

@@ -1,8 +1,7 @@
 //! The statistical city that is most like a real one: α, β, γ from its buildings, and how well they fit.
 
 use crate::city::BuiltUp;
-
-use super::product::rayleigh_cdf;
+use crate::los_probability::product::rayleigh_cdf;
 
 /// Estimated built-up parameters, with the heights that they are to describe.
 #[derive(Debug, Clone, PartialEq)]

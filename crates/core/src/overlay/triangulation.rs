@@ -1,0 +1,64 @@
+//! Constrained Delaunay triangulations of rings (spade).
+
+use std::collections::HashMap;
+
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use super::Ring;
+
+/// A triangulation of which the edges of rings are constraint edges.
+pub(crate) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// The corners of some rings, each once, in the order in which they come, and the edges between them.
+pub(crate) fn corners_and_edges(rings: &[Ring]) -> (Vec<[i32; 2]>, Vec<[usize; 2]>) {
+    let mut index: HashMap<[i32; 2], usize> = HashMap::new();
+    let mut corners = Vec::new();
+    let mut edges = Vec::new();
+    for ring in rings {
+        let number = |p: &[i32; 2]| {
+            *index.entry(*p).or_insert_with(|| {
+                corners.push(*p);
+                corners.len() - 1
+            })
+        };
+        let numbers: Vec<usize> = ring.iter().map(number).collect();
+        let next = numbers.iter().cycle().skip(1);
+        edges.extend(numbers.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]));
+    }
+    (corners, edges)
+}
+
+/// The triangulation whose vertices have the numbers of `points`, and whether no edges cross; of two that do, one is left
+/// out. `None` if there are fewer than three points, or equal ones.
+pub(crate) fn triangulated(points: &[[f64; 2]], edges: Vec<[usize; 2]>) -> Option<(Cdt, bool)> {
+    if points.len() < 3 {
+        return None;
+    }
+    let vertices = points.iter().map(|p| Point2::new(p[0], p[1])).collect();
+    let mut are_apart = true;
+    let cdt = Cdt::try_bulk_load_cdt(vertices, edges, |_| are_apart = false).ok()?;
+    (cdt.num_vertices() == points.len()).then_some((cdt, are_apart))
+}
+
+/// Which faces are inside, by index: from the outside, each constraint edge that is crossed changes sides. And whether all
+/// ways to a face say the same.
+pub(crate) fn inside_faces(cdt: &Cdt) -> (Vec<bool>, bool) {
+    let mut is_inside = vec![false; cdt.num_all_faces()];
+    let mut is_met = vec![false; cdt.num_all_faces()];
+    is_met[cdt.outer_face().fix().index()] = true;
+    let mut is_consistent = true;
+    // A hull edge has the outer face on its left; where all is on one line, on its right as well.
+    let hull = cdt.convex_hull().filter(|edge| !edge.rev().face().is_outer());
+    let mut queue: Vec<_> = hull.map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
+    while let Some((face, here)) = queue.pop() {
+        if std::mem::replace(&mut is_met[face.index()], true) {
+            is_consistent &= is_inside[face.index()] == here;
+            continue;
+        }
+        is_inside[face.index()] = here;
+        let Some(triangle) = cdt.face(face).as_inner() else { continue };
+        let beyond = triangle.adjacent_edges();
+        queue.extend(beyond.map(|edge| (edge.rev().face().fix(), here != edge.is_constraint_edge())));
+    }
+    (is_inside, is_consistent)
+}
