@@ -135,15 +135,14 @@ impl Conversion {
                     n_cols: grid.n_cols(),
                     n_rows: grid.n_rows(),
                     surface_m: &surface,
-                    ground_m: Some(&ground),
+                    ground_m: &ground,
                 })
             }
         };
         let mut caption = vec![self.size_line(), format!("{}; {}", self.place_line(), program())];
         caption.extend(look.last_lines(&self.scene));
         let title = look.title_or(|| title_of(&self.facts.scene_name));
-        let picture =
-            CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
+        let picture = CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model };
         drawn(render::draw_city(&picture, &look.form(format), &picture_provenance(&self.provenance())))
     }
 

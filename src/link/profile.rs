@@ -37,10 +37,9 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let profile = LinkProfile {
         title: &title,
         caption: &caption,
-        height_name: "Height above the datum",
         distance_m: found.distance_m,
-        uav: ("UAV", uav_m),
-        receiver: ("Receiver", receiver_m),
+        uav_m,
+        receiver_m,
         steps: &steps,
         obstruction,
     };

@@ -8,9 +8,6 @@ use crate::error::{Error, Result};
 use crate::render::{self, HeatAxis, HeatPanel, HeatSheet, PictureForm};
 use crate::words::title_of;
 
-/// Iso-lines of P_LoS in heat maps.
-const LEVELS: [f64; 3] = [0.1, 0.5, 0.9];
-
 pub(super) fn heat_maps(
     report: &PlosReport,
     varying: &[(Quantity, Vec<f64>)],
@@ -73,6 +70,6 @@ pub(super) fn heat_maps(
         })
         .collect();
     let columns = if sheet_panels.len() > 4 { 3 } else { sheet_panels.len().min(2) };
-    let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns, levels: &LEVELS };
+    let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns };
     Ok(render::draw_heat_sheet(&sheet, form, provenance))
 }

@@ -14,7 +14,7 @@ use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
 use crate::method_looks::look_of;
 use crate::picture::{Look, drawn, picture_provenance};
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
+use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
 use crate::words::unbreakable;
 
 /// What pictures need beside the report.
@@ -139,7 +139,6 @@ fn curves(
         .map(|lines| {
             let drawn = lines.iter().map(|(line, look, index)| CurveLine {
                 label: &line.label,
-                detail: None,
                 color_index: *index,
                 look: *look,
                 points: &line.points,
@@ -154,7 +153,8 @@ fn curves(
         .zip(&titles)
         .map(|(lines, title)| CurvePanel {
             title,
-            x: CurveAxis { name: axis_name(x), ends, is_log: false },
+            x_name: axis_name(x),
+            x_ends: ends,
             y_name: "P_LoS",
             y_ends: [0.0, 1.0],
             lines,
@@ -167,7 +167,8 @@ fn curves(
     for (fit, lines) in fits.iter().zip(&fit_lines) {
         sheet_panels.push(CurvePanel {
             title: &fit.title,
-            x: CurveAxis { name: "Building height [m]", ends: [0.0, fit.highest], is_log: false },
+            x_name: "Building height [m]",
+            x_ends: [0.0, fit.highest],
             y_name: "Share of buildings not higher",
             y_ends: [0.0, 1.0],
             lines,
@@ -353,14 +354,7 @@ impl FitLines {
 
     fn lines(&self) -> [CurveLine<'_>; 2] {
         // Looks that no method has.
-        let line = |label, look, color_index, points| CurveLine {
-            label,
-            detail: None,
-            color_index,
-            look,
-            points,
-            through: &[],
-        };
+        let line = |label, look, color_index, points| CurveLine { label, color_index, look, points, through: &[] };
         [
             line("Building heights", LineLook::Solid, 6, &self.share[..]),
             line("Rayleigh, most likely γ", LineLook::Dashed, 23, &self.rayleigh[..]),

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::export::Format;
 use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
 use crate::quantity::{counted, tidy};
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
 use crate::words::{title_of, unbreakable};
 use crate::zones::Zone;
 
@@ -38,7 +38,6 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         .map(|of_receivers| {
             let lines = of_receivers.iter().enumerate().map(|(k, points)| CurveLine {
                 label: &labels[k],
-                detail: None,
                 color_index: placements[k].code().into(),
                 look: line_look,
                 points,
@@ -54,7 +53,8 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         .zip(&titles)
         .map(|(lines, title)| CurvePanel {
             title,
-            x: CurveAxis { name: "UAV height above ground [m]", ends, is_log: false },
+            x_name: "UAV height above ground [m]",
+            x_ends: ends,
             y_name: "P_LoS",
             y_ends: [0.0, 1.0],
             lines,

@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn draw(look: LineLook, points: &[CurvePoint]) -> String {
-        let line = CurveLine { label: "a", detail: None, color_index: 0, look, points, through: &[] };
+        let line = CurveLine { label: "a", color_index: 0, look, points, through: &[] };
         lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
     }
 

@@ -63,11 +63,12 @@ mod tradeoff;
 mod tradeoff_rows;
 mod z_buffer;
 
-pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city};
+pub use city_picture::{CityPicture, draw_city};
+pub use city_solids::{CityHeights, CityModel, CityPrism};
 pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
 pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
 pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
-pub use curve_sheet::{CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
+pub use curve_sheet::{CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
 pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
 pub use lettering::grouped;
