@@ -18,7 +18,7 @@ use crate::export::{
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::height_field::{ConvexPieces, convex_pieces};
-use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
 use crate::scene::{Scene, SceneOptions};
@@ -143,7 +143,7 @@ impl Conversion {
         caption.extend(look.last_lines(&self.scene));
         let title = look.title_or(|| title_of(&self.facts.scene_name));
         let picture = CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model };
-        drawn(render::draw_city(&picture, &look.form(format), &picture_provenance(&self.provenance())))
+        written(render::draw_city(&picture), &look.form(format), &picture_provenance(&self.provenance()))
     }
 
     fn ground_m(&self) -> Vec<f32> {

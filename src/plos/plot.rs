@@ -13,8 +13,8 @@ use crate::los_probability::fit::BuiltUpFit;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
 use crate::method_looks::look_of;
-use crate::picture::{Look, drawn, picture_provenance};
-use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
+use crate::picture::{Look, picture_provenance, written};
+use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, Sheet};
 use crate::words::unbreakable;
 
 /// What pictures need beside the report.
@@ -40,7 +40,6 @@ const FEWEST_FOR_HEAT: usize = 3;
 pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec<u8>> {
     let PlosStudy { report, plot: facts, plan, .. } = study;
     let varying = plan.sweeps.varying();
-    let form = &look.form(format);
     let is_heat = match plan.plot {
         PlotKind::Curves => false,
         PlotKind::Heat if varying.len() != 2 => {
@@ -61,14 +60,15 @@ pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec
     };
     let caption = caption(facts, report, intervals, look);
     let provenance = picture_provenance(&report.provenance());
-    drawn(if is_heat {
-        heat_maps(report, &varying, &title, &caption, &provenance, form)?
+    let sheet = if is_heat {
+        heat_maps(report, &varying, &title, &caption)?
     } else {
-        curves((report, facts), &varying, &title, &caption, &provenance, form)?
-    })
+        curves((report, facts), &varying, &title, &caption)?
+    };
+    written(sheet, &look.form(format), &provenance)
 }
 
-pub(super) type Drawn = std::result::Result<Vec<u8>, String>;
+pub(super) type Drawn = std::result::Result<Sheet, String>;
 
 /// A line of a plot before it is drawn.
 struct Line {
@@ -85,8 +85,6 @@ fn curves(
     varying: &[(Quantity, Vec<f64>)],
     title: &str,
     caption: &[String],
-    provenance: &[(String, String)],
-    form: &PictureForm,
 ) -> Result<Drawn> {
     let (x, values) = varying.first().cloned().unwrap_or_else(|| {
         // A single value is a point on the axis of what it was asked for.
@@ -181,7 +179,7 @@ fn curves(
         _ => 3,
     };
     let sheet = CurveSheet { title, caption, panels: &sheet_panels, columns };
-    Ok(render::draw_curve_sheet(&sheet, form, provenance))
+    Ok(render::draw_curve_sheet(&sheet))
 }
 
 /// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.

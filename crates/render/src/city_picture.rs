@@ -6,7 +6,6 @@ use super::city_solids::{CityModel, CityPrism, Solids};
 use super::city_view;
 use super::colors::{INK, Ramp, Rgb};
 use super::furniture::{self, DETAIL, NAME, Scale, TITLE};
-use super::picture_form::PictureForm;
 use super::sheet::{self, Anchor, Drawing, Sheet, Type};
 use super::z_buffer::View;
 
@@ -34,17 +33,8 @@ pub struct CityPicture<'a> {
 /// Draws a city: plan on the left, view from the south-south-west on the right, heights true to scale.
 ///
 /// # Errors
-/// An empty extent, a raster of another shape, numbers that are not finite, 16 million buildings or more, or a keyword
-/// of `provenance` that PNG does not allow.
-pub fn draw_city(
-    picture: &CityPicture<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(picture)?.write(form, provenance)
-}
-
-fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
+/// An empty extent, a raster of another shape, numbers that are not finite, or 16 million buildings or more.
+pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     check(picture)?;
     let [west, south, east, north] = picture.extent_m;
     let solids = Solids::new(&picture.model, picture.extent_m);
@@ -198,7 +188,7 @@ mod tests {
             ([0.0, 0.0, 10.0, 10.0], CityModel::Prisms(&bent), "building 0"),
             ([0.0, 0.0, 10.0, 10.0], CityModel::Heights(raster), "surface has 3"),
         ] {
-            let drawn = compose(&CityPicture { title: "", caption: &[], extent_m, model });
+            let drawn = draw_city(&CityPicture { title: "", caption: &[], extent_m, model });
             assert!(drawn.is_err_and(|e| e.contains(words)), "{words}");
         }
     }

@@ -9,7 +9,6 @@ use super::lettering;
 use super::map_layers::{self, Backing};
 use super::marks::Mark;
 use super::paint;
-use super::picture_form::PictureForm;
 use super::sheet::Sheet;
 use super::small_maps::{HEADING, Maps, Page, Panel};
 
@@ -64,25 +63,17 @@ pub struct ComparePair<'a> {
     pub second: usize,
 }
 
-/// Draws placements.
-///
-/// # Errors
-/// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, a cell size that
-/// is not positive, or a keyword of `provenance` that PNG does not allow.
-pub fn draw_compare_sheet(
-    sheet: &CompareSheet<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
-}
-
 /// Columns of maps, and the length \[px\] that the longer side of a map aims at.
 fn arrangement(n_maps: usize) -> (usize, f64) {
     if n_maps == 2 { (2, 760.0) } else { (4, 520.0) }
 }
 
-fn compose(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
+/// Draws placements.
+///
+/// # Errors
+/// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, or a cell size
+/// that is not positive.
+pub fn draw_compare_sheet(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     check(sheet)?;
     let (columns, target) = arrangement(sheet.maps.len());
     let axes = paint::scale_to(sheet.n_cols, sheet.n_rows, sheet.cell_m, (target, 1.4 * target));
@@ -239,47 +230,31 @@ fn legend(painter: &Painter<'_>, found: &Found, room: f64) -> Block {
 mod tests {
     use super::*;
 
-    fn words(n: usize, pairs: &[ComparePair<'_>]) -> String {
-        let masks = [[0, 1, 1, 2], [0, 0, 1, 2], [0, 1, 0, 2]];
-        let titles: Vec<String> = (0..n).map(|k| format!("UAV {k}")).collect();
-        let maps: Vec<CompareMap<'_>> = (0..n)
-            .map(|k| CompareMap { title: &titles[k], detail: "P_LoS = 0.5", mask: &masks[k % 3], mark: None })
-            .collect();
-        let sheet = CompareSheet {
-            title: "A test",
-            verdict: "One is best.",
-            caption: &[],
-            n_cols: 2,
-            n_rows: 2,
-            cell_m: (1.0, 1.0),
-            maps: &maps,
-            pairs,
-            surface_m: None,
-            others_name: "Buildings",
-        };
-        let sheet = compose(&sheet).expect("the sheet is valid");
-        let inside = |(x, y, image): &(u32, u32, image::RgbaImage)| {
-            f64::from(x + image.width()) <= sheet.width && f64::from(y + image.height()) <= sheet.height
-        };
-        assert!(sheet.images.iter().all(inside));
-        assert_eq!(sheet.images.len(), n + pairs.len() + 1);
-        sheet.furniture.svg
+    const PAIR: ComparePair<'static> = ComparePair { title: "0 → 1", detail: "falls", first: 0, second: 1 };
+    const SHEET: CompareSheet<'static> = CompareSheet {
+        title: "A test",
+        verdict: "One is best.",
+        caption: &[],
+        n_cols: 4,
+        n_rows: 1,
+        cell_m: (1.0, 1.0),
+        maps: &[],
+        pairs: &[],
+        surface_m: None,
+        others_name: "Buildings",
+    };
+
+    fn map<'a>(title: &'a str, mask: &'a [u8]) -> CompareMap<'a> {
+        CompareMap { title, detail: "P_LoS = 0.5", mask, mark: None }
     }
 
     #[test]
     fn a_sheet_names_every_map_once_and_what_occurs_on_them() {
-        let pair = ComparePair { title: "0 → 1", detail: "falls", first: 0, second: 1 };
-        let svg = words(2, &[pair]);
-        for text in [
-            "One is best.<",
-            "UAV 0<",
-            "UAV 1<",
-            "0 → 1<",
-            "Lost: only",
-            "Both see it",
-            "Neither sees it",
-            "By both UAVs",
-        ] {
+        let maps = [map("UAV 0", &[0, 1, 1, 2]), map("UAV 1", &[0, 0, 1, 2])];
+        let sheet = draw_compare_sheet(&CompareSheet { maps: &maps, pairs: &[PAIR], ..SHEET }).expect("it is valid");
+        let svg = sheet.furniture.svg;
+        let names = ["One is best.<", "UAV 0<", "UAV 1<", "0 → 1<"];
+        for text in names.into_iter().chain(["Lost: only", "Both see it", "Neither sees it", "By both UAVs"]) {
             assert_eq!(svg.matches(text).count(), 1, "{text}");
         }
         assert!(!svg.contains("Gained") && !svg.contains("Out of range"));
@@ -289,59 +264,36 @@ mod tests {
     #[test]
     fn any_number_of_maps_has_its_place() {
         for n in 2..=16 {
-            let svg = words(n, &[]);
-            assert!((0..n).all(|k| svg.contains(&format!("UAV {k}<"))), "{n}");
+            let maps = vec![map("UAV", &[0, 1, 1, 2]); n];
+            let sheet = draw_compare_sheet(&CompareSheet { maps: &maps, ..SHEET }).expect("it is valid");
+            let inside = |(x, y, image): &(u32, u32, image::RgbaImage)| {
+                f64::from(x + image.width()) <= sheet.width && f64::from(y + image.height()) <= sheet.height
+            };
+            assert!(sheet.images.iter().all(inside) && sheet.images.len() == n + 1, "{n}");
         }
     }
 
     #[test]
     fn pixels_have_the_colors_of_the_pair() {
-        let (first, second) = ([0, 1, 0, 1], [0, 0, 1, 1]);
-        let map = |mask| CompareMap { title: "", detail: "", mask, mark: None };
-        let pair = ComparePair { title: "", detail: "", first: 0, second: 1 };
-        let sheet = CompareSheet {
-            title: "",
-            verdict: "",
-            caption: &[],
-            n_cols: 4,
-            n_rows: 1,
-            cell_m: (1.0, 1.0),
-            maps: &[map(&first), map(&second)],
-            pairs: &[pair],
-            surface_m: None,
-            others_name: "Buildings",
-        };
-        let sheet = compose(&sheet).expect("the sheet is valid");
+        let maps = [map("", &[0, 1, 0, 1]), map("", &[0, 0, 1, 1])];
+        let sheet = draw_compare_sheet(&CompareSheet { maps: &maps, pairs: &[PAIR], ..SHEET }).expect("it is valid");
         let image = &sheet.images[2].2;
         let step = image.width() / 4;
-        for (k, color) in colors::PAIR.into_iter().enumerate() {
-            let x = step * u32::try_from(k).expect("four cells") + step / 2;
-            assert_eq!(image.get_pixel(x, 5).0[..3], color);
+        for (k, color) in (0..4).zip(colors::PAIR) {
+            assert_eq!(image.get_pixel(step * k + step / 2, 5).0[..3], color);
         }
     }
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        let one = [CompareMap { title: "", detail: "", mask: &[1], mark: None }];
-        let sheet = CompareSheet {
-            title: "",
-            verdict: "",
-            caption: &[],
-            n_cols: 1,
-            n_rows: 1,
-            cell_m: (1.0, 1.0),
-            maps: &one,
-            pairs: &[],
-            surface_m: None,
-            others_name: "",
-        };
-        assert!(draw_compare_sheet(&sheet, &PictureForm::PNG, &[]).is_err());
-        let two = [one[0], CompareMap { mask: &[1, 1], ..one[0] }];
-        assert!(draw_compare_sheet(&CompareSheet { maps: &two, ..sheet }, &PictureForm::PNG, &[]).is_err());
-        let pair = [ComparePair { title: "", detail: "", first: 0, second: 2 }];
-        let two = [one[0]; 2];
-        assert!(
-            draw_compare_sheet(&CompareSheet { maps: &two, pairs: &pair, ..sheet }, &PictureForm::PNG, &[]).is_err()
-        );
+        let (good, short) = (map("", &[1; 4]), map("", &[1; 3]));
+        for (maps, pairs, words) in [
+            (&[good][..], &[][..], "at least 2"),
+            (&[good, short], &[], "mask has 3"),
+            (&[good, good], &[ComparePair { second: 2, ..PAIR }], "not there"),
+        ] {
+            let drawn = draw_compare_sheet(&CompareSheet { maps, pairs, ..SHEET });
+            assert!(drawn.is_err_and(|e| e.contains(words)), "{words}");
+        }
     }
 }

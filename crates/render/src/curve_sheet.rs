@@ -4,7 +4,6 @@ use super::curve_lines::{self, Window};
 use super::legend;
 use super::line_look::{LineLook, LineStyle};
 use super::panel_grid::{self, Panel};
-use super::picture_form::PictureForm;
 use super::plot_axis::{Direction, Span};
 use super::plot_frame;
 use super::sheet::Sheet;
@@ -69,20 +68,6 @@ pub struct CurvePoint {
     pub low_high: Option<(f64, f64)>,
 }
 
-/// Draws curves.
-///
-/// # Errors
-/// No panel or more than twelve, no column, more than 24 lines in a panel or labels in the legend, one label with two
-/// looks, ends of an axis that are not finite or not ascending, a point that is not finite or not in ascending order,
-/// or a keyword of `provenance` that PNG does not allow.
-pub fn draw_curve_sheet(
-    sheet: &CurveSheet<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
-}
-
 /// Width and height of the frames \[px\]. Words have one size: the more plots, the wider the sheet is meant to be.
 fn frame_size(columns: usize) -> [f64; 2] {
     match columns {
@@ -92,7 +77,13 @@ fn frame_size(columns: usize) -> [f64; 2] {
     }
 }
 
-fn compose(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
+/// Draws curves.
+///
+/// # Errors
+/// No panel or more than twelve, no column, more than 24 lines in a panel or labels in the legend, one label with two
+/// looks, ends of an axis that are not finite or not ascending, or a point that is not finite or not in ascending
+/// order.
+pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     panel_grid::check(sheet.panels.len(), sheet.columns)?;
     for panel in sheet.panels {
         check(panel)?;
@@ -154,7 +145,6 @@ fn is_finite(point: &CurvePoint) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
     const POINTS: [CurvePoint; 2] = [
         CurvePoint { x: 5.0, y: Some(0.2), low_high: Some((0.1, 0.3)) },
@@ -172,7 +162,7 @@ mod tests {
 
     fn svg(panels: &[CurvePanel<'_>], columns: usize) -> Result<String, String> {
         let sheet = CurveSheet { title: "P_LoS < 1 & more", caption: &[], panels, columns };
-        text(draw_curve_sheet(&sheet, &PictureForm::SVG, &[]))
+        draw_curve_sheet(&sheet).map(|sheet| sheet.furniture.svg)
     }
 
     #[test]

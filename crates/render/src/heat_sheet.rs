@@ -5,7 +5,6 @@ use super::contours::{Field, cut_middle};
 use super::furniture::{self, Block, DETAIL, Scale, Swatch};
 use super::lettering::{self, Weight, number};
 use super::panel_grid::{self, Panel};
-use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
@@ -54,20 +53,6 @@ pub struct HeatAxis<'a> {
     pub values: &'a [f64],
 }
 
-/// Draws heat maps.
-///
-/// # Errors
-/// No panel or more than twelve, no column, an axis without values, with too many, or with values that are not finite
-/// or do not ascend, an array of another length, a P_LoS outside 0 to 1, or a keyword of `provenance` that PNG
-/// does not allow.
-pub fn draw_heat_sheet(
-    sheet: &HeatSheet<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
-}
-
 /// Width and height of the frames \[px\].
 fn frame_size(columns: usize) -> [f64; 2] {
     match columns {
@@ -77,7 +62,12 @@ fn frame_size(columns: usize) -> [f64; 2] {
     }
 }
 
-fn compose(sheet: &HeatSheet<'_>) -> Result<Sheet, String> {
+/// Draws heat maps.
+///
+/// # Errors
+/// No panel or more than twelve, no column, an axis without values, with too many, or with values that are not finite
+/// or do not ascend, an array of another length, or a P_LoS outside 0 to 1.
+pub fn draw_heat_sheet(sheet: &HeatSheet<'_>) -> Result<Sheet, String> {
     panel_grid::check(sheet.panels.len(), sheet.columns)?;
     sheet.panels.iter().try_for_each(check)?;
     let size = frame_size(sheet.columns.min(sheet.panels.len()));
@@ -266,7 +256,6 @@ pub(super) fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4],
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
     const X: HeatAxis<'static> = HeatAxis { name: "Azimuth φ [°]", values: &[0.0, 45.0, 90.0] };
     const Y: HeatAxis<'static> = HeatAxis { name: "Elevation angle θ [°]", values: &[10.0, 20.0] };
@@ -275,7 +264,7 @@ mod tests {
 
     fn svg(panels: &[HeatPanel<'_>]) -> Result<String, String> {
         let sheet = HeatSheet { title: "P_LoS < 1 & more", caption: &[], panels, columns: 3 };
-        text(draw_heat_sheet(&sheet, &PictureForm::SVG, &[]))
+        draw_heat_sheet(&sheet).map(|sheet| sheet.furniture.svg)
     }
 
     #[test]

@@ -16,7 +16,7 @@
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
 //!
-//! Each is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
+//! A drawn [`Sheet`] is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
@@ -82,6 +82,7 @@ pub use overlay_legend::draw_overlay_legend;
 pub use picture_form::{PictureForm, PictureFormat};
 pub use png::{draw_bare, draw_bare_count};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
+pub use sheet::Sheet;
 pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile};
 pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff};
 
@@ -94,10 +95,4 @@ fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Resul
         return Err(format!("cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"));
     }
     Ok(())
-}
-
-/// The text of an SVG document that was drawn.
-#[cfg(test)]
-pub(crate) fn text(drawn: Result<Vec<u8>, String>) -> Result<String, String> {
-    drawn.map(|bytes| String::from_utf8(bytes).expect("SVG is text"))
 }

@@ -4,7 +4,6 @@ use super::colors::{self, INK};
 use super::furniture::{self, Block, DETAIL};
 use super::lettering::{self, Weight, length, number};
 use super::marks::Label;
-use super::picture_form::PictureForm;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Anchor, Drawing, Sheet, Type};
@@ -65,19 +64,6 @@ pub struct Obstruction {
     pub roof_height_m: f64,
 }
 
-/// Draws a link from the side.
-///
-/// # Errors
-/// A length that is not above 0 m, a height that is not finite, a step that ends before it starts, or a keyword of
-/// `provenance` that PNG does not allow.
-pub fn draw_link_profile(
-    profile: &LinkProfile<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(profile)?.write(form, provenance)
-}
-
 /// The window of the drawing and how meters map to it.
 #[derive(Clone, Copy, Debug)]
 struct Window {
@@ -111,7 +97,11 @@ impl Window {
     }
 }
 
-fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
+/// Draws a link from the side.
+///
+/// # Errors
+/// A length that is not above 0 m, a height that is not finite, or a step that ends before it starts.
+pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     check(profile)?;
     let window = Window::new(profile);
     let mut framed = axes(profile, &window);
@@ -299,7 +289,6 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
     const STEPS: [ProfileStep; 2] = [
         ProfileStep { from_m: 0.0, to_m: 200.0, height_m: 0.0, kind: StepKind::Terrain },
@@ -316,7 +305,7 @@ mod tests {
     };
 
     fn svg(profile: &LinkProfile<'_>) -> Result<String, String> {
-        text(draw_link_profile(profile, &PictureForm::SVG, &[]))
+        draw_link_profile(profile).map(|sheet| sheet.furniture.svg)
     }
 
     #[test]

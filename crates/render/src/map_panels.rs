@@ -5,7 +5,6 @@ use super::map_layers::{self, Backing, LegendWords, Range};
 use super::map_picture::{Layer, check_layer, rings};
 use super::marks::Mark;
 use super::paint;
-use super::picture_form::PictureForm;
 use super::sheet::Sheet;
 use super::small_maps::{Maps, Page};
 
@@ -46,19 +45,6 @@ pub struct MapPanel<'a> {
     pub mark: Mark<'a>,
 }
 
-/// Draws maps side by side.
-///
-/// # Errors
-/// No map or too many, an empty raster, an array of another length, a cell size that is not positive, or a keyword of
-/// `provenance` that PNG does not allow.
-pub fn draw_map_panels(
-    sheet: &MapPanels<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
-}
-
 /// Maps beside each other, and the length \[px\] that the longer side of a map aims at.
 fn arrangement(n_maps: usize) -> (usize, f64) {
     match n_maps {
@@ -68,7 +54,11 @@ fn arrangement(n_maps: usize) -> (usize, f64) {
     }
 }
 
-fn compose(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
+/// Draws maps side by side.
+///
+/// # Errors
+/// No map or too many, an empty raster, an array of another length, or a cell size that is not positive.
+pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
     let n_maps = sheet.maps.len();
     if !(1..=MOST_MAP_PANELS).contains(&n_maps) {
         return Err(format!("cannot draw {n_maps} maps side by side: there must be 1 to {MOST_MAP_PANELS}"));
@@ -105,48 +95,38 @@ fn compose(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
-    fn drawn(values: &[[f32; 4]]) -> Result<String, String> {
-        let mask = [1_u8, 1, 1, 2];
-        let titles: Vec<String> = (0..values.len()).map(|k| format!("UAV {}", k + 1)).collect();
-        let maps: Vec<MapPanel<'_>> = values
-            .iter()
-            .zip(&titles)
-            .map(|(values, title)| MapPanel {
-                title,
-                detail: "P_LoS = 0.5",
-                layer: Layer::Field { values, name: "Least receiver height", unit: "m", mask: &mask },
-                mark: Mark { label: title, height: "60 m above ground", col: 1.0, row: 1.0 },
-            })
-            .collect();
-        let sheet = MapPanels {
+    fn drawn(values: &[[f32; 4]]) -> Result<Sheet, String> {
+        let mark = Mark { label: "1", height: "60 m above ground", col: 1.0, row: 1.0 };
+        let mask = [1, 1, 1, 2];
+        let layer = |values| Layer::Field { values, name: "Least receiver height", unit: "m", mask: &mask };
+        let map = |values| MapPanel { title: "UAV 1", detail: "P_LoS = 0.5", layer: layer(values), mark };
+        draw_map_panels(&MapPanels {
             title: "A test",
             caption: &[],
             n_cols: 2,
             n_rows: 2,
             cell_m: (1.0, 1.0),
-            maps: &maps,
+            maps: &values.iter().map(|values| map(values)).collect::<Vec<_>>(),
             surface_m: None,
             others_name: "Buildings",
-        };
-        text(draw_map_panels(&sheet, &PictureForm::SVG, &[]))
+        })
     }
 
     #[test]
     fn maps_share_one_scale_and_one_legend() {
-        let svg = drawn(&[[0.0, 1.0, 2.0, f32::NAN], [90.0, 95.0, 100.0, f32::NAN]]).expect("the maps are valid");
-        assert_eq!(svg.matches(">Least receiver height [m]<").count(), 1, "{svg}");
+        let sheet = drawn(&[[0.0, 1.0, 2.0, f32::NAN], [90.0, 95.0, 100.0, f32::NAN]]).expect("the maps are valid");
         // The scale reaches from the least of the first to the most of the second.
-        for words in [">0<", ">100<", ">UAV 1<", ">UAV 2<", ">Buildings<"] {
-            assert!(svg.contains(words), "{words}: {svg}");
+        for (words, n) in [(">Least receiver height [m]<", 1), (">0<", 1), (">100<", 1), (">Buildings<", 1)] {
+            assert!(sheet.furniture.svg.matches(words).count() >= n, "{words}: {}", sheet.furniture.svg);
         }
-        assert_eq!(svg.matches("<image").count(), 2);
+        assert_eq!(sheet.furniture.svg.matches(">Least receiver height [m]<").count(), 1);
+        assert_eq!(sheet.images.len(), 2);
     }
 
     #[test]
-    fn too_many_maps_and_wrong_shapes_are_refused() {
+    fn too_many_maps_are_refused() {
         assert!(drawn(&[]).is_err() && drawn(&[[0.0; 4]; MOST_MAP_PANELS]).is_ok());
-        assert!(drawn(&[[0.0; 4]; MOST_MAP_PANELS + 1]).expect_err("nine").contains("1 to 8"));
+        assert!(drawn(&[[0.0; 4]; MOST_MAP_PANELS + 1]).is_err_and(|e| e.contains("1 to 8")));
     }
 }

@@ -8,7 +8,6 @@ use super::furniture::{self, TITLE};
 use super::map_layers;
 use super::marks::{Mark, draw_marks};
 use super::paint;
-use super::picture_form::PictureForm;
 use super::sheet::{Drawing, Sheet};
 use crate::coverage::Tally;
 
@@ -117,17 +116,8 @@ pub struct MapClass<'a> {
 /// Cost: one pass over the cells, in parallel. Memory beyond the input is that of the picture.
 ///
 /// # Errors
-/// An empty raster, an array of another length, a cell size that is not positive, or a keyword of `provenance` that
-/// PNG does not allow.
-pub fn draw_map(
-    picture: &MapPicture<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(picture)?.write(form, provenance)
-}
-
-fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
+/// An empty raster, an array of another length, or a cell size that is not positive.
+pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     check_layer(picture.layer, [picture.n_cols, picture.n_rows], picture.cell_m, picture.surface_m)?;
     let axes = paint::scale(picture.n_cols, picture.n_rows, picture.cell_m);
     let (painted, legend) = map_layers::paint_layer(picture, axes);
@@ -249,7 +239,6 @@ fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::colors;
-    use crate::text;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -267,64 +256,31 @@ mod tests {
         }
     }
 
-    fn words(picture: &MapPicture<'_>) -> String {
-        compose(picture).expect("the picture is valid").furniture.svg
-    }
-
     #[test]
     fn the_pixel_of_a_cell_has_its_class_color() {
-        let mask = [0, 1, 2, 3, 255, 1];
-        let picture = picture(Layer::Los(&mask), 3, 2);
-        let sheet = compose(&picture).expect("the picture is valid");
-        let (left, top, map) = &sheet.images[0];
+        let sheet = draw_map(&picture(Layer::Los(&[0, 1, 2, 3, 255, 1]), 3, 2)).expect("the picture is valid");
+        let map = &sheet.images[0].2;
         assert_eq!(map.dimensions(), (960, 640));
-        let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
-        let image = crate::png::read_png(&file).to_rgb8();
-        assert_eq!(image.width(), crate::sheet::pixels(sheet.width));
-        assert_eq!(image.get_pixel(left + 100, top + 100).0, colors::NLOS);
-        assert_eq!(image.get_pixel(left + 480, top + 100).0, colors::LOS);
-        assert_eq!(image.get_pixel(left + 800, top + 500).0, colors::LOS);
-        assert_eq!(image.get_pixel(0, 0).0, [255; 3]);
-    }
-
-    #[test]
-    fn the_legend_names_classes_that_occur_and_no_others() {
-        let svg = words(&picture(Layer::Los(&[0, 1, 1, 1, 2, 2]), 3, 2));
-        for text in ["Line of sight", "75.0\u{202F}% · 3 street cells", "No line of sight", "Buildings", "2 cells"] {
-            assert!(svg.contains(text), "{text} in {svg}");
+        for (x, y, color) in [(100, 100, colors::NLOS), (480, 100, colors::LOS), (800, 500, colors::LOS)] {
+            assert_eq!(map.get_pixel(x, y).0[..3], color);
         }
-        assert!(!svg.contains("Out of range") && !svg.contains("No data"));
-        let svg = words(&picture(Layer::Los(&[3, 255]), 2, 1));
-        assert!(svg.contains("Out of range") && svg.contains("No data") && !svg.contains("ine of sight"));
     }
 
     #[test]
-    fn counts_list_each_number_or_become_a_bar() {
+    fn legends_name_what_occurs_and_nothing_else() {
         let mask = [0, 1, 1, 1];
-        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 3], mask: &mask, n_sites: 3 }, 4, 1));
-        for text in ["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"] {
-            assert!(svg.contains(text), "{text}");
+        let count = |count, n_sites| Layer::Count { count, mask: &mask, n_sites };
+        let values = [1.0, 2.0, 3.0, f32::INFINITY];
+        for (layer, wanted, unwanted) in [
+            (Layer::Los(&[0, 1, 1, 2]), &["66.7\u{202F}% · 2 street cells", "No line", "1 cell<"][..], "Out of range"),
+            (Layer::Los(&[3, 255, 3, 3]), &["Out of range", "No data"], "ine of sight"),
+            (count(&[0, 1, 2, 3], 3), &["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"], "No data"),
+            (count(&[0, 1, 2, 30], 30), &["UAVs that see a cell (of 30)", "Seen by none"], "By 1 UAV"),
+            (Layer::Field { values: &values, name: "Ceiling", unit: "m", mask: &mask }, &["Ceiling [m]"], "No data"),
+        ] {
+            let svg = draw_map(&picture(layer, 4, 1)).expect("the picture is valid").furniture.svg;
+            assert!(wanted.iter().all(|text| svg.contains(text)) && !svg.contains(unwanted), "{wanted:?}: {svg}");
         }
-        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 30], mask: &mask, n_sites: 30 }, 4, 1));
-        assert!(svg.contains("UAVs that see a cell (of 30)"));
-    }
-
-    #[test]
-    fn a_field_has_a_bar_with_its_name_and_unit() {
-        let mask = [1_u8; 4];
-        let svg = words(&picture(
-            Layer::Field { values: &[1.0, 2.0, 3.0, f32::INFINITY], name: "Ceiling", unit: "m", mask: &mask },
-            4,
-            1,
-        ));
-        assert!(svg.contains("Ceiling [m]"));
-    }
-
-    #[test]
-    fn equal_input_gives_equal_bytes() {
-        let mask: Vec<u8> = (0..5000_u16).map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3")).collect();
-        let picture = picture(Layer::Los(&mask), 100, 50);
-        assert_eq!(draw_map(&picture, &PictureForm::PNG, &[]), draw_map(&picture, &PictureForm::PNG, &[]));
     }
 
     #[test]
@@ -334,26 +290,22 @@ mod tests {
         for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
             let mask = vec![1; n_cols * n_rows];
             let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
-            let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
-            let image = crate::png::read_png(&file);
-            assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
+            let sheet = draw_map(&picture).expect("the picture is valid");
+            assert!(sheet.width >= 980.0 && sheet.width < 2200.0 && sheet.height < 3600.0);
         }
     }
 
     #[test]
-    fn input_of_the_wrong_shape_is_refused() {
-        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &PictureForm::PNG, &[]).is_err());
-        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &PictureForm::PNG, &[]).is_err());
-        let flat = MapPicture { cell_m: (1.0, 0.0), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&flat, &PictureForm::PNG, &[]).is_err());
-        let surface = MapPicture { surface_m: Some(&[1.0; 3]), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&surface, &PictureForm::PNG, &[]).is_err());
-    }
-
-    #[test]
-    fn vector_output_holds_the_same_words() {
-        let svg =
-            text(draw_map(&picture(Layer::Los(&[0, 1]), 2, 1), &PictureForm::SVG, &[])).expect("the picture is valid");
-        assert!(svg.starts_with("<svg") && svg.contains("No line of sight") && svg.contains("<image"));
+    fn what_cannot_be_drawn_is_refused() {
+        let good = picture(Layer::Los(&[0]), 1, 1);
+        for (bad, words) in [
+            (picture(Layer::Los(&[0; 5]), 3, 2), "mask has 5"),
+            (picture(Layer::Los(&[]), 0, 2), "it is empty"),
+            (picture(Layer::Classes { index: &[0], palette: &[], mask: &[1] }, 1, 1), "beyond the palette"),
+            (MapPicture { cell_m: (1.0, 0.0), ..good }, "above 0 m"),
+            (MapPicture { surface_m: Some(&[1.0; 3]), ..good }, "surface has 3"),
+        ] {
+            assert!(draw_map(&bad).is_err_and(|e| e.contains(words)), "{words}");
+        }
     }
 }
