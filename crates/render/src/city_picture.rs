@@ -2,14 +2,16 @@
 
 use glam::DVec3;
 
+use super::check;
 use super::city_solids::{CityModel, CityPrism, Solids};
 use super::city_view;
-use super::colors::{INK, Ramp, Rgb};
-use super::furniture::{self, DETAIL, NAME, Scale, TITLE};
-use super::sheet::{self, Anchor, Drawing, Sheet, Type};
+use super::colors::{INK, Ramp};
+use super::furniture::{self, DETAIL, NAME, Scale};
+use super::lettering::{Anchor, Type};
+use super::page::{MARGIN, Page};
+use super::sheet::{self, Drawing, Sheet};
 use super::z_buffer::View;
 
-const MARGIN: f64 = 40.0;
 /// The longer side of the plan \[px\], and the box for the view.
 const PLAN: f64 = 1000.0;
 const VIEW: [usize; 2] = [1240, 1000];
@@ -48,21 +50,16 @@ pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let [view_w, view_h] = [view.0.width(), view.0.height()].map(f64::from);
     let view_left = (MARGIN + AXIS + plan_w + GUTTER).round();
     let body_w = view_left + VIEW[0] as f64 - MARGIN;
-    let title = furniture::paragraph(picture.title, TITLE, body_w);
-    let caption = furniture::caption(picture.caption, body_w);
-    let title_h = if title.height > 0.0 { title.height + 14.0 } else { 0.0 };
-    let heading = MARGIN + title_h;
+    let mut page = Page::new(picture.title, body_w, 14.0);
+    let heading = page.bottom;
     let top = (heading + 40.0).round();
-    let plan_left = MARGIN + AXIS;
+    let (plan_left, view_right) = (MARGIN + AXIS, view_left + VIEW[0] as f64);
 
-    let along: Vec<Rgb> = (0..64).map(|k| Ramp::Height.at(f64::from(k) / 63.0)).collect();
     let scale = Scale { low: 0.0, high: tallest_m, open_low: false, open_high };
-    let color_bar = furniture::color_bar("Building height above ground [m]", scale, &along, 470.0);
-    let scale_bar = furniture::scale_bar(px_per_m, (0.25 * plan_w).clamp(160.0, 260.0));
-    let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
+    let color_bar = furniture::color_bar("Building height above ground [m]", scale, &Ramp::Height.steps(64), 470.0);
+    let orientation = furniture::orientation(px_per_m, (0.25 * plan_w).clamp(160.0, 260.0));
 
-    let mut drawing = Drawing::default();
-    drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
+    let drawing = &mut page.furniture;
     drawing.text(plan_left, heading + 22.0, NAME, "Plan");
     drawing.text(view_left, heading + 22.0, NAME, "View from the south-south-west, heights to scale");
     drawing.place(&plan_axes(picture.extent_m, [plan_w, plan_h]), plan_left, top);
@@ -73,35 +70,17 @@ pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let body_h = (plan_bottom - top).max(view_h + room_below);
     let view_top = (top + ((body_h - room_below - view_h) / 2.0).max(0.0)).round();
     let view_x = (view_left + (VIEW[0] as f64 - view_w) / 2.0).round();
-    drawing.place(&view_north(&view.1), view_left + VIEW[0] as f64 - 62.0, top + 46.0);
-    let legend_y = top + body_h - color_bar.height;
-    drawing.place(&color_bar.drawing, view_left - 20.0, legend_y);
-    drawing.place(
-        &orientation.drawing,
-        view_left + VIEW[0] as f64 - orientation.width,
-        top + body_h - orientation.height - 6.0,
-    );
+    drawing.place(&view_north(&view.1), view_right - 62.0, top + 46.0);
+    let bottom = top + body_h;
+    drawing.place(&color_bar.drawing, view_left - 20.0, bottom - color_bar.height);
+    drawing.place(&orientation.drawing, view_right - orientation.width, bottom - orientation.height - 6.0);
     let of_plan = Type { anchor: Anchor::End, ..DETAIL };
-    drawing.text(
-        view_left + VIEW[0] as f64 - orientation.width - 22.0,
-        top + body_h - orientation.height / 2.0 + 2.0,
-        of_plan,
-        "scale of the plan",
-    );
-    let mut bottom = top + body_h;
-    if caption.height > 0.0 {
-        bottom += 22.0;
-        drawing.line([MARGIN, bottom], [MARGIN + body_w, bottom], &furniture::hairline());
-        drawing.place(&caption.drawing, MARGIN, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let whole = sheet::pixels;
-    Ok(Sheet {
-        width: body_w + 2.0 * MARGIN,
-        height: bottom + MARGIN - 8.0,
-        images: vec![(whole(plan_left), whole(top), plan), (whole(view_x), whole(view_top), view.0)],
-        furniture: drawing,
-    })
+    let middle = bottom - orientation.height / 2.0 + 2.0;
+    drawing.text(view_right - orientation.width - 22.0, middle, of_plan, "scale of the plan");
+    page.image([plan_left, top], plan);
+    page.image([view_x, view_top], view.0);
+    page.bottom = bottom;
+    Ok(page.finish(22.0, picture.caption))
 }
 
 fn check(picture: &CityPicture<'_>) -> Result<(), String> {
@@ -130,8 +109,9 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
             }
         }
         CityModel::Heights(heights) => {
-            super::check_shape("surface", heights.surface_m.len(), heights.n_cols, heights.n_rows)?;
-            super::check_shape("ground", heights.ground_m.len(), heights.n_cols, heights.n_rows)?;
+            let n_cells = [heights.n_cols, heights.n_rows];
+            check::shape("surface", heights.surface_m.len(), n_cells)?;
+            check::shape("ground", heights.ground_m.len(), n_cells)?;
         }
     }
     Ok(())

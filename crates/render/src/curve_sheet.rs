@@ -1,11 +1,11 @@
 //! Curves with confidence bands, estimates with error bars and models over them, in one plot or in small multiples.
 
-use super::curve_lines::{self, Window};
+use super::curve_lines::{self, CurveLine, CurvePoint, Window};
 use super::legend;
-use super::line_look::{LineLook, LineStyle};
+use super::line_look::LineStyle;
+use super::page::page;
 use super::panel_grid::{self, Panel};
 use super::plot_axis::{Direction, Span};
-use super::plot_frame;
 use super::sheet::Sheet;
 
 /// Most labels in a legend, and most lines in a panel.
@@ -42,32 +42,6 @@ pub struct CurvePanel<'a> {
     pub lines: &'a [CurveLine<'a>],
 }
 
-/// A line of a plot. Lines with the same label in several panels share one entry of the legend.
-#[derive(Clone, Copy, Debug)]
-pub struct CurveLine<'a> {
-    /// What it is called; an empty label is not in the legend.
-    pub label: &'a str,
-    /// Which color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
-    pub color_index: usize,
-    /// How it is drawn.
-    pub look: LineLook,
-    /// Its points; abscissas do not descend.
-    pub points: &'a [CurvePoint],
-    /// What the stroke and the band go through instead, where more is known of them than at the points, which keep the markers.
-    pub through: &'a [CurvePoint],
-}
-
-/// A point of a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvePoint {
-    /// Abscissa, in the unit of the horizontal axis.
-    pub x: f64,
-    /// Ordinate, in the unit of the vertical axis; nothing is a gap in the line.
-    pub y: Option<f64>,
-    /// Ends of its interval, ascending.
-    pub low_high: Option<(f64, f64)>,
-}
-
 /// Width and height of the frames \[px\]. Words have one size: the more plots, the wider the sheet is meant to be.
 fn frame_size(columns: usize) -> [f64; 2] {
     match columns {
@@ -88,7 +62,7 @@ pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     for panel in sheet.panels {
         check(panel)?;
     }
-    let entries = legend::entries(sheet.panels)?;
+    let entries = legend::entries(sheet.panels.iter().flat_map(|panel| panel.lines))?;
     if entries.len() > MOST_LINES {
         return Err(format!("cannot draw a legend of {} lines: there may be up to {MOST_LINES}", entries.len()));
     }
@@ -108,9 +82,8 @@ pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
             content: curve_lines::lines(panel.lines, &styles, &window),
         }
     });
-    let mut body = legend::with_legend(panel_grid::grid(panels.collect(), sheet.columns, size), &entries);
-    body.height += if sheet.caption.is_empty() { 0.0 } else { 22.0 };
-    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+    let body = legend::with_legend(panel_grid::grid(panels.collect(), sheet.columns, size), &entries);
+    Ok(page(sheet.title, &body, sheet.caption, [22.0, 22.0]))
 }
 
 fn check(panel: &CurvePanel<'_>) -> Result<(), String> {
@@ -145,6 +118,7 @@ fn is_finite(point: &CurvePoint) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line_look::LineLook;
 
     const POINTS: [CurvePoint; 2] = [
         CurvePoint { x: 5.0, y: Some(0.2), low_high: Some((0.1, 0.3)) },

@@ -1,13 +1,14 @@
 //! P_LoS against two quantities as a field of colored cells, in one plot or in small multiples with one color bar.
 
+use super::check;
 use super::colors::{self, Ramp};
 use super::contours::{Field, cut_middle};
-use super::furniture::{self, Block, DETAIL, Scale, Swatch};
-use super::lettering::{self, Weight, number};
+use super::furniture::{self, DETAIL, Scale, Swatch};
+use super::lettering::{Anchor, Type, Weight, number};
+use super::page::page;
 use super::panel_grid::{self, Panel};
 use super::plot_axis::{Axis, Direction, Span};
-use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::sheet::{Drawing, Sheet};
 
 /// Most values along an axis: more have no pixel each.
 const MOST_VALUES: usize = 400;
@@ -88,8 +89,7 @@ pub fn draw_heat_sheet(sheet: &HeatSheet<'_>) -> Result<Sheet, String> {
         let left = grid.first_frame[0] - furniture::color_bar_inset(scale);
         grid.place_below(&furniture::beside(&keys, 36.0), left);
     }
-    let body = Block { height: grid.block.height + if sheet.caption.is_empty() { 0.0 } else { 22.0 }, ..grid.block };
-    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+    Ok(page(sheet.title, &grid.block, sheet.caption, [22.0, 22.0]))
 }
 
 fn check(panel: &HeatPanel<'_>) -> Result<(), String> {
@@ -102,7 +102,7 @@ fn check(panel: &HeatPanel<'_>) -> Result<(), String> {
             return Err(format!("cannot draw `{name}`: its values must be finite and ascend"));
         }
     }
-    super::check_shape("P_LoS", panel.values.len(), panel.x.values.len(), panel.y.values.len())?;
+    check::shape("P_LoS", panel.values.len(), [panel.x.values.len(), panel.y.values.len()])?;
     match panel.values.iter().flatten().find(|p| !(0.0..=1.0).contains(*p)) {
         Some(p) => Err(format!("cannot draw a P_LoS of {p}: it must be 0 to 1")),
         None => Ok(()),
@@ -221,7 +221,7 @@ impl<'a> Plot<'a> {
         let look = format!("stroke=\"{color}\" stroke-width=\"2.4\" stroke-linejoin=\"round\"");
         let kind = Type { color, ..LEVEL };
         let text = number(level, 3);
-        let gap = lettering::width(&text, kind.size, kind.weight) + 12.0;
+        let gap = kind.width(&text) + 12.0;
         let has_room = |[x, y]: &[f64; 2]| {
             let within = |at: f64, half: f64, length: f64| at > half && at < length - half;
             within(*x, gap / 2.0, self.x.length) && within(*y, kind.size, self.y.length)

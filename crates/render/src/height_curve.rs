@@ -5,6 +5,7 @@ use super::furniture::{self, Block, DETAIL};
 use super::lettering::number;
 use super::line_look::{COLORS, stroke};
 use super::marks::Label;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Drawing, Sheet};
@@ -105,7 +106,7 @@ pub fn draw_height_curve(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     }
     drawing.place(&framed, AXIS, 0.0);
     let body = Block { width: AXIS + WIDTH, height: HEIGHT + 92.0, drawing };
-    Ok(plot_frame::page(plot.title, 24.0, &body, plot.caption))
+    Ok(page(plot.title, &body, plot.caption, [24.0, 0.0]))
 }
 
 fn check(plot: &HeightCurvePlot<'_>) -> Result<(), String> {

@@ -1,11 +1,11 @@
 //! The legend of lines: one for all panels, where there is room for it.
 
-use super::curve_sheet::{CurveLine, CurvePanel};
+use super::curve_lines::CurveLine;
 use super::furniture::{self, Block, NAME};
-use super::lettering::{self, Weight};
+use super::lettering::{Type, Weight};
 use super::line_look::{LineStyle, MARKER};
 use super::panel_grid::Grid;
-use super::sheet::{Drawing, Type};
+use super::sheet::Drawing;
 
 /// Length of the sample of a line \[px\].
 const SAMPLE: f64 = 84.0;
@@ -33,13 +33,13 @@ impl Entry<'_> {
     }
 }
 
-/// Collects what panels draw, each label once, in the order in which they come.
+/// Collects lines, each label once, in the order in which they come.
 ///
 /// # Errors
 /// A label that means two looks or colors.
-pub(crate) fn entries<'a>(panels: &[CurvePanel<'a>]) -> Result<Vec<Entry<'a>>, String> {
+pub(crate) fn entries<'a>(lines: impl Iterator<Item = &'a CurveLine<'a>>) -> Result<Vec<Entry<'a>>, String> {
     let mut entries: Vec<Entry<'a>> = Vec::new();
-    for line in panels.iter().flat_map(|panel| panel.lines).filter(|line| !line.label.is_empty()) {
+    for line in lines.filter(|line| !line.label.is_empty()) {
         let has_band = line.points.iter().any(|p| p.y.and(p.low_high).is_some());
         if let Some(known) = entries.iter_mut().find(|e| e.line.label == line.label) {
             known.has_band |= has_band;
@@ -101,10 +101,9 @@ fn block(entry: &Entry<'_>) -> Block {
         style.draw_marker(&mut drawing, middle);
     }
     let (mut height, mut width) = (0.0, 0.0_f64);
-    let text = lettering::shortened(entry.line.label, LABEL, MOST_LINES * WIDEST);
-    for line in lettering::wrap(&text, LABEL.size, LABEL.weight, WIDEST) {
+    for line in LABEL.wrap(&LABEL.shortened(entry.line.label, MOST_LINES * WIDEST), WIDEST) {
         drawing.text(WORDS, height + 25.0, LABEL, &line);
-        width = width.max(lettering::width(&line, LABEL.size, LABEL.weight));
+        width = width.max(LABEL.width(&line));
         height += 32.0;
     }
     Block { width: WORDS + width, height, drawing }
@@ -113,7 +112,8 @@ fn block(entry: &Entry<'_>) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CurvePoint, LineLook};
+    use crate::curve_lines::CurvePoint;
+    use crate::line_look::LineLook;
 
     const POINTS: [CurvePoint; 1] = [CurvePoint { x: 0.0, y: Some(0.5), low_high: None }];
 
@@ -121,18 +121,13 @@ mod tests {
         CurveLine { label, color_index: 0, look, points: &POINTS, through: &[] }
     }
 
-    fn panel<'a>(lines: &'a [CurveLine<'a>]) -> CurvePanel<'a> {
-        CurvePanel { title: "", x_name: "x", x_ends: [0.0, 1.0], y_name: "y", y_ends: [0.0, 1.0], lines }
-    }
-
     #[test]
     fn a_label_has_one_entry_and_one_meaning() {
-        let (a, b) = ([line("b", LineLook::Dashed), line("a", LineLook::Solid)], [line("b", LineLook::Dashed)]);
-        let panels = [panel(&a), panel(&b)];
-        let entries = entries(&panels).expect("the labels agree");
-        assert_eq!(entries.iter().map(Entry::label).collect::<Vec<_>>(), ["b", "a"]);
-        let other = [line("b", LineLook::Solid)];
-        let error = super::entries(&[panel(&a), panel(&other)]).expect_err("`b` means two looks");
+        let [b, a, other] =
+            [("b", LineLook::Dashed), ("a", LineLook::Solid), ("b", LineLook::Solid)].map(|(l, k)| line(l, k));
+        let agreed = entries([&b, &a, &b].into_iter()).expect("the labels agree");
+        assert_eq!(agreed.iter().map(Entry::label).collect::<Vec<_>>(), ["b", "a"]);
+        let error = entries([&b, &other].into_iter()).expect_err("`b` means two looks");
         assert!(error.contains("`b`") && error.contains("one look"), "{error}");
     }
 
@@ -146,8 +141,7 @@ mod tests {
             (24, None, 300.0, [false, true]),
         ] {
             let lines: Vec<CurveLine<'_>> = labels[..n].iter().map(|label| line(label, LineLook::Solid)).collect();
-            let panels = [panel(&lines)];
-            let entries = entries(&panels).expect("the labels differ");
+            let entries = entries(lines.iter()).expect("the labels differ");
             for block in entries.iter().map(block) {
                 let baselines = block.drawing.svg.matches("<text").count() as f64;
                 assert!(block.width <= WORDS + WIDEST && block.height >= 32.0 * baselines);

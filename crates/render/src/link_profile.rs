@@ -2,11 +2,12 @@
 
 use super::colors::{self, INK};
 use super::furniture::{self, Block, DETAIL};
-use super::lettering::{self, Weight, length, number};
+use super::lettering::{Anchor, Type, length, number};
 use super::marks::Label;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 620.0;
@@ -115,7 +116,7 @@ pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     let mut drawing = Drawing::default();
     drawing.place(&framed, AXIS, 0.0);
     let body = Block { width: AXIS + WIDTH, height: below + legend.height + 24.0, drawing };
-    Ok(plot_frame::page(profile.title, 16.0, &body, profile.caption))
+    Ok(page(profile.title, &body, profile.caption, [16.0, 0.0]))
 }
 
 /// Says how the scales of the two axes differ.
@@ -280,7 +281,7 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
             let mut drawing = Drawing::default();
             drawing.rect([0.0, 16.0 - thickness / 2.0, 44.0, thickness], &format!("fill=\"{color}\""));
             drawing.text(58.0, 25.0, Type { color: INK, ..DETAIL }, name);
-            Block { width: 58.0 + lettering::width(name, DETAIL.size, Weight::Regular), height: 34.0, drawing }
+            Block { width: 58.0 + DETAIL.width(name), height: 34.0, drawing }
         })
         .collect();
     furniture::beside(&blocks, 44.0)

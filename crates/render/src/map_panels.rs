@@ -1,12 +1,11 @@
 //! Maps of several UAVs side by side: one layer of each, with one scale and one legend.
 
 use super::furniture::{self, Swatch};
-use super::map_layers::{self, Backing, LegendWords, Range};
-use super::map_picture::{Layer, check_layer, rings};
+use super::map_layers::{self, Layer};
+use super::map_legend::{self, LegendWords};
 use super::marks::Mark;
-use super::paint;
 use super::sheet::Sheet;
-use super::small_maps::{Maps, Page};
+use super::small_maps::Maps;
 
 /// Most maps of a sheet.
 pub const MOST_MAP_PANELS: usize = 8;
@@ -64,32 +63,29 @@ pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
         return Err(format!("cannot draw {n_maps} maps side by side: there must be 1 to {MOST_MAP_PANELS}"));
     }
     let n_cells = [sheet.n_cols, sheet.n_rows];
-    sheet.maps.iter().try_for_each(|map| check_layer(map.layer, n_cells, sheet.cell_m, sheet.surface_m))?;
-    let (columns, target) = arrangement(n_maps);
-    let axes = paint::scale_to(sheet.n_cols, sheet.n_rows, sheet.cell_m, (target, 1.4 * target));
-    let maps = Maps { size: axes.map(|axis| axis.n_px as f64), n_cells, cell_m: sheet.cell_m, columns };
-    let backing = Backing { axes, cell_m: sheet.cell_m, surface_m: sheet.surface_m };
+    let maps = Maps::new(n_cells, sheet.cell_m, sheet.surface_m, arrangement(n_maps))?;
     let layers: Vec<Layer<'_>> = sheet.maps.iter().map(|map| map.layer).collect();
-    let range = Range::of(&layers);
+    layers.iter().try_for_each(|layer| layer.check(n_cells))?;
+    let range = map_layers::range_of(&layers);
 
     let mut histogram: Vec<u64> = Vec::new();
     let panels = sheet.maps.iter().map(|map| {
-        let painted = map_layers::painted(map.layer, &backing, &range);
+        let painted = map_layers::painted(map.layer, &maps.canvas, range.as_ref());
         histogram.resize(painted.histogram.len(), 0);
         histogram.iter_mut().zip(&painted.histogram).for_each(|(sum, n)| *sum += n);
-        let rings = rings(map.layer, sheet.n_cols, maps.px_per_cell());
-        maps.panel((map.title, map.detail), painted.image, &[map.mark]).with(&rings)
+        let mut panel = maps.panel((map.title, map.detail), painted.image, &[map.mark]);
+        panel.over.place(&map.layer.rings(sheet.n_cols, maps.canvas.px_per_cell()), 0.0, 0.0);
+        panel
     });
     let panels = panels.collect();
-    let has_rings = layers.iter().any(|layer| !map_layers::ringed(*layer).is_empty());
+    let has_rings = layers.iter().any(Layer::has_rings);
     let words = LegendWords { receivers_name: "", others_name: sheet.others_name, has_counts: false, has_rings };
-    let mut legend = map_layers::entries(layers[0], &histogram, (&backing, &range), words);
+    let mut legend = map_legend::entries(layers[0], &histogram, range.as_ref(), sheet.surface_m.is_some(), words);
     legend.push(furniture::legend_entry(Swatch::Uav, "UAV", ""));
 
-    let mut page = Page::new(sheet.title, maps);
-    page.panels(panels);
-    page.legend(|room| furniture::flow(&legend, room, [38.0, 14.0]));
-    Ok(page.finish(sheet.caption))
+    let mut page = maps.page(sheet.title);
+    maps.place(&mut page, panels);
+    Ok(maps.finish(page, |room| furniture::flow(&legend, room, [38.0, 14.0]), sheet.caption))
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@
 //! Each square has its rate in percent as a number, and a color by its power of ten: the darker the worse. Exactly none
 //! is white, so that it cannot be taken for few; what cannot be decided is hatched.
 
+use super::check;
 use super::colors::{self, HATCH, INK, Rgb, TURNS, WHITE};
 use super::furniture::{self, Block, DETAIL, NAME, Swatch};
 use super::heat_sheet::hatch;
-use super::lettering::{self, number};
-use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::lettering::{Anchor, Type, number};
+use super::page::page;
+use super::sheet::{Drawing, Sheet};
 
 /// Failure rates of some methods on some families.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +78,7 @@ fn digits(percent: f64) -> String {
 /// # Errors
 /// No row, no column, an array of another length, more failures than trials, or no trial.
 pub fn draw_rate_sheet(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
-    super::check_shape("rates", sheet.rates.len(), sheet.columns.len(), sheet.rows.len())?;
+    check::shape("rates", sheet.rates.len(), [sheet.columns.len(), sheet.rows.len()])?;
     if let Some([wrong, of]) = sheet.rates.iter().flatten().find(|[wrong, of]| *of == 0 || wrong > of) {
         return Err(format!("cannot draw a rate of {wrong} in {of}"));
     }
@@ -89,14 +90,13 @@ pub fn draw_rate_sheet(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
     }
     let legend = furniture::flow(&keys, table.width, [34.0, 10.0]);
     let body = furniture::stack(&[table, legend], 24.0);
-    let body = Block { height: body.height + if sheet.caption.is_empty() { 0.0 } else { 20.0 }, ..body };
-    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+    Ok(page(sheet.title, &body, sheet.caption, [22.0, 20.0]))
 }
 
 /// The names, and the squares with their rates.
 fn table(sheet: &RateSheet<'_>) -> Block {
     let mut drawing = Drawing::default();
-    let widest = sheet.rows.iter().map(|row| lettering::width(row, DETAIL.size, DETAIL.weight)).fold(0.0, f64::max);
+    let widest = sheet.rows.iter().map(|row| DETAIL.width(row)).fold(0.0, f64::max);
     let left = widest.ceil() + NAME_GAP;
     let lefts = lefts(sheet.columns, left);
     let middle = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };

@@ -8,7 +8,7 @@ use image::RgbaImage;
 use resvg::{tiny_skia, usvg};
 
 use super::colors::{self, Rgb};
-use super::lettering::{self, Weight};
+use super::lettering::{self, Anchor, Type, Weight};
 use super::paint::narrow;
 use super::pdf::{self, PdfPage};
 use super::picture_form::{PictureForm, PictureFormat};
@@ -121,30 +121,6 @@ impl Sheet {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of u32 first")]
 pub(crate) fn pixels(length: f64) -> u32 {
     length.ceil().clamp(1.0, f64::from(u32::MAX)) as u32
-}
-
-/// Where the reference point of a text lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Anchor {
-    /// At its left end.
-    Start,
-    /// In its middle.
-    Middle,
-    /// At its right end.
-    End,
-}
-
-/// How a text is set.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Type {
-    /// Font size \[px\].
-    pub(crate) size: f64,
-    /// Weight.
-    pub(crate) weight: Weight,
-    /// SVG color.
-    pub(crate) color: &'static str,
-    /// Reference point.
-    pub(crate) anchor: Anchor,
 }
 
 /// SVG elements in drawing order.

@@ -3,9 +3,11 @@
 use super::colors::{self, INK, Rgb};
 use super::furniture::{self, Block, DETAIL, Swatch};
 use super::lettering::length as length_words;
+use super::lettering::{Anchor, Type};
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 480.0;
@@ -126,7 +128,7 @@ pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     drawing.place(&framed, AXIS, top);
     drawing.place(&strip, AXIS, top + HEIGHT + GAP);
     let body = Block { width: AXIS + WIDTH + 30.0, height: top + HEIGHT + GAP + STRIP + 92.0, drawing };
-    Ok(plot_frame::page(track.title, 24.0, &body, track.caption))
+    Ok(page(track.title, &body, track.caption, [24.0, 0.0]))
 }
 
 /// An axis without ticks and name.

@@ -4,14 +4,15 @@
 
 use super::colors::{INK, MUTED};
 use super::furniture::{Block, DETAIL, NAME};
-use super::lettering;
-use super::line_look::{LineLook, LineStyle, stroke};
+use super::lettering::{Anchor, Type};
+use super::line_look::stroke;
 use super::marks::Bounds;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::point_labels::{self, LabeledPoint};
-use super::sheet::{Anchor, Drawing, Sheet, Type};
-use super::tradeoff_rows;
+use super::sheet::{Drawing, Sheet};
+use super::tradeoff_rows::{self, TradeoffPoint, mark};
 
 /// Width and height of the plot of cost against error \[px\].
 const SIZE: [f64; 2] = [980.0, 800.0];
@@ -45,26 +46,6 @@ pub struct Tradeoff<'a> {
     pub front: &'a [usize],
 }
 
-/// A contestant.
-#[derive(Clone, Copy, Debug)]
-pub struct TradeoffPoint<'a> {
-    /// Its name beside its mark and in its row.
-    pub label: &'a str,
-    /// What its family is called.
-    pub family: &'a str,
-    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
-    pub look: usize,
-    /// Cost, above 0, and error, at least 0; one without is in the rows alone.
-    pub place: Option<(f64, f64)>,
-    /// Signed bias; `None` where there is none.
-    pub bias: Option<f64>,
-}
-
-/// The mark of a contestant.
-pub(crate) fn mark(look: usize) -> LineStyle {
-    LineStyle::new(LineLook::Solid, look)
-}
-
 /// Draws cost against error.
 ///
 /// # Errors
@@ -82,7 +63,7 @@ pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     if window.band > 0.0 {
         break_marks(&mut framed, SIZE[1] - window.band);
     }
-    let rows = tradeoff_rows::rows(plot, SIZE[1]);
+    let rows = tradeoff_rows::rows(plot.points, plot.bias_name, SIZE[1]);
     let mut drawing = Drawing::default();
     let rows_left = left + SIZE[0] + GAP;
     for (title, at) in [("What accuracy costs", left), ("Which way each errs", rows_left)] {
@@ -92,7 +73,7 @@ pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     drawing.place(&rows.drawing, rows_left, HEAD);
     let height = HEAD + rows.height.max(SIZE[1] + x.name_at + 8.0);
     let body = Block { width: rows_left + rows.width, height: height + 16.0, drawing };
-    Ok(plot_frame::page(plot.title, 22.0, &body, plot.caption))
+    Ok(page(plot.title, &body, plot.caption, [22.0, 0.0]))
 }
 
 fn check(plot: &Tradeoff<'_>) -> Result<(), String> {
@@ -172,7 +153,7 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
         drawing.line([0.0, top_of_band], [SIZE[0], top_of_band], &dashed);
         let name = Type { color: INK, anchor: Anchor::End, ..DETAIL };
         drawing.text(SIZE[0] - 14.0, SIZE[1] - 14.0, name, plot.zero_name);
-        let width = lettering::width(plot.zero_name, name.size, name.weight);
+        let width = name.width(plot.zero_name);
         taken.push([SIZE[0] - 20.0 - width, SIZE[1] - 38.0, SIZE[0], SIZE[1]]);
     }
     let placed: Vec<(&TradeoffPoint<'_>, [f64; 2])> =
@@ -208,7 +189,7 @@ fn floor(drawing: &mut Drawing, x: f64, (name, bottom): (&str, f64), marks: &[[f
     let style = format!("stroke=\"{INK}\" stroke-width=\"2.2\" stroke-dasharray=\"10 7\"");
     drawing.line([x, 0.0], [x, SIZE[1]], &style);
     let words = Type { anchor: Anchor::Start, ..DETAIL };
-    let length = lettering::width(name, words.size, words.weight);
+    let length = words.width(name);
     let bounds = |left: f64, top: f64| [left, top, left + words.size + 6.0, top + length];
     let sides = [x - words.size - 12.0, x + 6.0].into_iter().filter(|left| *left > 2.0);
     let mut spots = sides.flat_map(|left| [8.0, bottom - length - 8.0].map(|top| bounds(left, top)));
