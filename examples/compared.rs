@@ -80,7 +80,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         others_name: "Buildings",
     };
     std::fs::create_dir_all("out")?;
-    std::fs::write("out/compared.png", draw_compare_sheet(&sheet, &PictureForm::PNG, &[])?)?;
+    std::fs::write("out/compared.png", draw_compare_sheet(&sheet)?.write(&PictureForm::PNG, &[])?)?;
     println!("wrote out/compared.png");
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::answer::version;
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::raster::{CellWindow, Crs, GeoRef};
-use crate::render::{Mark, PictureForm, PictureFormat};
+use crate::render::{Mark, PictureForm, PictureFormat, Sheet};
 use crate::scene::Scene;
 
 /// How files look, where their extension leaves that open.
@@ -78,7 +78,19 @@ pub(crate) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, heigh
     Mark { label, height, col, row }
 }
 
-/// A drawn picture, or why there is none.
+/// A drawn picture as a file that says where it comes from, or why there is none.
+///
+/// # Errors
+/// E403.
+pub(crate) fn written(
+    picture: std::result::Result<Sheet, String>,
+    form: &PictureForm,
+    provenance: &[(String, String)],
+) -> Result<Vec<u8>> {
+    drawn(picture.and_then(|sheet| sheet.write(form, provenance)))
+}
+
+/// What was drawn, or why it was not.
 ///
 /// # Errors
 /// E403.

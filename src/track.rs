@@ -13,7 +13,7 @@ use crate::error::{Error, LimitError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::link::{EndFacts, check_extent};
 use crate::los::Method;
-use crate::picture::{Look, drawn, picture_provenance, program};
+use crate::picture::{Look, picture_provenance, program, written};
 use crate::quantity::{counted, meters, tidy};
 use crate::read::{read_track, source_of};
 use crate::render::{self, TrackProfile, TrackStretch};
@@ -299,7 +299,7 @@ impl TrackWalk {
             enough: &enough,
             user_m: self.rx_height_m,
         };
-        drawn(render::draw_track_profile(&profile, &look.form(format), &picture_provenance(&self.provenance())))
+        written(render::draw_track_profile(&profile), &look.form(format), &picture_provenance(&self.provenance()))
     }
 }
 

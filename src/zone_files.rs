@@ -12,7 +12,7 @@ use crate::answer::{
 use crate::coverage::class;
 use crate::error::{RequestError, Result, Warning};
 use crate::export::{Batch, Format, add_zones};
-use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{counted, tidy};
 use crate::render::{self, MapClass, MapPicture, grouped};
 use crate::scene::Scene;
@@ -168,7 +168,7 @@ impl ZoneFiles {
             others_name: "Rooftop",
             counts: None,
         };
-        drawn(render::draw_map(&picture, &look.form(format), &picture_provenance(&self.provenance())))
+        written(render::draw_map(&picture), &look.form(format), &picture_provenance(&self.provenance()))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::coverage::Uav;
 use crate::error::Result;
 use crate::los_probability::models::Model;
 use crate::method_looks::look_of;
-use crate::picture::{Look, drawn, program};
+use crate::picture::{Look, program, written};
 use crate::quantity::{counted, tidy};
 use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
 use crate::scene::Scene;
@@ -69,7 +69,7 @@ impl Picture {
             points: &points,
             front: &self.front,
         };
-        drawn(draw_tradeoff(&plot, form, provenance))
+        written(draw_tradeoff(&plot), form, provenance)
     }
 }
 

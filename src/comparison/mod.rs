@@ -28,7 +28,7 @@ use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
 use crate::memory::check_memory;
-use crate::picture::{Look, drawn, picture_provenance};
+use crate::picture::{Look, drawn, picture_provenance, written};
 use crate::progress::Progress;
 use crate::raster::{CellBlocks, LargeVec};
 use crate::read::source_of;
@@ -292,9 +292,8 @@ impl Answer for Comparison {
             _ => {
                 let provenance = picture_provenance(&provenance);
                 let figure = Figure::new(self, look);
-                let sheet =
-                    figure.with_sheet(|sheet| render::draw_compare_sheet(sheet, &look.form(format), &provenance));
-                Ok(batch.add(path, &drawn(sheet)?)?)
+                let sheet = figure.with_sheet(render::draw_compare_sheet);
+                Ok(batch.add(path, &written(sheet, &look.form(format), &provenance)?)?)
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::export::{
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 use crate::height_field::{ConvexPieces, convex_pieces};
-use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
 use crate::scene::{Scene, SceneOptions};
@@ -141,16 +141,15 @@ impl Conversion {
                     n_cols: grid.n_cols(),
                     n_rows: grid.n_rows(),
                     surface_m: &surface,
-                    ground_m: Some(&ground),
+                    ground_m: &ground,
                 })
             }
         };
         let mut caption = vec![self.size_line(), format!("{}; {}", self.place_line(), program())];
         caption.extend(look.last_lines(&self.scene));
         let title = look.title_or(|| title_of(&self.facts.scene_name));
-        let picture =
-            CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model, uavs: &[] };
-        drawn(render::draw_city(&picture, &look.form(format), &picture_provenance(&self.provenance())))
+        let picture = CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model };
+        written(render::draw_city(&picture), &look.form(format), &picture_provenance(&self.provenance()))
     }
 
     fn ground_m(&self) -> Vec<f32> {

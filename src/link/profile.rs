@@ -7,7 +7,7 @@ use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::height_field::Station;
 use crate::los::{columns_crossed, prisms_crossed};
-use crate::picture::{Look, drawn, picture_provenance};
+use crate::picture::{Look, picture_provenance, written};
 use crate::quantity::{BLOCKS_ALL, VOID, meters};
 use crate::render::{self, LinkProfile, ProfileStep, StepKind};
 use crate::scene::Scene;
@@ -37,15 +37,14 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let profile = LinkProfile {
         title: &title,
         caption: &caption,
-        height_name: "Height above the datum",
         distance_m: found.distance_m,
-        uav: ("UAV", uav_m),
-        receiver: ("Receiver", receiver_m),
+        uav_m,
+        receiver_m,
         steps: &steps,
         obstruction,
     };
     let provenance = picture_provenance(&link.document());
-    drawn(render::draw_link_profile(&profile, &look.form(format), &provenance))
+    written(render::draw_link_profile(&profile), &look.form(format), &provenance)
 }
 
 /// Ground and roofs below a link, for its side view.

@@ -11,7 +11,7 @@ use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::HeightCurve;
 use crate::error::{RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
-use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::progress::Progress;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
@@ -204,7 +204,7 @@ impl Curves {
             curves: &lines,
         };
         let provenance = picture_provenance(&self.provenance());
-        drawn(render::draw_height_curve(&plot, &look.form(format), &provenance))
+        written(render::draw_height_curve(&plot), &look.form(format), &provenance)
     }
 
     fn caption(&self, look: &Look) -> Vec<String> {

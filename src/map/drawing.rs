@@ -7,7 +7,7 @@ use super::tolerance::in_words as tolerance_in_words;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::{Format, Layer};
-use crate::picture::{Look, crop, drawn, mark};
+use crate::picture::{Look, crop, mark, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
@@ -132,7 +132,7 @@ impl MapDrawing<'_> {
                 })
                 .collect();
             let sheet = MapPanels { title, caption, n_cols, n_rows, cell_m, maps: &maps, surface_m, others_name };
-            return drawn(render::draw_map_panels(&sheet, &form, provenance));
+            return written(render::draw_map_panels(&sheet), &form, provenance);
         }
         let picture = MapPicture {
             title,
@@ -147,7 +147,7 @@ impl MapDrawing<'_> {
             others_name,
             counts: self.counts,
         };
-        drawn(render::draw_map(&picture, &form, provenance))
+        written(render::draw_map(&picture), &form, provenance)
     }
 
     /// The layer that is drawn: the first that was asked for.

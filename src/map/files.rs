@@ -20,7 +20,7 @@ use crate::picture::{Look, drawn, picture_provenance, program};
 use crate::progress::Progress;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
-use crate::render;
+use crate::render::{self, PictureForm};
 use crate::words::{p_los_words, pretty};
 
 /// Everything that outputs are made from.
@@ -172,7 +172,10 @@ impl Writer<'_> {
         let sight = &self.of.report.sight;
         let (receivers, _) = sight.receivers().cell_names(&self.of.scene.field);
         let receivers = format!("Receivers: {receivers}, {} m high", tidy(sight.rx_height_m()));
-        pictures.push((LEGEND.into(), drawn(render::draw_overlay_legend(&uavs, &receivers, &provenance))?));
+        pictures.push((
+            LEGEND.into(),
+            drawn(render::draw_overlay_legend(&uavs, &receivers).write(&PictureForm::PNG, &provenance))?,
+        ));
         Ok(encode_kmz(&kml(&self.of.report, &degrees, &overlays, LEGEND)?, &pictures)?)
     }
 }

@@ -7,7 +7,7 @@ use super::words::in_words;
 use crate::answer::Answer;
 use crate::error::Result;
 use crate::export::Format;
-use crate::picture::{Look, crs_words, drawn, mark, picture_provenance, program};
+use crate::picture::{Look, crs_words, mark, picture_provenance, program, written};
 use crate::placement::PlaceGrid;
 use crate::quantity::{Height, tidy};
 use crate::render::{self, Layer, MapPicture, Mark};
@@ -56,7 +56,7 @@ pub(super) fn draw(job: &Placements, places: &PlaceGrid, format: Format, look: &
         others_name: "Buildings",
         counts: None,
     };
-    drawn(render::draw_map(&picture, &look.form(format), &picture_provenance(&job.provenance())))
+    written(render::draw_map(&picture), &look.form(format), &picture_provenance(&job.provenance()))
 }
 
 /// Heights as typed, in words; of many the first, the last and how many.

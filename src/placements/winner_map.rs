@@ -10,7 +10,7 @@ use crate::error::{PlacesError, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::formats::TiffLayout;
 use crate::map::SiteFacts;
-use crate::picture::{Look, drawn, mark, picture_provenance};
+use crate::picture::{Look, mark, picture_provenance, written};
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::words::unbreakable;
 
@@ -105,7 +105,7 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         others_name,
         counts: None,
     };
-    drawn(render::draw_map(&picture, &look.form(format), &picture_provenance(&job.provenance())))
+    written(render::draw_map(&picture), &look.form(format), &picture_provenance(&job.provenance()))
 }
 
 /// More UAVs than this are not listed in the caption.

@@ -5,19 +5,14 @@ use super::plot_words::{axis_name, city_name, groups, method_name, placement_wor
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
 use crate::error::{Error, Result};
-use crate::render::{self, HeatAxis, HeatPanel, HeatSheet, PictureForm};
+use crate::render::{self, HeatAxis, HeatPanel, HeatSheet};
 use crate::words::title_of;
-
-/// Iso-lines of P_LoS in heat maps.
-const LEVELS: [f64; 3] = [0.1, 0.5, 0.9];
 
 pub(super) fn heat_maps(
     report: &PlosReport,
     varying: &[(Quantity, Vec<f64>)],
     title: &str,
     caption: &[String],
-    provenance: &[(String, String)],
-    form: &PictureForm,
 ) -> Result<Drawn> {
     // The angle or distance goes up, what it is compared with goes along.
     let [(y, y_values), (x, x_values)] = varying else {
@@ -73,6 +68,6 @@ pub(super) fn heat_maps(
         })
         .collect();
     let columns = if sheet_panels.len() > 4 { 3 } else { sheet_panels.len().min(2) };
-    let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns, levels: &LEVELS };
-    Ok(render::draw_heat_sheet(&sheet, form, provenance))
+    let sheet = HeatSheet { title, caption, panels: &sheet_panels, columns };
+    Ok(render::draw_heat_sheet(&sheet))
 }

@@ -3,6 +3,7 @@
 use super::report::PlosRow;
 use crate::error::{Error, RequestError};
 use crate::los_probability::models::UserCurve;
+use crate::render::Sheet;
 
 /// What pictures need beside the report.
 #[derive(Debug, Default)]
@@ -19,7 +20,7 @@ pub(super) struct Facts {
 
 pub(super) const MOST_PANELS: usize = 12;
 
-pub(super) type Drawn = std::result::Result<Vec<u8>, String>;
+pub(super) type Drawn = std::result::Result<Sheet, String>;
 
 pub(super) fn too_many(n: usize, what: &'static str, most: usize) -> Error {
     RequestError::TooManyDrawn { n, what, most }.into()

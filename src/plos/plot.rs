@@ -14,8 +14,8 @@ use crate::export::Format;
 use crate::los_probability::models::{CurveAxis as CurveOver, UserCurve};
 use crate::los_probability::product::rayleigh_cdf;
 use crate::method_looks::look_of;
-use crate::picture::{Look, drawn, picture_provenance};
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook, PictureForm};
+use crate::picture::{Look, picture_provenance, written};
+use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
 use crate::words::unbreakable;
 
 /// The most lines of a panel, and panels of a sheet.
@@ -27,7 +27,6 @@ const FEWEST_FOR_HEAT: usize = 3;
 pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec<u8>> {
     let PlosStudy { report, plot: facts, plan, .. } = study;
     let varying = plan.sweeps.varying();
-    let form = &look.form(format);
     let is_heat = match plan.plot {
         PlotKind::Curves => false,
         PlotKind::Heat if varying.len() != 2 => {
@@ -47,11 +46,12 @@ pub(super) fn draw(study: &PlosStudy, format: Format, look: &Look) -> Result<Vec
     };
     let caption = caption(facts, report, intervals, look);
     let provenance = picture_provenance(&report.provenance());
-    drawn(if is_heat {
-        heat_maps(report, &varying, &title, &caption, &provenance, form)?
+    let sheet = if is_heat {
+        heat_maps(report, &varying, &title, &caption)?
     } else {
-        curves((report, facts), &varying, &title, &caption, &provenance, form)?
-    })
+        curves((report, facts), &varying, &title, &caption)?
+    };
+    written(sheet, &look.form(format), &provenance)
 }
 
 /// A line of a plot before it is drawn.
@@ -69,8 +69,6 @@ fn curves(
     varying: &[(Quantity, Vec<f64>)],
     title: &str,
     caption: &[String],
-    provenance: &[(String, String)],
-    form: &PictureForm,
 ) -> Result<Drawn> {
     let (x, values) = varying.first().cloned().unwrap_or_else(|| {
         // A single value is a point on the axis of what it was asked for.
@@ -123,7 +121,6 @@ fn curves(
         .map(|lines| {
             let drawn = lines.iter().map(|(line, look, index)| CurveLine {
                 label: &line.label,
-                detail: None,
                 color_index: *index,
                 look: *look,
                 points: &line.points,
@@ -138,7 +135,8 @@ fn curves(
         .zip(&titles)
         .map(|(lines, title)| CurvePanel {
             title,
-            x: CurveAxis { name: axis_name(x), ends, is_log: false },
+            x_name: axis_name(x),
+            x_ends: ends,
             y_name: "P_LoS",
             y_ends: [0.0, 1.0],
             lines,
@@ -151,7 +149,8 @@ fn curves(
     for (fit, lines) in fits.iter().zip(&fit_lines) {
         sheet_panels.push(CurvePanel {
             title: &fit.title,
-            x: CurveAxis { name: "Building height [m]", ends: [0.0, fit.highest], is_log: false },
+            x_name: "Building height [m]",
+            x_ends: [0.0, fit.highest],
             y_name: "Share of buildings not higher",
             y_ends: [0.0, 1.0],
             lines,
@@ -164,7 +163,7 @@ fn curves(
         _ => 3,
     };
     let sheet = CurveSheet { title, caption, panels: &sheet_panels, columns };
-    Ok(render::draw_curve_sheet(&sheet, form, provenance))
+    Ok(render::draw_curve_sheet(&sheet))
 }
 
 /// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.
@@ -332,14 +331,7 @@ impl FitLines {
 
     fn lines(&self) -> [CurveLine<'_>; 2] {
         // Looks that no method has.
-        let line = |label, look, color_index, points| CurveLine {
-            label,
-            detail: None,
-            color_index,
-            look,
-            points,
-            through: &[],
-        };
+        let line = |label, look, color_index, points| CurveLine { label, color_index, look, points, through: &[] };
         [
             line("Building heights", LineLook::Solid, 6, &self.share[..]),
             line("Rayleigh, most likely γ", LineLook::Dashed, 23, &self.rayleigh[..]),

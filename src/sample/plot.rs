@@ -4,9 +4,9 @@ use super::Sample;
 use super::report::{SampledReport, SampledRow};
 use crate::error::Result;
 use crate::export::Format;
-use crate::picture::{Look, crs_words, drawn, picture_provenance, program};
+use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{counted, tidy};
-use crate::render::{self, CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
 use crate::words::{title_of, unbreakable};
 use crate::zones::Zone;
 
@@ -38,7 +38,6 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         .map(|of_receivers| {
             let lines = of_receivers.iter().enumerate().map(|(k, points)| CurveLine {
                 label: &labels[k],
-                detail: None,
                 color_index: placements[k].code().into(),
                 look: line_look,
                 points,
@@ -54,7 +53,8 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         .zip(&titles)
         .map(|(lines, title)| CurvePanel {
             title,
-            x: CurveAxis { name: "UAV height above ground [m]", ends, is_log: false },
+            x_name: "UAV height above ground [m]",
+            x_ends: ends,
             y_name: "P_LoS",
             y_ends: [0.0, 1.0],
             lines,
@@ -65,7 +65,7 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
     let (title, caption) = (unbreakable(&title), caption(report, look.last_lines(&sample.scene)));
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
-    drawn(render::draw_curve_sheet(&sheet, &look.form(format), &picture_provenance(&report.document(false))))
+    written(render::draw_curve_sheet(&sheet), &look.form(format), &picture_provenance(&report.document(false)))
 }
 
 /// The values of the rows, each once, in the order in which they come.

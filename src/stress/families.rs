@@ -10,7 +10,7 @@ use crate::answer::{Answer, Rows, Spent};
 use crate::error::Result;
 use crate::export::{Batch, Format};
 use crate::los::MethodChoice;
-use crate::picture::{Look, drawn, picture_provenance, program};
+use crate::picture::{Look, picture_provenance, program, written};
 use crate::quantity::counted;
 use crate::render::{self, RateColumn, RateSheet, grouped};
 
@@ -102,7 +102,7 @@ fn picture(report: &StressReport, format: Format, look: &Look) -> Result<Vec<u8>
     let caption = caption(report);
     let sheet = RateSheet { title: &title, caption: &caption, rows: &rows, columns: &columns, rates: &rates };
     let provenance = picture_provenance(&report.document(None));
-    drawn(render::draw_rate_sheet(&sheet, &look.form(format), &provenance))
+    written(render::draw_rate_sheet(&sheet), &look.form(format), &provenance)
 }
 
 fn caption(report: &StressReport) -> Vec<String> {

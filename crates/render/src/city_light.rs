@@ -126,8 +126,7 @@ fn transposed(values: &[f32], n_cols: usize) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city_picture::CityModel;
-    use crate::city_solids::block;
+    use crate::city_solids::{CityModel, block};
 
     #[test]
     fn shadows_fall_away_from_the_sun() {

@@ -1,16 +1,17 @@
 //! The picture of a city: a plan with axes beside a view from the side, in the same colors.
 
-use glam::DVec2;
+use glam::DVec3;
 
-use super::city_solids::Solids;
-use super::city_view::{self, CityImage};
-use super::colors::{INK, Ramp, Rgb};
-use super::furniture::{self, DETAIL, NAME, Scale, TITLE};
-use super::marks::Label;
-use super::picture_form::PictureForm;
-use super::sheet::{self, Anchor, Drawing, Sheet, Type};
+use super::check;
+use super::city_solids::{CityModel, CityPrism, Solids};
+use super::city_view;
+use super::colors::{INK, Ramp};
+use super::furniture::{self, DETAIL, NAME, Scale};
+use super::lettering::{Anchor, Type};
+use super::page::{MARGIN, Page};
+use super::sheet::{self, Drawing, Sheet};
+use super::z_buffer::View;
 
-const MARGIN: f64 = 40.0;
 /// The longer side of the plan \[px\], and the box for the view.
 const PLAN: f64 = 1000.0;
 const VIEW: [usize; 2] = [1240, 1000];
@@ -29,71 +30,13 @@ pub struct CityPicture<'a> {
     pub extent_m: [f64; 4],
     /// The buildings.
     pub model: CityModel<'a>,
-    /// UAVs to mark; may be empty.
-    pub uavs: &'a [CityUav<'a>],
-}
-
-/// How a city is given.
-#[derive(Clone, Copy, Debug)]
-pub enum CityModel<'a> {
-    /// Footprints with flat tops.
-    Prisms(&'a [CityPrism]),
-    /// A raster over the whole extent, each cell a column.
-    Heights(CityHeights<'a>),
-}
-
-/// A building: footprint, ground and roof.
-#[derive(Clone, Debug)]
-pub struct CityPrism {
-    /// Outer ring and holes, without the first point repeated at the end \[m\].
-    pub rings: Vec<Vec<[f64; 2]>>,
-    /// The footprint cut into triangles \[m\].
-    pub roof_triangles: Vec<[[f64; 2]; 3]>,
-    /// Height of the ground \[m\].
-    pub base_m: f64,
-    /// Height of the roof \[m\].
-    pub top_m: f64,
-}
-
-/// A city as a raster, `[n_rows, n_cols]`, columns running fastest, north row first. A cell is a building if its
-/// surface is more than 0.25 m above its ground. Rasters of more than 800 cells a side are thinned for the picture.
-#[derive(Clone, Copy, Debug)]
-pub struct CityHeights<'a> {
-    /// Columns.
-    pub n_cols: usize,
-    /// Rows.
-    pub n_rows: usize,
-    /// Surface heights \[m\]; not finite where unknown.
-    pub surface_m: &'a [f32],
-    /// Ground heights \[m\]; without them the ground is at 0 m.
-    pub ground_m: Option<&'a [f32]>,
-}
-
-/// A UAV in a city picture.
-#[derive(Clone, Copy, Debug)]
-pub struct CityUav<'a> {
-    /// Its id.
-    pub label: &'a str,
-    /// Its height in words, such as `100 m`; may be empty.
-    pub height: &'a str,
-    /// East, north and height in the coordinates of the buildings \[m\].
-    pub at_m: [f64; 3],
 }
 
 /// Draws a city: plan on the left, view from the south-south-west on the right, heights true to scale.
 ///
 /// # Errors
-/// An empty extent, a raster of another shape, numbers that are not finite, 16 million buildings or more, or a keyword
-/// of `provenance` that PNG does not allow.
-pub fn draw_city(
-    picture: &CityPicture<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(picture)?.write(form, provenance)
-}
-
-fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
+/// An empty extent, a raster of another shape, numbers that are not finite, or 16 million buildings or more.
+pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     check(picture)?;
     let [west, south, east, north] = picture.extent_m;
     let solids = Solids::new(&picture.model, picture.extent_m);
@@ -104,28 +47,22 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let view = city_view::draw_view(&solids, VIEW, tallest_m);
 
     let [plan_w, plan_h] = plan_size.map(f64::from);
-    let (view_w, view_h) = (f64::from(view.image.width()), f64::from(view.image.height()));
+    let [view_w, view_h] = [view.0.width(), view.0.height()].map(f64::from);
     let view_left = (MARGIN + AXIS + plan_w + GUTTER).round();
     let body_w = view_left + VIEW[0] as f64 - MARGIN;
-    let title = furniture::paragraph(picture.title, TITLE, body_w);
-    let caption = furniture::caption(picture.caption, body_w);
-    let title_h = if title.height > 0.0 { title.height + 14.0 } else { 0.0 };
-    let heading = MARGIN + title_h;
+    let mut page = Page::new(picture.title, body_w, 14.0);
+    let heading = page.bottom;
     let top = (heading + 40.0).round();
-    let plan_left = MARGIN + AXIS;
+    let (plan_left, view_right) = (MARGIN + AXIS, view_left + VIEW[0] as f64);
 
-    let along: Vec<Rgb> = (0..64).map(|k| Ramp::Height.at(f64::from(k) / 63.0)).collect();
     let scale = Scale { low: 0.0, high: tallest_m, open_low: false, open_high };
-    let color_bar = furniture::color_bar("Building height above ground [m]", scale, &along, 470.0);
-    let scale_bar = furniture::scale_bar(px_per_m, (0.25 * plan_w).clamp(160.0, 260.0));
-    let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
+    let color_bar = furniture::color_bar("Building height above ground [m]", scale, &Ramp::Height.steps(64), 470.0);
+    let orientation = furniture::orientation(px_per_m, (0.25 * plan_w).clamp(160.0, 260.0));
 
-    let mut drawing = Drawing::default();
-    drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
+    let drawing = &mut page.furniture;
     drawing.text(plan_left, heading + 22.0, NAME, "Plan");
     drawing.text(view_left, heading + 22.0, NAME, "View from the south-south-west, heights to scale");
     drawing.place(&plan_axes(picture.extent_m, [plan_w, plan_h]), plan_left, top);
-    drawing.place(&plan_marks(picture, &plan, [plan_w, plan_h]), plan_left, top);
 
     let room_below = color_bar.height.max(orientation.height) + 26.0;
     let plan_bottom = top + plan_h + 74.0;
@@ -133,36 +70,17 @@ fn compose(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     let body_h = (plan_bottom - top).max(view_h + room_below);
     let view_top = (top + ((body_h - room_below - view_h) / 2.0).max(0.0)).round();
     let view_x = (view_left + (VIEW[0] as f64 - view_w) / 2.0).round();
-    drawing.place(&view_marks(picture, &plan, &view), view_x, view_top);
-    drawing.place(&view_north(&view), view_left + VIEW[0] as f64 - 62.0, top + 46.0);
-    let legend_y = top + body_h - color_bar.height;
-    drawing.place(&color_bar.drawing, view_left - 20.0, legend_y);
-    drawing.place(
-        &orientation.drawing,
-        view_left + VIEW[0] as f64 - orientation.width,
-        top + body_h - orientation.height - 6.0,
-    );
+    drawing.place(&view_north(&view.1), view_right - 62.0, top + 46.0);
+    let bottom = top + body_h;
+    drawing.place(&color_bar.drawing, view_left - 20.0, bottom - color_bar.height);
+    drawing.place(&orientation.drawing, view_right - orientation.width, bottom - orientation.height - 6.0);
     let of_plan = Type { anchor: Anchor::End, ..DETAIL };
-    drawing.text(
-        view_left + VIEW[0] as f64 - orientation.width - 22.0,
-        top + body_h - orientation.height / 2.0 + 2.0,
-        of_plan,
-        "scale of the plan",
-    );
-    let mut bottom = top + body_h;
-    if caption.height > 0.0 {
-        bottom += 22.0;
-        drawing.line([MARGIN, bottom], [MARGIN + body_w, bottom], &furniture::hairline());
-        drawing.place(&caption.drawing, MARGIN, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let whole = sheet::pixels;
-    Ok(Sheet {
-        width: body_w + 2.0 * MARGIN,
-        height: bottom + MARGIN - 8.0,
-        images: vec![(whole(plan_left), whole(top), plan.image), (whole(view_x), whole(view_top), view.image)],
-        furniture: drawing,
-    })
+    let middle = bottom - orientation.height / 2.0 + 2.0;
+    drawing.text(view_right - orientation.width - 22.0, middle, of_plan, "scale of the plan");
+    page.image([plan_left, top], plan);
+    page.image([view_x, view_top], view.0);
+    page.bottom = bottom;
+    Ok(page.finish(22.0, picture.caption))
 }
 
 fn check(picture: &CityPicture<'_>) -> Result<(), String> {
@@ -191,16 +109,12 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
             }
         }
         CityModel::Heights(heights) => {
-            super::check_shape("surface", heights.surface_m.len(), heights.n_cols, heights.n_rows)?;
-            if let Some(ground) = heights.ground_m {
-                super::check_shape("ground", ground.len(), heights.n_cols, heights.n_rows)?;
-            }
+            let n_cells = [heights.n_cols, heights.n_rows];
+            check::shape("surface", heights.surface_m.len(), n_cells)?;
+            check::shape("ground", heights.ground_m.len(), n_cells)?;
         }
     }
-    match picture.uavs.iter().find(|uav| uav.at_m.iter().any(|c| !c.is_finite())) {
-        Some(uav) => Err(format!("cannot draw UAV `{}`: its position is not finite", uav.label)),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// Frame, ticks and names of the plan's axes, the origin at the plan's top left corner.
@@ -225,77 +139,9 @@ fn plan_axes([west, south, east, north]: [f64; 4], [w, h]: [f64; 2]) -> Drawing 
     drawing
 }
 
-fn label_of(uav: &CityUav<'_>, size: f64) -> Label {
-    Label::new(&[uav.label.to_string(), uav.height.to_string()], size)
-}
-
-fn plan_marks(picture: &CityPicture<'_>, plan: &CityImage, size: [f64; 2]) -> Drawing {
-    let marks: Vec<super::marks::Mark<'_>> = picture
-        .uavs
-        .iter()
-        .map(|uav| {
-            let [col, row] = plan.place(uav.at_m);
-            super::marks::Mark { label: uav.label, height: uav.height, col, row }
-        })
-        .collect();
-    let m_per_px = (picture.extent_m[2] - picture.extent_m[0]) / size[0];
-    super::marks::draw_marks(&marks, size, [1.0, 1.0], (m_per_px, m_per_px))
-}
-
-/// UAVs in the view, each with a line down to what is below it; hidden parts of the line are faint.
-fn view_marks(picture: &CityPicture<'_>, plan: &CityImage, view: &CityImage) -> Drawing {
-    const STEPS: u32 = 96;
-    let mut drawing = Drawing::default();
-    let mut taken: Vec<[f64; 4]> = Vec::new();
-    for uav in picture.uavs {
-        let [x, y, z] = uav.at_m;
-        let Some(foot) = plan.surface_below([x, y]) else {
-            continue;
-        };
-        let point = |k: u32| [x, y, foot + (z - foot) * f64::from(k) / f64::from(STEPS)];
-        for k in 0..STEPS {
-            let (from, to) = (view.place(point(k)), view.place(point(k + 1)));
-            if view.is_visible(point(k + 1)) {
-                drawing.line(from, to, "stroke=\"#FFFFFF\" stroke-opacity=\"0.85\" stroke-width=\"6\"");
-            }
-        }
-        for k in 0..STEPS {
-            let (from, to) = (view.place(point(k)), view.place(point(k + 1)));
-            let opacity = if view.is_visible(point(k + 1)) { "1" } else { "0.3" };
-            drawing.line(from, to, &format!("stroke=\"#101418\" stroke-opacity=\"{opacity}\" stroke-width=\"2.6\""));
-        }
-        if view.is_visible([x, y, foot + 0.5]) {
-            let [fx, fy] = view.place([x, y, foot]);
-            let ring = "fill=\"none\" stroke=\"#101418\" stroke-width=\"2.4\"";
-            let _ = std::fmt::Write::write_fmt(
-                &mut drawing.svg,
-                format_args!("<ellipse cx=\"{}\" cy=\"{}\" rx=\"9\" ry=\"5\" {ring}/>\n", sheet::px(fx), sheet::px(fy)),
-            );
-        }
-        let [ux, uy] = view.place(uav.at_m);
-        furniture::uav_symbol(&mut drawing, [ux, uy], 22.0);
-        let label = label_of(uav, 24.0);
-        let spots = [[ux + 30.0, uy - label.height / 2.0], [ux - 30.0 - label.width, uy - label.height / 2.0]];
-        let free = |[x, y]: [f64; 2]| {
-            let bounds = [x, y, x + label.width, y + label.height];
-            x >= 0.0
-                && bounds[2] <= f64::from(view.image.width())
-                && !taken.iter().any(|t| bounds[0] < t[2] && t[0] < bounds[2] && bounds[1] < t[3] && t[1] < bounds[3])
-        };
-        let spot = spots.into_iter().find(|&spot| free(spot));
-        taken.push([ux - 24.0, uy - 24.0, ux + 24.0, uy + 24.0]);
-        if let Some([x, y]) = spot {
-            taken.push([x, y, x + label.width, y + label.height]);
-            label.draw(&mut drawing, x, y);
-        }
-    }
-    drawing
-}
-
 /// A north arrow lying on the ground of the view.
-fn view_north(view: &CityImage) -> Drawing {
-    let north = DVec2::from(view.direction([0.0, 1.0]));
-    let east = DVec2::from(view.direction([1.0, 0.0]));
+fn view_north(view: &View) -> Drawing {
+    let [east, north] = [DVec3::X, DVec3::Y].map(|direction| view.direction(direction));
     let at = |x: f64, y: f64| (east * x * 46.0 + north * y * 46.0).to_array();
     let mut drawing = Drawing::default();
     drawing.polygon(&[at(0.0, 1.0), at(0.34, -0.7), at(0.0, -0.4)], &format!("fill=\"{INK}\""));
@@ -309,58 +155,21 @@ fn view_north(view: &CityImage) -> Drawing {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn grid_city(n: u32) -> Vec<CityPrism> {
-        (0..n * n)
-            .map(|k| {
-                let (x, y) = (10.0 + 40.0 * f64::from(k % n), 10.0 + 40.0 * f64::from(k / n));
-                let ring = vec![[x, y], [x + 25.0, y], [x + 25.0, y + 25.0], [x, y + 25.0]];
-                let roof_triangles = vec![[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]];
-                CityPrism { rings: vec![ring], roof_triangles, base_m: 0.0, top_m: 10.0 + f64::from(k % 7) }
-            })
-            .collect()
-    }
+    use crate::city_solids::{CityHeights, block};
 
     #[test]
-    fn a_city_picture_has_two_panels_and_says_what_they_are() {
-        let prisms = grid_city(4);
-        let uavs = [CityUav { label: "UAV 1", height: "60 m", at_m: [80.0, 80.0, 60.0] }];
-        let picture = CityPicture {
-            title: "A small city",
-            caption: &["Sixteen blocks".to_string()],
-            extent_m: [0.0, 0.0, 160.0, 160.0],
-            model: CityModel::Prisms(&prisms),
-            uavs: &uavs,
-        };
-        let sheet = compose(&picture).expect("the city is valid");
-        assert_eq!(sheet.images.len(), 2);
-        assert_eq!(sheet.images[0].2.dimensions(), (1000, 1000));
-        for words in
-            ["Building height above ground [m]", "x, east [m]", "y, north [m]", "UAV 1", "heights to scale", "50 m"]
-        {
-            assert!(sheet.furniture.svg.contains(words), "{words}");
+    fn what_cannot_be_drawn_is_refused() {
+        let whole = [block(0.0, 0.0, 9.0, 9.0)];
+        let bent = [block(0.0, 0.0, 9.0, f64::NAN)];
+        let raster = CityHeights { n_cols: 2, n_rows: 2, surface_m: &[0.0; 3], ground_m: &[0.0; 4] };
+        for (extent_m, model, words) in [
+            ([0.0, 0.0, 0.0, 10.0], CityModel::Prisms(&whole), "above 0 m"),
+            ([0.0, 0.0, 10.0, 501.0], CityModel::Prisms(&whole), "over 50 times"),
+            ([0.0, 0.0, 10.0, 10.0], CityModel::Prisms(&bent), "building 0"),
+            ([0.0, 0.0, 10.0, 10.0], CityModel::Heights(raster), "surface has 3"),
+        ] {
+            let drawn = draw_city(&CityPicture { title: "", caption: &[], extent_m, model });
+            assert!(drawn.is_err_and(|e| e.contains(words)), "{words}");
         }
-        let file = draw_city(&picture, &PictureForm::PNG, &[]).expect("the city is valid");
-        assert_eq!(file, draw_city(&picture, &PictureForm::PNG, &[]).expect("the city is valid"));
-    }
-
-    #[test]
-    fn impossible_cities_are_refused() {
-        let prisms = grid_city(1);
-        let picture = CityPicture {
-            title: "",
-            caption: &[],
-            extent_m: [0.0, 0.0, 0.0, 10.0],
-            model: CityModel::Prisms(&prisms),
-            uavs: &[],
-        };
-        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err());
-        let raster = CityHeights { n_cols: 2, n_rows: 2, surface_m: &[0.0; 3], ground_m: None };
-        let picture = CityPicture { extent_m: [0.0, 0.0, 2.0, 2.0], model: CityModel::Heights(raster), ..picture };
-        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err());
-        let mut bent = grid_city(1);
-        bent[0].top_m = f64::NAN;
-        let picture = CityPicture { model: CityModel::Prisms(&bent), ..picture };
-        assert!(draw_city(&picture, &PictureForm::PNG, &[]).is_err_and(|e| e.contains("building 0")));
     }
 }

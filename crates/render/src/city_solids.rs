@@ -4,7 +4,6 @@
 
 use glam::{DVec2, DVec3};
 
-use super::city_picture::{CityHeights, CityModel, CityPrism};
 use super::colors;
 use super::paint::quantiles;
 use super::z_buffer::{View, ZBuffer};
@@ -13,6 +12,42 @@ use super::z_buffer::{View, ZBuffer};
 const BUILDING_THRESHOLD_M: f64 = 0.25;
 /// Columns a side beyond which a height raster is thinned.
 const MOST_COLUMNS: usize = 1600;
+
+/// How a city is given.
+#[derive(Clone, Copy, Debug)]
+pub enum CityModel<'a> {
+    /// Footprints with flat tops.
+    Prisms(&'a [CityPrism]),
+    /// A raster over the whole extent, each cell a column.
+    Heights(CityHeights<'a>),
+}
+
+/// A building: footprint, ground and roof.
+#[derive(Clone, Debug)]
+pub struct CityPrism {
+    /// Outer ring and holes, without the first point repeated at the end \[m\].
+    pub rings: Vec<Vec<[f64; 2]>>,
+    /// The footprint cut into triangles \[m\].
+    pub roof_triangles: Vec<[[f64; 2]; 3]>,
+    /// Height of the ground \[m\].
+    pub base_m: f64,
+    /// Height of the roof \[m\].
+    pub top_m: f64,
+}
+
+/// A city as a raster, `[n_rows, n_cols]`, columns running fastest, north row first. A cell is a building if its
+/// surface is more than 0.25 m above its ground. Rasters of more than 800 cells a side are thinned for the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct CityHeights<'a> {
+    /// Columns.
+    pub n_cols: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// Surface heights \[m\]; not finite where unknown.
+    pub surface_m: &'a [f32],
+    /// Ground heights \[m\].
+    pub ground_m: &'a [f32],
+}
 
 /// Tags: the normal in the upper 8 bits (0 is up, else a direction), the face's owner in the lower 24.
 pub(crate) const OWNER_BITS: u32 = 24;
@@ -256,7 +291,7 @@ fn thin<'a>(heights: &CityHeights<'_>) -> (Columns<'a>, f64, f64) {
         for col in 0..n_cols {
             let cell = from_row * heights.n_cols + (2 * col + 1) * heights.n_cols / (2 * n_cols);
             let top = heights.surface_m[cell];
-            let ground = heights.ground_m.map_or(0.0, |ground| ground[cell]);
+            let ground = heights.ground_m[cell];
             if top.is_finite() && ground.is_finite() {
                 low = low.min(f64::from(ground.min(top)));
                 high = high.max(f64::from(top));

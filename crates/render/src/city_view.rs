@@ -17,71 +17,22 @@ const SAMPLES: usize = 2;
 /// Towards the eye: south-south-west, 35° high.
 const EYE: DVec3 = DVec3::new(-0.40, -0.80, 0.62);
 
-/// A painted view and what overlays need to match it.
-#[derive(Debug)]
-pub(crate) struct CityImage {
-    /// The picture; transparent paper is white.
-    pub(crate) image: RgbaImage,
-    view: View,
-    depth: ZBuffer,
-    origin: DVec3,
-}
-
-impl CityImage {
-    /// Returns the place \[px\] of a point \[m\].
-    pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 2] {
-        self.view.project(DVec3::from(point) - self.origin).truncate().to_array()
-    }
-
-    /// Returns the screen direction of a direction on the ground, shortened as the view shortens it.
-    pub(crate) fn direction(&self, direction: [f64; 2]) -> [f64; 2] {
-        self.view.direction(DVec2::from(direction).extend(0.0)).to_array()
-    }
-
-    /// Returns whether nothing stands between a point and the viewer.
-    pub(crate) fn is_visible(&self, point: [f64; 3]) -> bool {
-        let at = self.view.magnified(SAMPLES as f64).project(DVec3::from(point) - self.origin);
-        if at.x < 0.0 || at.y < 0.0 {
-            return true;
-        }
-        let (x, y) = (colors::index(at.x, self.depth.width), colors::index(at.y, self.depth.height));
-        if x >= self.depth.width || y >= self.depth.height {
-            return true;
-        }
-        f64::from(self.depth.depth[y * self.depth.width + x]) <= at.z + 0.002 * at.z.abs()
-    }
-
-    /// Returns the height of what stands at a place on the plan \[m\], or nothing outside it.
-    pub(crate) fn surface_below(&self, point: [f64; 2]) -> Option<f64> {
-        let at = self.view.magnified(SAMPLES as f64).project(DVec2::from(point).extend(0.0) - self.origin);
-        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.depth.width as f64 && at.y < self.depth.height as f64;
-        if !inside {
-            return None;
-        }
-        let sample =
-            colors::index(at.y, self.depth.height - 1) * self.depth.width + colors::index(at.x, self.depth.width - 1);
-        let depth = f64::from(self.depth.depth[sample]);
-        depth.is_finite().then(|| self.view.unproject(DVec3::new(at.x, at.y, depth)).z + self.origin.z)
-    }
-}
-
 /// Draws the city from above, north up, filling `size` \[px\] without a margin.
-pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> CityImage {
+pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> RgbaImage {
     let above = DVec3::new(0.0, 0.0, solids.size.z + 1.0);
     let mut view = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
     let corners = [DVec3::ZERO, DVec3::new(solids.size.x, solids.size.y, 0.0)];
     view.fit(corners.into_iter(), DVec2::new(size[0] as f64, size[1] as f64), 0.0);
     let buffer = solids.buffer(&view.magnified(SAMPLES as f64), size.map(|n| n * SAMPLES));
     let outlined = !solids.is_raster();
-    let image = resolve(&buffer, size, |tag, x, y| {
+    resolve(&buffer, size, |tag, x, y| {
         let factor = if outlined && is_outline(&buffer, tag, x, y) { 0.55 } else { 1.0 };
         colors::shade(albedo(solids, tag, tallest_m), factor)
-    });
-    CityImage { image, view, depth: buffer, origin: solids.origin }
+    })
 }
 
-/// Draws the city from the south-south-west within `size` \[px\]; the picture is as high as it needs to be.
-pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> CityImage {
+/// Draws the city from the south-south-west within `size` \[px\], as high as it needs to be, and tells how it was seen.
+pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> (RgbaImage, View) {
     let center = 0.5 * solids.size;
     let reach = solids.size.length().max(1.0);
     let eye = center + EYE.normalize() * reach * 1.9;
@@ -105,7 +56,7 @@ pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
         let line = if outlined && is_outline(&buffer, tag, x, y) { 0.66 } else { 1.0 };
         colors::shade(color, line * atmosphere.light(point, normal))
     });
-    CityImage { image, view, depth: buffer, origin: solids.origin }
+    (image, view)
 }
 
 fn albedo(solids: &Solids<'_>, tag: u32, tallest_m: f64) -> Rgb {
@@ -157,53 +108,29 @@ fn resolve(buffer: &ZBuffer, size: [usize; 2], color: impl Fn(u32, usize, usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::city_picture::{CityHeights, CityModel};
-    use crate::city_solids::block;
+    use crate::city_solids::{CityHeights, CityModel, block};
 
     #[test]
-    fn a_plan_shows_roofs_by_height_and_open_ground() {
+    fn a_plan_shows_roofs_by_height_and_open_ground_of_prisms_and_of_rasters() {
         let prisms = [block(110.0, 210.0, 30.0, 10.0), block(160.0, 260.0, 30.0, 40.0)];
-        let solids = Solids::new(&CityModel::Prisms(&prisms), [100.0, 200.0, 200.0, 300.0]);
-        let plan = draw_plan(&solids, [200, 200], 40.0);
-        let at = |x: f64, y: f64| {
-            let [col, row] = plan.place([x, y, 0.0]).map(super::super::sheet::pixels);
-            let pixel = plan.image.get_pixel(col, row).0;
-            [pixel[0], pixel[1], pixel[2]]
-        };
-        assert_eq!(at(125.0, 225.0), Ramp::Height.at(0.25));
-        assert_eq!(at(175.0, 275.0), Ramp::Height.at(1.0));
-        assert_eq!(at(125.0, 275.0), colors::OPEN_GROUND);
-        assert!(plan.surface_below([175.0, 275.0]).is_some_and(|z| (z - 40.0).abs() < 1e-3));
-    }
-
-    #[test]
-    fn a_view_hides_what_is_behind_a_tower() {
-        let prisms = [block(40.0, 40.0, 20.0, 80.0)];
-        let solids = Solids::new(&CityModel::Prisms(&prisms), [0.0, 0.0, 100.0, 100.0]);
-        let view = draw_view(&solids, [400, 400], 80.0);
-        assert!(view.is_visible([50.0, 20.0, 1.0]));
-        assert!(!view.is_visible([58.0, 70.0, 1.0]));
-        assert!(view.is_visible([50.0, 50.0, 90.0]));
-        assert!(view.image.width() <= 400 && view.image.height() <= 400);
-    }
-
-    #[test]
-    fn rasters_become_columns_of_the_same_city() {
         let mut surface = vec![0.0_f32; 100 * 100];
-        for row in 40..60 {
-            surface[row * 100 + 40..row * 100 + 60].fill(30.0);
+        for (from_row, from_col, top) in [(60, 10, 10.0), (10, 60, 40.0)] {
+            (from_row..from_row + 30).for_each(|row| surface[row * 100 + from_col..][..30].fill(top));
         }
-        let heights = CityHeights { n_cols: 100, n_rows: 100, surface_m: &surface, ground_m: None };
-        let solids = Solids::new(&CityModel::Heights(heights), [0.0, 0.0, 100.0, 100.0]);
-        assert_eq!(solids.building_heights().len(), 400);
-        let plan = draw_plan(&solids, [100, 100], 30.0);
-        assert_eq!(plan.image.get_pixel(50, 50).0[..3], Ramp::Height.at(1.0));
-        assert_eq!(plan.image.get_pixel(20, 50).0[..3], colors::OPEN_GROUND);
+        let heights = CityHeights { n_cols: 100, n_rows: 100, surface_m: &surface, ground_m: &[0.0; 100 * 100] };
+        for model in [CityModel::Prisms(&prisms), CityModel::Heights(heights)] {
+            let solids = Solids::new(&model, [100.0, 200.0, 200.0, 300.0]);
+            let plan = draw_plan(&solids, [200, 200], 40.0);
+            for (x, y, color) in [(50, 150, Ramp::Height.at(0.25)), (150, 50, Ramp::Height.at(1.0))] {
+                assert_eq!(plan.get_pixel(x, y).0[..3], color);
+            }
+            assert_eq!(plan.get_pixel(50, 50).0[..3], colors::OPEN_GROUND);
+        }
     }
 
     #[test]
     fn an_empty_city_is_drawn() {
         let solids = Solids::new(&CityModel::Prisms(&[]), [0.0, 0.0, 100.0, 50.0]);
-        assert!(draw_view(&solids, [300, 300], 1.0).image.width() > 100);
+        assert!(draw_view(&solids, [300, 300], 1.0).0.width() > 100);
     }
 }

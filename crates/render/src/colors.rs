@@ -121,6 +121,11 @@ impl Ramp {
         let i = index(position, last - 1);
         mix(anchors[i], anchors[i + 1], position - i as f64)
     }
+
+    /// So many colors at equal steps.
+    pub(crate) fn steps(self, n: u8) -> Vec<Rgb> {
+        (0..n).map(|k| self.at(f64::from(k) / f64::from(n - 1))).collect()
+    }
 }
 
 /// Returns the color of `seen` out of `n_sites` UAVs: orange for none, blue for one of one, else a pale to deep blue.
@@ -297,7 +302,7 @@ mod tests {
         assert_eq!((hex(LOS).as_str(), hex(NLOS).as_str()), ("#0072B2", "#E69F00"));
         assert_eq!(Ramp::Diverging.at(0.75), LOS);
         // The colors of files are those of pictures.
-        use crate::coverage::class;
+        use skyshed_core::coverage::class;
         for (value, color) in [
             (class::NLOS, NLOS),
             (class::LOS, LOS),

@@ -1,7 +1,6 @@
 //! The lines of a panel of curves: bands, strokes, error bars and markers, cut off at the frame.
 
-use super::curve_sheet::{CurveLine, CurvePoint};
-use super::line_look::LineStyle;
+use super::line_look::{LineLook, LineStyle};
 use super::plot_axis::Span;
 use super::sheet::Drawing;
 
@@ -9,6 +8,32 @@ use super::sheet::Drawing;
 const MARKER_STEP: f64 = 26.0;
 /// A point so little outside the frame lies on it \[px\].
 const SLACK: f64 = 0.5;
+
+/// A line of a plot. Lines with the same label in several panels share one entry of the legend.
+#[derive(Clone, Copy, Debug)]
+pub struct CurveLine<'a> {
+    /// What it is called; an empty label is not in the legend.
+    pub label: &'a str,
+    /// Which color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
+    pub color_index: usize,
+    /// How it is drawn.
+    pub look: LineLook,
+    /// Its points; abscissas do not descend.
+    pub points: &'a [CurvePoint],
+    /// What the stroke and the band go through instead, where more is known of them than at the points, which keep the markers.
+    pub through: &'a [CurvePoint],
+}
+
+/// A point of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Abscissa, in the unit of the horizontal axis.
+    pub x: f64,
+    /// Ordinate, in the unit of the vertical axis; nothing is a gap in the line.
+    pub y: Option<f64>,
+    /// Ends of its interval, ascending.
+    pub low_high: Option<(f64, f64)>,
+}
 
 /// How values map to a plot.
 #[derive(Clone, Copy, Debug)]
@@ -185,7 +210,6 @@ fn clip_area(mut area: Vec<[f64; 2]>, size: [f64; 2]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LineLook;
 
     fn window() -> Window {
         let span = |low, high| Span { ends: [low, high], is_log: false };
@@ -197,7 +221,7 @@ mod tests {
     }
 
     fn draw(look: LineLook, points: &[CurvePoint]) -> String {
-        let line = CurveLine { label: "a", detail: None, color_index: 0, look, points, through: &[] };
+        let line = CurveLine { label: "a", color_index: 0, look, points, through: &[] };
         lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
     }
 

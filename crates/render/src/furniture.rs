@@ -4,8 +4,8 @@
 //! nothing overlaps whatever the words are.
 
 use super::colors::{self, HAIRLINE, INK, MUTED, Rgb};
-use super::lettering::{self, Weight};
-use super::sheet::{Anchor, Drawing, Type};
+use super::lettering::{self, Anchor, Type, Weight};
+use super::sheet::Drawing;
 
 /// Height of a legend entry \[px\].
 pub(crate) const ENTRY_HEIGHT: f64 = 58.0;
@@ -68,15 +68,13 @@ pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
         drawing.rect(place, &outline);
     }
     let left = SIDE + 15.0;
-    let name = &lettering::shortened(name, NAME, WIDEST_NAME);
+    let name = &NAME.shortened(name, WIDEST_NAME);
     let (name_y, detail_y) = if detail.is_empty() { (38.0, 0.0) } else { (25.0, 52.0) };
     drawing.text(left, name_y, NAME, name);
     if !detail.is_empty() {
         drawing.text(left, detail_y, DETAIL, detail);
     }
-    let words =
-        lettering::width(name, NAME.size, NAME.weight).max(lettering::width(detail, DETAIL.size, DETAIL.weight));
-    Block { width: left + words, height: ENTRY_HEIGHT, drawing }
+    Block { width: left + NAME.width(name).max(DETAIL.width(detail)), height: ENTRY_HEIGHT, drawing }
 }
 
 /// Draws a quadcopter from above with a white halo, `radius` \[px\] around `center`.
@@ -99,7 +97,7 @@ pub(crate) fn uav_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
 }
 
 /// Makes a north arrow; north is up.
-pub(crate) fn north_arrow() -> Block {
+fn north_arrow() -> Block {
     let mut drawing = Drawing::default();
     let (x, tip, foot) = (19.0, 26.0, 74.0);
     drawing.text(x, 19.0, Type { anchor: Anchor::Middle, size: 23.0, ..NAME }, "N");
@@ -113,7 +111,7 @@ pub(crate) fn north_arrow() -> Block {
 }
 
 /// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten; 1 where `wanted` is no length.
-pub(crate) fn round_length(wanted: f64) -> f64 {
+fn round_length(wanted: f64) -> f64 {
     if !(1e-300..=1e300).contains(&wanted) {
         return 1.0;
     }
@@ -130,7 +128,7 @@ pub(crate) fn round_length(wanted: f64) -> f64 {
 }
 
 /// Makes a scale bar of a round length of about `wanted_px`, with the half marked.
-pub(crate) fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
+fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
     const BAR: f64 = 12.0;
     let meters = round_length(wanted_px / px_per_m);
     let width = meters * px_per_m;
@@ -138,7 +136,7 @@ pub(crate) fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
     let label = |m: f64| lettering::number(m / per_unit, 9);
     let last = format!("{} {unit}", label(meters));
     let style = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };
-    let pad = (lettering::width(&last, style.size, style.weight) / 2.0).ceil();
+    let pad = (style.width(&last) / 2.0).ceil();
     let mut drawing = Drawing::default();
     let top = 32.0;
     let frame = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
@@ -146,12 +144,17 @@ pub(crate) fn scale_bar(px_per_m: f64, wanted_px: f64) -> Block {
     drawing.rect([pad + width / 2.0, top, width / 2.0, BAR], &format!("fill=\"#FFFFFF\" {frame}"));
     drawing.text(pad, 22.0, style, "0");
     let half = label(meters / 2.0);
-    let room = width / 2.0 - lettering::width(&half, style.size, style.weight) / 2.0;
+    let room = width / 2.0 - style.width(&half) / 2.0;
     if room > pad + 14.0 {
         drawing.text(pad + width / 2.0, 22.0, style, &half);
     }
     drawing.text(pad + width, 22.0, style, &last);
     Block { width: width + 2.0 * pad, height: top + BAR + 2.0, drawing }
+}
+
+/// Makes a scale bar of about `wanted_px` with a north arrow beside it.
+pub(crate) fn orientation(px_per_m: f64, wanted_px: f64) -> Block {
+    beside(&[scale_bar(px_per_m, wanted_px), north_arrow()], 26.0)
 }
 
 /// Places blocks beside each other, centered on a line, with `gap` between them.
@@ -211,14 +214,13 @@ const MOST_LINES: f64 = 60.0;
 
 /// Sets wrapped lines of text as a block.
 pub(crate) fn paragraph(text: &str, style: Type, max_width: f64) -> Block {
-    let text = lettering::shortened(text, style, MOST_LINES * max_width);
-    let lines = lettering::wrap(&text, style.size, style.weight, max_width);
+    let lines = style.wrap(&style.shortened(text, MOST_LINES * max_width), max_width);
     let leading = (style.size * 1.3).round();
     let mut drawing = Drawing::default();
     let mut width = 0.0_f64;
     for (i, line) in lines.iter().enumerate() {
         drawing.text(0.0, (style.size * 0.95).round() + leading * i as f64, style, line);
-        width = width.max(lettering::width(line, style.size, style.weight));
+        width = width.max(style.width(line));
     }
     Block { width, height: leading * lines.len() as f64, drawing }
 }
@@ -252,7 +254,7 @@ const POINT: f64 = 20.0;
 /// From the left of the block of a color bar to the bar \[px\]: room for a point and for half the text of a tick.
 pub(crate) fn color_bar_inset(scale: Scale) -> f64 {
     let ticks = ticks(scale.low, scale.high, 5.0);
-    let pad = ticks.iter().map(|(_, text)| lettering::width(text, DETAIL.size, DETAIL.weight) / 2.0);
+    let pad = ticks.iter().map(|(_, text)| DETAIL.width(text) / 2.0);
     pad.fold(POINT + 2.0, f64::max).ceil().min(60.0)
 }
 
@@ -289,7 +291,7 @@ pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f
         drawing.line([x, top + BAR], [x, top + BAR + 7.0], &format!("stroke=\"{INK}\" stroke-width=\"1.6\""));
         drawing.text(x, top + BAR + 30.0, tick_style, &text);
     }
-    let name_width = left + lettering::width(name, NAME.size, NAME.weight);
+    let name_width = left + NAME.width(name);
     Block { width: (right + left).max(name_width), height: top + BAR + 36.0, drawing }
 }
 

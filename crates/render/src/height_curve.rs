@@ -5,7 +5,7 @@ use super::furniture::{self, Block, DETAIL};
 use super::lettering::number;
 use super::line_look::{COLORS, stroke};
 use super::marks::Label;
-use super::picture_form::PictureForm;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Drawing, Sheet};
@@ -63,19 +63,6 @@ impl HeightCurveLine<'_> {
     }
 }
 
-/// Draws P_LoS against height.
-///
-/// # Errors
-/// Ends of the axis that are not finite or not ascending, a curve with a value that is not finite or not ascending, or a
-/// keyword of `provenance` that PNG does not allow.
-pub fn draw_height_curve(
-    plot: &HeightCurvePlot<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(plot)?.write(form, provenance)
-}
-
 /// How heights and probabilities map to the drawing.
 #[derive(Clone, Copy, Debug)]
 struct Window {
@@ -98,7 +85,11 @@ impl Window {
     }
 }
 
-fn compose(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
+/// Draws P_LoS against height.
+///
+/// # Errors
+/// Ends of the axis that are not finite or not ascending, or a curve with a value that is not finite or not ascending.
+pub fn draw_height_curve(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     check(plot)?;
     let labels = side_labels(plot);
     let words = labels.iter().map(SideLabel::width).fold(0.0, f64::max);
@@ -115,7 +106,7 @@ fn compose(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     }
     drawing.place(&framed, AXIS, 0.0);
     let body = Block { width: AXIS + WIDTH, height: HEIGHT + 92.0, drawing };
-    Ok(plot_frame::page(plot.title, 24.0, &body, plot.caption))
+    Ok(page(plot.title, &body, plot.caption, [24.0, 0.0]))
 }
 
 fn check(plot: &HeightCurvePlot<'_>) -> Result<(), String> {
@@ -272,33 +263,31 @@ fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
-    const STEPS: [(f64, f64); 4] = [(0.0, 0.1), (10.0, 0.25), (40.0, 0.5), (400.0, 1.0)];
-    const CURVE: HeightCurveLine<'static> =
-        HeightCurveLine { label: "UAV 1", lowest_m: 0.0, steps: &STEPS, marked_m: 40.0 };
+    const CURVE: HeightCurveLine<'static> = HeightCurveLine {
+        label: "UAV 1",
+        lowest_m: 0.0,
+        steps: &[(0.0, 0.1), (10.0, 0.25), (40.0, 0.5), (400.0, 1.0)],
+        marked_m: 40.0,
+    };
 
     fn plot<'a>(curves: &'a [HeightCurveLine<'a>]) -> HeightCurvePlot<'a> {
-        HeightCurvePlot {
-            title: "P_LoS against height",
-            caption: &[],
-            height_name: "UAV height above ground",
-            heights_m: [0.0, 100.0],
-            curves,
-        }
+        let height_name = "UAV height above ground";
+        HeightCurvePlot { title: "P_LoS against height", caption: &[], height_name, heights_m: [0.0, 100.0], curves }
+    }
+
+    fn svg(curves: &[HeightCurveLine<'_>]) -> String {
+        draw_height_curve(&plot(curves)).expect("the curves are valid").furniture.svg
     }
 
     #[test]
     fn a_curve_is_drawn_as_steps_with_the_asked_height_marked() {
-        let curves = [CURVE];
-        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curve is valid");
+        let svg = svg(&[CURVE]);
         // 100 m are 1500 px, probability 1 is 760 px: 0.1 to 10 m, 0.25 to 40 m, 0.5 to the end.
         assert!(svg.contains("points=\"0,684 150,684 150,570 600,570 600,380 1500,380\""), "{svg}");
-        assert!(svg.contains("<circle cx=\"600\" cy=\"380\""), "{svg}");
-        for words in ["UAV height above ground [m]", ">0.3<", ">80<", "= 0.5000", ">40 m<"] {
+        for words in ["<circle cx=\"600\" cy=\"380\"", "UAV height above ground [m]", "= 0.5000", ">40 m<"] {
             assert!(svg.contains(words), "{words}: {svg}");
         }
-        assert!(draw_height_curve(&plot(&curves), &PictureForm::PNG, &[]).is_ok());
     }
 
     #[test]
@@ -315,52 +304,27 @@ mod tests {
         let window = Window { heights_m: [0.0, 100.0], width: 1000.0 };
         let line = step_line(&HeightCurveLine { steps: &steps, ..CURVE }, &window);
         assert!(line.len() < 4100, "{}", line.len());
-        for [x, y] in &line {
-            let at = (1.0 - y / HEIGHT) * 1000.0;
-            assert!((at - x).abs() < 0.6, "{x} {y}");
-        }
+        assert!(line.iter().all(|[x, y]| ((1.0 - y / HEIGHT) * 1000.0 - x).abs() < 0.6));
         assert!(line.windows(2).all(|w| w[0][0] <= w[1][0] && w[0][1] >= w[1][1]));
     }
 
     #[test]
-    fn several_curves_have_labels_and_different_looks() {
-        for n in [1, 2, 12, 24, 60] {
-            let curves = vec![CURVE; n];
-            let labels = side_labels(&plot(&curves));
-            assert_eq!(labels.len(), if n == 1 { 0 } else { n.min(MOST_LABELS) });
-        }
+    fn several_curves_have_different_looks_and_labels_of_bounded_number_and_width() {
         let looks: std::collections::HashSet<String> = (0..28).map(|k| line_style(k).1).collect();
         assert_eq!(looks.len(), 28);
-    }
-
-    #[test]
-    fn what_finds_no_label_is_counted() {
-        let curves = vec![CURVE; 30];
-        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curves are valid");
-        assert!(svg.contains(">+ 6 more<") && svg.matches(">UAV 1<").count() == MOST_LABELS);
-    }
-
-    #[test]
-    fn a_long_name_is_shortened_and_leaves_the_plot_its_room() {
+        let many = svg(&[CURVE; 30]);
+        assert!(many.contains(">+ 6 more<") && many.matches(">UAV 1<").count() == MOST_LABELS);
         let name = "n".repeat(10_000);
-        let curves = [HeightCurveLine { label: &name, ..CURVE }; 2];
-        let svg = text(draw_height_curve(&plot(&curves), &PictureForm::SVG, &[])).expect("the curves are valid");
-        assert!(svg.contains("nnn…<") && !svg.contains(&name));
-        let ends = svg.split("points=\"0,684 ").nth(1).and_then(|line| line.split('"').next()).expect("a curve");
-        let right: f64 = ends.split([' ', ',']).rev().nth(1).and_then(|x| x.parse().ok()).expect("its end");
-        assert!(right > 1000.0, "{right}");
+        let long = svg(&[HeightCurveLine { label: &name, ..CURVE }; 2]);
+        assert!(long.contains("nnn…<") && !long.contains(&name));
     }
 
     #[test]
-    fn impossible_curves_are_refused() {
-        let curves = [CURVE];
-        assert!(
-            draw_height_curve(&HeightCurvePlot { heights_m: [5.0, 5.0], ..plot(&curves) }, &PictureForm::PNG, &[])
-                .is_err()
-        );
-        let falling = [HeightCurveLine { steps: &[(0.0, 0.5), (1.0, 0.4)], ..CURVE }];
-        assert!(draw_height_curve(&plot(&falling), &PictureForm::PNG, &[]).is_err());
-        let nowhere = [HeightCurveLine { marked_m: f64::NAN, ..CURVE }];
-        assert!(draw_height_curve(&plot(&nowhere), &PictureForm::PNG, &[]).is_err());
+    fn what_cannot_be_drawn_is_refused() {
+        assert!(draw_height_curve(&HeightCurvePlot { heights_m: [5.0, 5.0], ..plot(&[CURVE]) }).is_err());
+        let falling = HeightCurveLine { steps: &[(0.0, 0.5), (1.0, 0.4)], ..CURVE };
+        for bad in [falling, HeightCurveLine { marked_m: f64::NAN, ..CURVE }] {
+            assert!(draw_height_curve(&plot(&[bad])).is_err_and(|e| e.contains("`UAV 1`")));
+        }
     }
 }

@@ -1,12 +1,11 @@
 //! The legend of lines: one for all panels, where there is room for it.
 
-use super::colors::MUTED;
-use super::curve_sheet::{CurveLine, CurvePanel};
-use super::furniture::{self, Block, DETAIL, NAME};
-use super::lettering::{self, Weight};
+use super::curve_lines::CurveLine;
+use super::furniture::{self, Block, NAME};
+use super::lettering::{Type, Weight};
 use super::line_look::{LineStyle, MARKER};
 use super::panel_grid::Grid;
-use super::sheet::{Drawing, Type};
+use super::sheet::Drawing;
 
 /// Length of the sample of a line \[px\].
 const SAMPLE: f64 = 84.0;
@@ -18,7 +17,6 @@ const WIDEST: f64 = 400.0;
 const GAPS: [f64; 2] = [48.0, 14.0];
 
 const LABEL: Type = Type { weight: Weight::Regular, ..NAME };
-const SMALL: Type = Type { size: 21.0, color: MUTED, ..DETAIL };
 
 /// A line of the legend.
 #[derive(Clone, Debug)]
@@ -35,22 +33,20 @@ impl Entry<'_> {
     }
 }
 
-/// Collects what panels draw, each label once, in the order in which they come.
+/// Collects lines, each label once, in the order in which they come.
 ///
 /// # Errors
-/// A label that means two looks, colors or details.
-pub(crate) fn entries<'a>(panels: &[CurvePanel<'a>]) -> Result<Vec<Entry<'a>>, String> {
+/// A label that means two looks or colors.
+pub(crate) fn entries<'a>(lines: impl Iterator<Item = &'a CurveLine<'a>>) -> Result<Vec<Entry<'a>>, String> {
     let mut entries: Vec<Entry<'a>> = Vec::new();
-    for line in panels.iter().flat_map(|panel| panel.lines).filter(|line| !line.label.is_empty()) {
+    for line in lines.filter(|line| !line.label.is_empty()) {
         let has_band = line.points.iter().any(|p| p.y.and(p.low_high).is_some());
         if let Some(known) = entries.iter_mut().find(|e| e.line.label == line.label) {
             known.has_band |= has_band;
-            let meaning = |line: &CurveLine<'a>| (line.look, line.color_index, line.detail);
+            let meaning = |line: &CurveLine<'a>| (line.look, line.color_index);
             if meaning(&known.line) != meaning(line) {
                 let label = line.label;
-                return Err(format!(
-                    "cannot draw the line `{label}`: it must have one look, color and detail everywhere"
-                ));
+                return Err(format!("cannot draw the line `{label}`: it must have one look and color everywhere"));
             }
             continue;
         }
@@ -85,10 +81,10 @@ pub(crate) fn with_legend(mut grid: Grid, entries: &[Entry<'_>]) -> Block {
     grid.block
 }
 
-/// Labels and details of more lines than about this are shortened.
+/// Labels of more lines than about this are shortened.
 const MOST_LINES: f64 = 3.0;
 
-/// Draws an entry: a sample of the line, its label, and its detail below in smaller type.
+/// Draws an entry: a sample of the line, and its label.
 fn block(entry: &Entry<'_>) -> Block {
     let mut drawing = Drawing::default();
     let (style, y) = (&entry.style, 16.0);
@@ -105,14 +101,10 @@ fn block(entry: &Entry<'_>) -> Block {
         style.draw_marker(&mut drawing, middle);
     }
     let (mut height, mut width) = (0.0, 0.0_f64);
-    for (text, kind, leading) in [(entry.line.label, LABEL, 32.0), (entry.line.detail.unwrap_or_default(), SMALL, 27.0)]
-    {
-        let text = lettering::shortened(text, kind, MOST_LINES * WIDEST);
-        for line in lettering::wrap(&text, kind.size, kind.weight, WIDEST) {
-            drawing.text(WORDS, height + 25.0 - if kind.size < LABEL.size { 4.0 } else { 0.0 }, kind, &line);
-            width = width.max(lettering::width(&line, kind.size, kind.weight));
-            height += leading;
-        }
+    for line in LABEL.wrap(&LABEL.shortened(entry.line.label, MOST_LINES * WIDEST), WIDEST) {
+        drawing.text(WORDS, height + 25.0, LABEL, &line);
+        width = width.max(LABEL.width(&line));
+        height += 32.0;
     }
     Block { width: WORDS + width, height, drawing }
 }
@@ -120,72 +112,57 @@ fn block(entry: &Entry<'_>) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CurveAxis, CurvePoint, LineLook};
+    use crate::curve_lines::CurvePoint;
+    use crate::line_look::LineLook;
 
-    const POINTS: [CurvePoint; 2] =
-        [CurvePoint { x: 0.0, y: Some(0.5), low_high: None }, CurvePoint { x: 1.0, y: Some(0.6), low_high: None }];
+    const POINTS: [CurvePoint; 1] = [CurvePoint { x: 0.0, y: Some(0.5), low_high: None }];
 
     fn line(label: &str, look: LineLook) -> CurveLine<'_> {
-        CurveLine { label, detail: Some("a detail"), color_index: 0, look, points: &POINTS, through: &[] }
-    }
-
-    fn panel<'a>(lines: &'a [CurveLine<'a>]) -> CurvePanel<'a> {
-        let x = CurveAxis { name: "x", ends: [0.0, 1.0], is_log: false };
-        CurvePanel { title: "", x, y_name: "y", y_ends: [0.0, 1.0], lines }
-    }
-
-    fn grid(free: Option<[f64; 4]>) -> Grid {
-        let block = Block { width: 800.0, height: 600.0, drawing: Drawing::default() };
-        Grid { block, first_frame: [90.0, 0.0], free }
+        CurveLine { label, color_index: 0, look, points: &POINTS, through: &[] }
     }
 
     #[test]
-    fn a_label_has_one_entry_in_the_order_given() {
-        let second = CurveLine { color_index: 1, ..line("a", LineLook::Dashed) };
-        let (a, b) = ([line("b", LineLook::Dashed), second], [line("b", LineLook::Dashed)]);
-        let panels = [panel(&a), panel(&b)];
-        let entries = entries(&panels).expect("the labels agree");
-        let labels: Vec<&str> = entries.iter().map(|e| e.line.label).collect();
-        assert_eq!(labels, ["b", "a"]);
-        assert_ne!(entries[0].style.stroke(), entries[1].style.stroke(), "the patterns differ");
-        let other = [line("b", LineLook::Solid)];
-        let error = super::entries(&[panel(&a), panel(&other)]).expect_err("`b` means two looks");
+    fn a_label_has_one_entry_and_one_meaning() {
+        let [b, a, other] =
+            [("b", LineLook::Dashed), ("a", LineLook::Solid), ("b", LineLook::Solid)].map(|(l, k)| line(l, k));
+        let agreed = entries([&b, &a, &b].into_iter()).expect("the labels agree");
+        assert_eq!(agreed.iter().map(Entry::label).collect::<Vec<_>>(), ["b", "a"]);
+        let error = entries([&b, &other].into_iter()).expect_err("`b` means two looks");
         assert!(error.contains("`b`") && error.contains("one look"), "{error}");
     }
 
     #[test]
-    fn entries_do_not_overlap_and_fit_wherever_the_legend_stands() {
+    fn entries_do_not_overlap_wherever_the_legend_stands() {
         let labels: Vec<String> = (0..24).map(|k| format!("line {k} {}", "with a long name ".repeat(k % 4))).collect();
-        for n in [1, 8, 24] {
+        for (n, free, height, [is_beside, is_below]) in [
+            (8, None, 600.0, [true, false]),
+            (8, Some([500.0, 0.0, 800.0, 700.0]), 600.0, [false, false]),
+            (24, None, 600.0, [true, true]),
+            (24, None, 300.0, [false, true]),
+        ] {
             let lines: Vec<CurveLine<'_>> = labels[..n].iter().map(|label| line(label, LineLook::Solid)).collect();
-            let panels = [panel(&lines)];
-            let entries = entries(&panels).expect("the labels differ");
-            for entry in &entries {
-                let block = block(entry);
-                assert!(block.width <= WORDS + WIDEST && block.height >= 59.0, "{} {}", block.width, block.height);
+            let entries = entries(lines.iter()).expect("the labels differ");
+            for block in entries.iter().map(block) {
                 let baselines = block.drawing.svg.matches("<text").count() as f64;
-                assert!(block.height >= 27.0 * baselines);
+                assert!(block.width <= WORDS + WIDEST && block.height >= 32.0 * baselines);
             }
-            for free in [None, Some([500.0, 0.0, 800.0, 700.0])] {
-                let all = with_legend(grid(free), &entries);
-                assert_eq!(all.drawing.svg.matches(">a detail<").count(), n);
-                let is_beside = all.width > 800.0;
-                let is_below = all.height > 600.0;
-                assert_eq!((is_beside, is_below), (free.is_none() && n < 24, n == 24), "{n} {free:?}");
-            }
+            let block = Block { width: 800.0, height, drawing: Drawing::default() };
+            let all = with_legend(Grid { block, first_frame: [90.0, 0.0], free }, &entries);
+            assert_eq!([all.width > 800.0, all.height > height], [is_beside, is_below], "{n} {free:?} {height}");
         }
     }
 
     #[test]
     fn samples_show_bands_and_error_bars_only_where_there_are_some() {
-        let sample = |look, has_band| {
-            let style = LineStyle::new(look, 0);
-            block(&Entry { line: line("a", look), has_band, style }).drawing.svg
-        };
-        assert!(sample(LineLook::Solid, true).contains("fill-opacity"));
-        assert!(!sample(LineLook::Solid, false).contains("fill-opacity"));
-        assert_eq!(sample(LineLook::Markers, true).matches("<line").count(), 3);
-        assert_eq!(sample(LineLook::Markers, false).matches("<line").count(), 0);
-        assert!(sample(LineLook::Dashed, false).contains("dasharray"));
+        for (look, has_band, words, n) in [
+            (LineLook::Solid, true, "fill-opacity", 1),
+            (LineLook::Solid, false, "fill-opacity", 0),
+            (LineLook::Markers, true, "<line", 3),
+            (LineLook::Markers, false, "<line", 0),
+            (LineLook::Dashed, false, "dasharray", 1),
+        ] {
+            let entry = Entry { line: line("a", look), has_band, style: LineStyle::new(look, 0) };
+            assert_eq!(block(&entry).drawing.svg.matches(words).count(), n, "{look:?} {words}");
+        }
     }
 }

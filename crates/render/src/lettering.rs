@@ -4,14 +4,12 @@
 //! Font License, see `fonts/OFL.txt`) are part of the program, and layout measures text with the very advance widths
 //! that the rasterizer uses; kerning is ignored, which overestimates a width by a percent or two.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::sync::{Arc, OnceLock};
 
 use resvg::usvg::fontdb;
-
-use super::sheet::Type;
-use crate::error::is_text;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::{FontRef, MetadataProvider};
+use skyshed_core::error::is_text;
 
 static REGULAR: &[u8] = include_bytes!("fonts/SkyshedSans-Regular.otf");
 static SEMI_BOLD: &[u8] = include_bytes!("fonts/SkyshedSans-SemiBold.otf");
@@ -40,58 +38,79 @@ pub(crate) fn fonts() -> Arc<fontdb::Database> {
     }))
 }
 
-/// Returns the width of `text` \[px\] at the given font size \[px\].
-pub(crate) fn width(text: &str, size: f64, weight: Weight) -> f64 {
-    static ADVANCES: OnceLock<[Advances; 2]> = OnceLock::new();
-    let advances = ADVANCES.get_or_init(|| [Advances::read(REGULAR), Advances::read(SEMI_BOLD)]);
-    let advances = &advances[usize::from(weight == Weight::SemiBold)];
-    text.chars().map(|c| advances.of(c)).sum::<f64>() * size / advances.units_per_em
+/// Where the reference point of a text lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    /// At its left end.
+    Start,
+    /// In its middle.
+    Middle,
+    /// At its right end.
+    End,
 }
 
-/// Breaks `text` into lines no wider than `max_width` \[px\]: at spaces, and inside a word that is itself too wide.
-pub(crate) fn wrap(text: &str, size: f64, weight: Weight, max_width: f64) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut line = String::new();
-    for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let joined = if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
-        if width(&joined, size, weight) <= max_width {
-            line = joined;
-            continue;
-        }
-        if !line.is_empty() {
-            lines.push(std::mem::take(&mut line));
-        }
-        for c in word.chars() {
-            if !line.is_empty()
-                && width(&line, size, weight) + width(c.encode_utf8(&mut [0; 4]), size, weight) > max_width
-            {
+/// How a text is set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Type {
+    /// Font size \[px\].
+    pub(crate) size: f64,
+    /// Weight.
+    pub(crate) weight: Weight,
+    /// SVG color.
+    pub(crate) color: &'static str,
+    /// Reference point.
+    pub(crate) anchor: Anchor,
+}
+
+impl Type {
+    /// Width of a text \[px\].
+    pub(crate) fn width(self, text: &str) -> f64 {
+        static FONTS: OnceLock<[FontRef<'static>; 2]> = OnceLock::new();
+        let fonts = FONTS.get_or_init(|| [REGULAR, SEMI_BOLD].map(|font| FontRef::new(font).expect("it is a font")));
+        let font = &fonts[usize::from(self.weight == Weight::SemiBold)];
+        let (glyphs, metrics) = (font.charmap(), font.glyph_metrics(Size::unscaled(), LocationRef::default()));
+        let advance = |c: char| metrics.advance_width(glyphs.map(c).unwrap_or_default()).unwrap_or_default();
+        let units_per_em = font.metrics(Size::unscaled(), LocationRef::default()).units_per_em;
+        text.chars().map(|c| f64::from(advance(c))).sum::<f64>() * self.size / f64::from(units_per_em)
+    }
+
+    /// Breaks a text into lines no wider than `max_width` \[px\]: at spaces, and inside a word that is itself too wide.
+    pub(crate) fn wrap(self, text: &str, max_width: f64) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut line = String::new();
+        for word in text.split(' ').filter(|word| !word.is_empty()) {
+            let joined = if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
+            if self.width(&joined) <= max_width {
+                line = joined;
+                continue;
+            }
+            if !line.is_empty() {
                 lines.push(std::mem::take(&mut line));
             }
-            line.push(c);
+            for c in word.chars() {
+                if !line.is_empty() && self.width(&line) + self.width(c.encode_utf8(&mut [0; 4])) > max_width {
+                    lines.push(std::mem::take(&mut line));
+                }
+                line.push(c);
+            }
         }
+        lines.extend((!line.is_empty()).then_some(line));
+        lines
     }
-    if !line.is_empty() {
-        lines.push(line);
-    }
-    lines
-}
 
-/// `text` with its end left out where it is wider than `max_width` \[px\]: names may be of any length, pictures are not.
-pub(crate) fn shortened(text: &str, style: Type, max_width: f64) -> String {
-    let width = |text: &str| width(text, style.size, style.weight);
-    if width(text) <= max_width {
-        return text.to_string();
-    }
-    let mut short = String::new();
-    let mut left = max_width - width("…");
-    for c in text.chars() {
-        left -= width(c.encode_utf8(&mut [0; 4]));
-        if left < 0.0 {
-            break;
+    /// A text with its end left out where it is wider than `max_width` \[px\]: names may be of any length, pictures are
+    /// not.
+    pub(crate) fn shortened(self, text: &str, max_width: f64) -> String {
+        if self.width(text) <= max_width {
+            return text.to_string();
         }
-        short.push(c);
+        let mut left = max_width - self.width("…");
+        let fits = |c: &char| {
+            left -= self.width(c.encode_utf8(&mut [0; 4]));
+            left >= 0.0
+        };
+        text.chars().take_while(fits).chain(['…']).collect()
     }
-    short + "…"
 }
 
 /// Escapes text for SVG; characters that XML forbids become spaces.
@@ -112,13 +131,9 @@ pub(crate) fn escape(text: &str) -> String {
 
 /// Writes a count with narrow spaces between groups of three digits, as legends do; for use in captions.
 pub fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, c) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
-            out.push('\u{202F}');
-        }
-        out.push(c);
+    let mut out = n.to_string();
+    if out.len() > 4 {
+        (1..out.len()).rev().skip(2).step_by(3).for_each(|at| out.insert(at, '\u{202F}'));
     }
     out
 }
@@ -141,8 +156,7 @@ pub fn percent(part: u64, whole: u64) -> String {
 
 /// Writes a number with at most `decimals` decimals, without trailing zeros, and with a true minus sign.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
-    let mut out = String::new();
-    let _ = write!(out, "{value:.decimals$}");
+    let mut out = format!("{value:.decimals$}");
     if out.contains('.') {
         out.truncate(out.trim_end_matches('0').trim_end_matches('.').len());
     }
@@ -158,61 +172,14 @@ pub(crate) fn length(meters: f64) -> String {
     }
 }
 
-/// Advance widths by character, read from a font's `cmap` (format 4) and `hmtx` tables.
-#[derive(Debug)]
-struct Advances {
-    units_per_em: f64,
-    missing: u16,
-    by_char: BTreeMap<u16, u16>,
-}
-
-impl Advances {
-    fn read(font: &[u8]) -> Self {
-        let u16_at = |at: usize| u16::from_be_bytes([font[at], font[at + 1]]);
-        let u32_at = |at: usize| u32::from_be_bytes([font[at], font[at + 1], font[at + 2], font[at + 3]]) as usize;
-        let table = |tag: &[u8; 4]| {
-            let record = (0..usize::from(u16_at(4))).map(|i| 12 + 16 * i).find(|&at| &font[at..at + 4] == tag);
-            u32_at(record.expect("the embedded font has this table") + 8)
-        };
-        let (cmap, hhea, hmtx) = (table(b"cmap"), table(b"hhea"), table(b"hmtx"));
-        let n_long = usize::from(u16_at(hhea + 34));
-        let advance = |glyph: u16| u16_at(hmtx + 4 * usize::from(glyph).min(n_long - 1));
-        let format_4 = (0..usize::from(u16_at(cmap + 2)))
-            .map(|i| cmap + u32_at(cmap + 8 + 8 * i))
-            .find(|&at| u16_at(at) == 4)
-            .expect("the embedded font maps the basic plane");
-        let segments = usize::from(u16_at(format_4 + 6)) / 2;
-        let mut by_char = BTreeMap::new();
-        for s in 0..segments {
-            let end = u16_at(format_4 + 14 + 2 * s);
-            let start = u16_at(format_4 + 16 + 2 * (segments + s));
-            let delta = u16_at(format_4 + 16 + 2 * (2 * segments + s));
-            let offset_at = format_4 + 16 + 2 * (3 * segments + s);
-            let offset = usize::from(u16_at(offset_at));
-            for c in start..=end.min(0xFFFE) {
-                let glyph = match offset {
-                    0 => c.wrapping_add(delta),
-                    _ => match u16_at(offset_at + offset + 2 * usize::from(c - start)) {
-                        0 => 0,
-                        glyph => glyph.wrapping_add(delta),
-                    },
-                };
-                by_char.insert(c, advance(glyph));
-            }
-        }
-        Self { units_per_em: f64::from(u16_at(table(b"head") + 18)), missing: advance(0), by_char }
-    }
-
-    fn of(&self, c: char) -> f64 {
-        let advance = u16::try_from(u32::from(c)).ok().and_then(|c| self.by_char.get(&c));
-        f64::from(*advance.unwrap_or(&self.missing))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use resvg::usvg;
+
+    const fn style(size: f64, weight: Weight) -> Type {
+        Type { size, weight, color: "#000000", anchor: Anchor::Start }
+    }
 
     #[test]
     fn widths_agree_with_the_rasterizer() {
@@ -225,50 +192,36 @@ mod tests {
             let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
             let tree = usvg::Tree::from_str(&svg, &options).expect("the test text is valid SVG");
             let drawn = f64::from(tree.root().abs_bounding_box().width());
-            let measured = width(text, 40.0, weight);
+            let measured = style(40.0, weight).width(text);
             assert!(drawn > 300.0 && (measured - drawn).abs() < 0.02 * drawn, "{weight:?}: {measured} and {drawn}");
-        }
-    }
-
-    #[test]
-    fn both_weights_are_found_by_name_and_number() {
-        let fonts = fonts();
-        for weight in [400, 600] {
-            let query = fontdb::Query {
-                families: &[fontdb::Family::Name("Skyshed Sans")],
-                weight: fontdb::Weight(weight),
-                ..fontdb::Query::default()
-            };
-            let face = fonts.query(&query).and_then(|id| fonts.face(id)).expect("the font is embedded");
-            assert_eq!(face.weight.0, weight);
         }
     }
 
     #[test]
     fn wrapped_lines_fit_and_keep_every_word() {
         let text = "A caption that is long enough to need several lines, with Donaudampfschifffahrtsgesellschaft.";
-        let lines = wrap(text, 22.0, Weight::Regular, 180.0);
-        assert!(lines.len() > 3);
-        assert!(lines.iter().all(|line| width(line, 22.0, Weight::Regular) <= 180.0));
+        let style = style(22.0, Weight::Regular);
+        let lines = style.wrap(text, 180.0);
+        assert!(lines.len() > 3 && lines.iter().all(|line| style.width(line) <= 180.0));
         assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
-        assert!(wrap("", 22.0, Weight::Regular, 180.0).is_empty());
+        assert!(style.wrap("", 180.0).is_empty());
     }
 
     #[test]
-    fn numbers_are_written_for_people() {
-        assert_eq!(grouped(1_181_203), "1\u{202F}181\u{202F}203");
-        assert_eq!((grouped(9_999).as_str(), grouped(0).as_str()), ("9999", "0"));
-        assert_eq!((number(-2.50, 2).as_str(), number(-0.001, 1).as_str()), ("−2.5", "0"));
-        assert_eq!(
-            (length(0.5).as_str(), length(340.4).as_str(), length(1234.0).as_str()),
-            ("0.5 m", "340 m", "1.2 km")
-        );
-        assert_eq!(percent(1, 100_000), "<\u{202F}0.1\u{202F}%");
-        assert_eq!(percent(0, 0), "–");
-    }
-
-    #[test]
-    fn markup_in_titles_is_text() {
-        assert_eq!(escape("a<b & \"c\"\u{7}"), "a&lt;b &amp; &quot;c&quot; ");
+    fn numbers_are_written_for_people_and_markup_is_text() {
+        for (text, expected) in [
+            (grouped(1_181_203), "1\u{202F}181\u{202F}203"),
+            (grouped(9_999), "9999"),
+            (number(-2.50, 2), "−2.5"),
+            (number(-0.001, 1), "0"),
+            (length(0.5), "0.5 m"),
+            (length(340.4), "340 m"),
+            (length(1234.0), "1.2 km"),
+            (percent(1, 100_000), "<\u{202F}0.1\u{202F}%"),
+            (percent(0, 0), "–"),
+            (escape("a<b & \"c\"\u{7}"), "a&lt;b &amp; &quot;c&quot; "),
+        ] {
+            assert_eq!(text, expected);
+        }
     }
 }

@@ -16,12 +16,11 @@
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
 //!
-//! Each is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
+//! A drawn [`Sheet`] is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
 //!
 //! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
 
-use skyshed_core::{coverage, error};
-
+mod check;
 mod city_light;
 mod city_picture;
 mod city_solids;
@@ -41,11 +40,13 @@ mod lettering;
 mod line_look;
 mod link_profile;
 mod map_layers;
+mod map_legend;
 mod map_panels;
 mod map_picture;
 mod marks;
 mod overlay_legend;
 mod paint;
+mod page;
 mod panel_grid;
 mod pdf;
 mod picture_form;
@@ -61,42 +62,30 @@ mod small_maps;
 mod track_profile;
 mod tradeoff;
 mod tradeoff_rows;
+mod value_range;
 mod z_buffer;
 
-pub use city_picture::{CityHeights, CityModel, CityPicture, CityPrism, CityUav, draw_city};
+pub use city_picture::{CityPicture, draw_city};
+pub use city_solids::{CityHeights, CityModel, CityPrism};
 pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
 pub use compare_page::{ComparePage, PagePlacement, PageTable, compare_page};
 pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
-pub use curve_sheet::{CurveAxis, CurveLine, CurvePanel, CurvePoint, CurveSheet, draw_curve_sheet};
+pub use curve_lines::{CurveLine, CurvePoint};
+pub use curve_sheet::{CurvePanel, CurveSheet, draw_curve_sheet};
 pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
-pub use lettering::grouped;
-pub use lettering::percent;
+pub use lettering::{grouped, percent};
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile};
+pub use map_layers::{Layer, MapClass};
 pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
-pub use map_picture::{Layer, MapClass, MapPicture, draw_map};
+pub use map_picture::{MapPicture, draw_map};
 pub use marks::Mark;
 pub use overlay_legend::draw_overlay_legend;
 pub use picture_form::{PictureForm, PictureFormat};
 pub use png::{draw_bare, draw_bare_count};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
+pub use sheet::Sheet;
 pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile};
-pub use tradeoff::{Tradeoff, TradeoffPoint, draw_tradeoff};
-
-/// Refuses an empty raster and an array that does not fit it.
-fn check_shape(name: &str, length: usize, n_cols: usize, n_rows: usize) -> Result<(), String> {
-    if n_cols == 0 || n_rows == 0 {
-        return Err(format!("cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"));
-    }
-    if n_cols.checked_mul(n_rows) != Some(length) {
-        return Err(format!("cannot draw: {name} has {length} values, the raster has {n_cols} × {n_rows} cells"));
-    }
-    Ok(())
-}
-
-/// The text of an SVG document that was drawn.
-#[cfg(test)]
-pub(crate) fn text(drawn: Result<Vec<u8>, String>) -> Result<String, String> {
-    drawn.map(|bytes| String::from_utf8(bytes).expect("SVG is text"))
-}
+pub use tradeoff::{Tradeoff, draw_tradeoff};
+pub use tradeoff_rows::TradeoffPoint;

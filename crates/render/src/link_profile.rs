@@ -2,12 +2,12 @@
 
 use super::colors::{self, INK};
 use super::furniture::{self, Block, DETAIL};
-use super::lettering::{self, Weight, length, number};
+use super::lettering::{Anchor, Type, length, number};
 use super::marks::Label;
-use super::picture_form::PictureForm;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 620.0;
@@ -20,14 +20,12 @@ pub struct LinkProfile<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// What heights are measured from, such as `Height above sea level`.
-    pub height_name: &'a str,
     /// Horizontal length of the link \[m\].
     pub distance_m: f64,
-    /// The UAV's label and height \[m\].
-    pub uav: (&'a str, f64),
-    /// The receiver's label and height \[m\].
-    pub receiver: (&'a str, f64),
+    /// Height of the UAV \[m\].
+    pub uav_m: f64,
+    /// Height of the receiver \[m\].
+    pub receiver_m: f64,
     /// Ground and roofs below the link.
     pub steps: &'a [ProfileStep],
     /// What blocks the link; nothing if it is line of sight.
@@ -67,19 +65,6 @@ pub struct Obstruction {
     pub roof_height_m: f64,
 }
 
-/// Draws a link from the side.
-///
-/// # Errors
-/// A length that is not above 0 m, a height that is not finite, a step that ends before it starts, or a keyword of
-/// `provenance` that PNG does not allow.
-pub fn draw_link_profile(
-    profile: &LinkProfile<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(profile)?.write(form, provenance)
-}
-
 /// The window of the drawing and how meters map to it.
 #[derive(Clone, Copy, Debug)]
 struct Window {
@@ -91,7 +76,7 @@ impl Window {
     fn new(profile: &LinkProfile<'_>) -> Self {
         let heights = || {
             let steps = profile.steps.iter().map(|step| step.height_m);
-            steps.chain([profile.uav.1, profile.receiver.1])
+            steps.chain([profile.uav_m, profile.receiver_m])
         };
         let low = heights().fold(f64::INFINITY, f64::min);
         let high = heights().fold(f64::NEG_INFINITY, f64::max);
@@ -113,7 +98,11 @@ impl Window {
     }
 }
 
-fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
+/// Draws a link from the side.
+///
+/// # Errors
+/// A length that is not above 0 m, a height that is not finite, or a step that ends before it starts.
+pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     check(profile)?;
     let window = Window::new(profile);
     let mut framed = axes(profile, &window);
@@ -127,7 +116,7 @@ fn compose(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     let mut drawing = Drawing::default();
     drawing.place(&framed, AXIS, 0.0);
     let body = Block { width: AXIS + WIDTH, height: below + legend.height + 24.0, drawing };
-    Ok(plot_frame::page(profile.title, 16.0, &body, profile.caption))
+    Ok(page(profile.title, &body, profile.caption, [16.0, 0.0]))
 }
 
 /// Says how the scales of the two axes differ.
@@ -146,7 +135,7 @@ fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
         return Err(format!("cannot draw a link of {} m: it must be above 0 m", profile.distance_m));
     }
     let obstruction = profile.obstruction.map_or([0.0; 3], |o| [o.distance_m, o.ray_height_m, o.roof_height_m]);
-    if ![profile.uav.1, profile.receiver.1].iter().chain(&obstruction).all(|h| h.is_finite()) {
+    if ![profile.uav_m, profile.receiver_m].iter().chain(&obstruction).all(|h| h.is_finite()) {
         return Err("cannot draw a link: a height or distance is not finite".to_string());
     }
     let bad = |s: &ProfileStep| {
@@ -164,8 +153,7 @@ fn axes(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let distances = furniture::ticks(0.0, profile.distance_m, 8.0);
     let x = span(window.distance).axis_at("Distance from the UAV [m]", Direction::Across, WIDTH, distances);
     let heights = furniture::ticks(window.height[0], window.height[1], 6.0);
-    let name = format!("{} [m]", profile.height_name);
-    let y = span(window.height).axis_at(&name, Direction::Up, HEIGHT, heights);
+    let y = span(window.height).axis_at("Height above the datum [m]", Direction::Up, HEIGHT, heights);
     plot_frame::axes([WIDTH, HEIGHT], &Axis { has_grid: false, ..x }, &Axis { name_at: 82.0, ..y })
 }
 
@@ -196,8 +184,8 @@ fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
 
 fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
-    let uav = window.at(0.0, profile.uav.1);
-    let receiver = window.at(profile.distance_m, profile.receiver.1);
+    let uav = window.at(0.0, profile.uav_m);
+    let receiver = window.at(profile.distance_m, profile.receiver_m);
     drawing.line(uav, receiver, "stroke=\"#FFFFFF\" stroke-width=\"9\" stroke-opacity=\"0.9\"");
     let color = colors::hex(if profile.obstruction.is_none() { colors::LOS } else { colors::NLOS });
     drawing.line(uav, receiver, &format!("stroke=\"{color}\" stroke-width=\"4.5\""));
@@ -209,8 +197,8 @@ fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
         vec![[x - 16.0, y - 16.0, x + 16.0, y + 16.0], [uav[0] - 30.0, uav[1] - 30.0, uav[0] + 30.0, uav[1] + 30.0]];
     let meters = |height: f64| format!("{} m", number(height, 1));
     let mut labels = vec![
-        (uav, [profile.uav.0.to_string(), meters(profile.uav.1)]),
-        (receiver, [profile.receiver.0.to_string(), meters(profile.receiver.1)]),
+        (uav, ["UAV".to_string(), meters(profile.uav_m)]),
+        (receiver, ["Receiver".to_string(), meters(profile.receiver_m)]),
     ];
     if let Some(obstruction) = profile.obstruction {
         let on_ray = window.at(obstruction.distance_m, obstruction.ray_height_m);
@@ -293,7 +281,7 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
             let mut drawing = Drawing::default();
             drawing.rect([0.0, 16.0 - thickness / 2.0, 44.0, thickness], &format!("fill=\"{color}\""));
             drawing.text(58.0, 25.0, Type { color: INK, ..DETAIL }, name);
-            Block { width: 58.0 + lettering::width(name, DETAIL.size, Weight::Regular), height: 34.0, drawing }
+            Block { width: 58.0 + DETAIL.width(name), height: 34.0, drawing }
         })
         .collect();
     furniture::beside(&blocks, 44.0)
@@ -302,42 +290,35 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
     const STEPS: [ProfileStep; 2] = [
         ProfileStep { from_m: 0.0, to_m: 200.0, height_m: 0.0, kind: StepKind::Terrain },
         ProfileStep { from_m: 120.0, to_m: 150.0, height_m: 25.0, kind: StepKind::Building },
     ];
+    const CLEAR: LinkProfile<'static> = LinkProfile {
+        title: "One link",
+        caption: &[],
+        distance_m: 200.0,
+        uav_m: 60.0,
+        receiver_m: 1.5,
+        steps: &STEPS,
+        obstruction: None,
+    };
 
-    fn profile(obstruction: Option<Obstruction>) -> LinkProfile<'static> {
-        LinkProfile {
-            title: "One link",
-            caption: &[],
-            height_name: "Height above ground",
-            distance_m: 200.0,
-            uav: ("UAV 1", 60.0),
-            receiver: ("Receiver", 1.5),
-            steps: &STEPS,
-            obstruction,
-        }
+    fn svg(profile: &LinkProfile<'_>) -> Result<String, String> {
+        draw_link_profile(profile).map(|sheet| sheet.furniture.svg)
     }
 
     #[test]
-    fn a_blocked_link_is_orange_and_names_its_obstructing_point() {
-        let obstruction = Obstruction { distance_m: 150.0, ray_height_m: 16.1, roof_height_m: 25.0 };
-        let svg =
-            text(draw_link_profile(&profile(Some(obstruction)), &PictureForm::SVG, &[])).expect("the link is valid");
-        for words in [
-            "#E69F00",
-            "Obstructing point",
-            "roof 25 m, ray 16.1 m",
-            "Distance from the UAV [m]",
-            "Height above ground [m]",
-        ] {
-            assert!(svg.contains(words), "{words}");
+    fn a_clear_link_is_blue_and_a_blocked_one_orange_with_its_obstructing_point() {
+        let clear = svg(&CLEAR).expect("the link is valid");
+        assert!(clear.contains("#0072B2") && !clear.contains("#E69F00") && !clear.contains("Obstructing"));
+        let obstruction = Some(Obstruction { distance_m: 150.0, ray_height_m: 16.1, roof_height_m: 25.0 });
+        let blocked = svg(&LinkProfile { obstruction, ..CLEAR }).expect("the link is valid");
+        for words in ["#E69F00", "Obstructing point", "roof 25 m, ray 16.1 m", ">Receiver<", ">UAV<"] {
+            assert!(blocked.contains(words), "{words}");
         }
-        assert!(!svg.contains("#0072B2"));
-        assert!(svg.contains(">Receiver<") && svg.contains(">UAV 1<"));
+        assert!(!blocked.contains("#0072B2"));
     }
 
     #[test]
@@ -348,19 +329,14 @@ mod tests {
     }
 
     #[test]
-    fn a_clear_link_is_blue() {
-        let svg = text(draw_link_profile(&profile(None), &PictureForm::SVG, &[])).expect("the link is valid");
-        assert!(svg.contains("#0072B2") && !svg.contains("#E69F00") && !svg.contains("Obstructing"));
-        assert!(draw_link_profile(&profile(None), &PictureForm::PNG, &[]).is_ok());
-    }
-
-    #[test]
-    fn impossible_links_are_refused() {
-        assert!(draw_link_profile(&LinkProfile { distance_m: 0.0, ..profile(None) }, &PictureForm::PNG, &[]).is_err());
-        assert!(
-            draw_link_profile(&LinkProfile { uav: ("", f64::NAN), ..profile(None) }, &PictureForm::PNG, &[]).is_err()
-        );
+    fn what_cannot_be_drawn_is_refused() {
         let steps = [ProfileStep { from_m: 5.0, to_m: 4.0, ..STEPS[0] }];
-        assert!(draw_link_profile(&LinkProfile { steps: &steps, ..profile(None) }, &PictureForm::PNG, &[]).is_err());
+        for bad in [
+            LinkProfile { distance_m: 0.0, ..CLEAR },
+            LinkProfile { uav_m: f64::NAN, ..CLEAR },
+            LinkProfile { steps: &steps, ..CLEAR },
+        ] {
+            assert!(svg(&bad).is_err(), "{bad:?}");
+        }
     }
 }

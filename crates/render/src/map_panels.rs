@@ -1,13 +1,11 @@
 //! Maps of several UAVs side by side: one layer of each, with one scale and one legend.
 
 use super::furniture::{self, Swatch};
-use super::map_layers::{self, Backing, LegendWords, Range};
-use super::map_picture::{Layer, check_layer, rings};
+use super::map_layers::{self, Layer};
+use super::map_legend::{self, LegendWords};
 use super::marks::Mark;
-use super::paint;
-use super::picture_form::PictureForm;
 use super::sheet::Sheet;
-use super::small_maps::{Maps, Page};
+use super::small_maps::Maps;
 
 /// Most maps of a sheet.
 pub const MOST_MAP_PANELS: usize = 8;
@@ -46,19 +44,6 @@ pub struct MapPanel<'a> {
     pub mark: Mark<'a>,
 }
 
-/// Draws maps side by side.
-///
-/// # Errors
-/// No map or too many, an empty raster, an array of another length, a cell size that is not positive, or a keyword of
-/// `provenance` that PNG does not allow.
-pub fn draw_map_panels(
-    sheet: &MapPanels<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
-}
-
 /// Maps beside each other, and the length \[px\] that the longer side of a map aims at.
 fn arrangement(n_maps: usize) -> (usize, f64) {
     match n_maps {
@@ -68,85 +53,76 @@ fn arrangement(n_maps: usize) -> (usize, f64) {
     }
 }
 
-fn compose(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
+/// Draws maps side by side.
+///
+/// # Errors
+/// No map or too many, an empty raster, an array of another length, or a cell size that is not positive.
+pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
     let n_maps = sheet.maps.len();
     if !(1..=MOST_MAP_PANELS).contains(&n_maps) {
         return Err(format!("cannot draw {n_maps} maps side by side: there must be 1 to {MOST_MAP_PANELS}"));
     }
     let n_cells = [sheet.n_cols, sheet.n_rows];
-    sheet.maps.iter().try_for_each(|map| check_layer(map.layer, n_cells, sheet.cell_m, sheet.surface_m))?;
-    let (columns, target) = arrangement(n_maps);
-    let axes = paint::scale_to(sheet.n_cols, sheet.n_rows, sheet.cell_m, (target, 1.4 * target));
-    let maps = Maps { size: axes.map(|axis| axis.n_px as f64), n_cells, cell_m: sheet.cell_m, columns };
-    let backing = Backing { axes, cell_m: sheet.cell_m, surface_m: sheet.surface_m };
+    let maps = Maps::new(n_cells, sheet.cell_m, sheet.surface_m, arrangement(n_maps))?;
     let layers: Vec<Layer<'_>> = sheet.maps.iter().map(|map| map.layer).collect();
-    let range = Range::of(&layers);
+    layers.iter().try_for_each(|layer| layer.check(n_cells))?;
+    let range = map_layers::range_of(&layers);
 
     let mut histogram: Vec<u64> = Vec::new();
     let panels = sheet.maps.iter().map(|map| {
-        let painted = map_layers::painted(map.layer, &backing, &range);
+        let painted = map_layers::painted(map.layer, &maps.canvas, range.as_ref());
         histogram.resize(painted.histogram.len(), 0);
         histogram.iter_mut().zip(&painted.histogram).for_each(|(sum, n)| *sum += n);
-        let rings = rings(map.layer, sheet.n_cols, maps.px_per_cell());
-        maps.panel((map.title, map.detail), painted.image, &[map.mark]).with(&rings)
+        let mut panel = maps.panel((map.title, map.detail), painted.image, &[map.mark]);
+        panel.over.place(&map.layer.rings(sheet.n_cols, maps.canvas.px_per_cell()), 0.0, 0.0);
+        panel
     });
     let panels = panels.collect();
-    let has_rings = layers.iter().any(|layer| !map_layers::ringed(*layer).is_empty());
+    let has_rings = layers.iter().any(Layer::has_rings);
     let words = LegendWords { receivers_name: "", others_name: sheet.others_name, has_counts: false, has_rings };
-    let mut legend = map_layers::entries(layers[0], &histogram, (&backing, &range), words);
+    let mut legend = map_legend::entries(layers[0], &histogram, range.as_ref(), sheet.surface_m.is_some(), words);
     legend.push(furniture::legend_entry(Swatch::Uav, "UAV", ""));
 
-    let mut page = Page::new(sheet.title, maps);
-    page.panels(panels);
-    page.legend(|room| furniture::flow(&legend, room, [38.0, 14.0]));
-    Ok(page.finish(sheet.caption))
+    let mut page = maps.page(sheet.title);
+    maps.place(&mut page, panels);
+    Ok(maps.finish(page, |room| furniture::flow(&legend, room, [38.0, 14.0]), sheet.caption))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
-    fn drawn(values: &[[f32; 4]]) -> Result<String, String> {
-        let mask = [1_u8, 1, 1, 2];
-        let titles: Vec<String> = (0..values.len()).map(|k| format!("UAV {}", k + 1)).collect();
-        let maps: Vec<MapPanel<'_>> = values
-            .iter()
-            .zip(&titles)
-            .map(|(values, title)| MapPanel {
-                title,
-                detail: "P_LoS = 0.5",
-                layer: Layer::Field { values, name: "Least receiver height", unit: "m", mask: &mask },
-                mark: Mark { label: title, height: "60 m above ground", col: 1.0, row: 1.0 },
-            })
-            .collect();
-        let sheet = MapPanels {
+    fn drawn(values: &[[f32; 4]]) -> Result<Sheet, String> {
+        let mark = Mark { label: "1", height: "60 m above ground", col: 1.0, row: 1.0 };
+        let mask = [1, 1, 1, 2];
+        let layer = |values| Layer::Field { values, name: "Least receiver height", unit: "m", mask: &mask };
+        let map = |values| MapPanel { title: "UAV 1", detail: "P_LoS = 0.5", layer: layer(values), mark };
+        draw_map_panels(&MapPanels {
             title: "A test",
             caption: &[],
             n_cols: 2,
             n_rows: 2,
             cell_m: (1.0, 1.0),
-            maps: &maps,
+            maps: &values.iter().map(|values| map(values)).collect::<Vec<_>>(),
             surface_m: None,
             others_name: "Buildings",
-        };
-        text(draw_map_panels(&sheet, &PictureForm::SVG, &[]))
+        })
     }
 
     #[test]
     fn maps_share_one_scale_and_one_legend() {
-        let svg = drawn(&[[0.0, 1.0, 2.0, f32::NAN], [90.0, 95.0, 100.0, f32::NAN]]).expect("the maps are valid");
-        assert_eq!(svg.matches(">Least receiver height [m]<").count(), 1, "{svg}");
+        let sheet = drawn(&[[0.0, 1.0, 2.0, f32::NAN], [90.0, 95.0, 100.0, f32::NAN]]).expect("the maps are valid");
         // The scale reaches from the least of the first to the most of the second.
-        for words in [">0<", ">100<", ">UAV 1<", ">UAV 2<", ">Buildings<"] {
-            assert!(svg.contains(words), "{words}: {svg}");
+        for (words, n) in [(">Least receiver height [m]<", 1), (">0<", 1), (">100<", 1), (">Buildings<", 1)] {
+            assert!(sheet.furniture.svg.matches(words).count() >= n, "{words}: {}", sheet.furniture.svg);
         }
-        assert_eq!(svg.matches("<image").count(), 2);
+        assert_eq!(sheet.furniture.svg.matches(">Least receiver height [m]<").count(), 1);
+        assert_eq!(sheet.images.len(), 2);
     }
 
     #[test]
-    fn too_many_maps_and_wrong_shapes_are_refused() {
+    fn too_many_maps_are_refused() {
         assert!(drawn(&[]).is_err() && drawn(&[[0.0; 4]; MOST_MAP_PANELS]).is_ok());
-        assert!(drawn(&[[0.0; 4]; MOST_MAP_PANELS + 1]).expect_err("nine").contains("1 to 8"));
+        assert!(drawn(&[[0.0; 4]; MOST_MAP_PANELS + 1]).is_err_and(|e| e.contains("1 to 8")));
     }
 }

@@ -3,16 +3,18 @@
 //! The legend stands below the map, or beside it where the map is narrow. Lengths are constants in pixels because a
 //! map has about the same size in every picture, however many cells it has.
 
-use super::colors::INK;
-use super::furniture::{self, TITLE};
-use super::map_layers;
-use super::marks::{Mark, draw_marks};
-use super::paint;
-use super::picture_form::PictureForm;
-use super::sheet::{Drawing, Sheet};
-use crate::coverage::Tally;
+use skyshed_core::coverage::Tally;
 
-const MARGIN: f64 = 40.0;
+use super::furniture::{self, Block, Swatch};
+use super::map_layers::{self, Layer};
+use super::map_legend::{self, LegendWords};
+use super::marks::{self, Mark, draw_marks};
+use super::page::{MARGIN, Page};
+use super::paint::{Canvas, LARGE};
+use super::sheet::{Drawing, Sheet};
+use super::value_range::ValueRange;
+
+/// No picture is narrower between its margins, so that titles and captions have room \[px\].
 const SMALLEST_BODY: f64 = 900.0;
 
 /// A map to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
@@ -45,190 +47,74 @@ pub struct MapPicture<'a> {
     pub counts: Option<Tally>,
 }
 
-/// What a map shows.
-#[derive(Clone, Copy, Debug)]
-pub enum Layer<'a> {
-    /// Line of sight of one UAV: the mask.
-    Los(&'a [u8]),
-    /// Number of UAVs that see a cell.
-    Count {
-        /// The number, where the mask is 0 or 1.
-        count: &'a [u32],
-        /// Classes 2, 3 and 255 apply.
-        mask: &'a [u8],
-        /// Number of UAVs.
-        n_sites: u32,
-    },
-    /// What each cell is: a palette of classes with their names, and for each cell its place in the palette.
-    Classes {
-        /// Index into `palette`, where the mask is 0 or 1.
-        index: &'a [u8],
-        /// Colors, names and the unit of their counts, such as `cells`.
-        palette: &'a [MapClass<'a>],
-        /// Classes 2, 3 and 255 apply.
-        mask: &'a [u8],
-    },
-    /// How many of eight moves by one lattice step turn the answer.
-    Stability {
-        /// The number, 0 to 8, where the mask is 0 or 1.
-        turns: &'a [f32],
-        /// Classes 2, 3 and 255 apply.
-        mask: &'a [u8],
-    },
-    /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
-    Field {
-        /// The values, where the mask is 0 or 1; NaN is drawn as nodata.
-        values: &'a [f32],
-        /// Its name, such as `Clearance margin`.
-        name: &'a str,
-        /// Its unit, such as `m`; may be empty.
-        unit: &'a str,
-        /// Classes 2, 3 and 255 apply.
-        mask: &'a [u8],
-    },
-    /// A quantity of places in the air, over the outlines of the city below.
-    Heat {
-        /// The values, of any sign; NaN where there is none.
-        values: &'a [f32],
-        /// Which cells are outlines of buildings, drawn paler.
-        outlines: &'a [bool],
-        /// Its name, such as `P_LoS`.
-        name: &'a str,
-        /// Its unit, such as `m`; may be empty.
-        unit: &'a str,
-        /// What cells without a value are, capitalized.
-        none: &'a str,
-    },
-}
-
-/// A class of a map.
-#[derive(Clone, Copy, Debug)]
-pub struct MapClass<'a> {
-    /// Its name in the legend.
-    pub name: &'a str,
-    /// More about it; the number of its cells without.
-    pub detail: &'a str,
-    /// Red, green, blue.
-    pub color: [u8; 3],
-}
-
 /// Draws a map.
 ///
 /// Cost: one pass over the cells, in parallel. Memory beyond the input is that of the picture.
 ///
 /// # Errors
-/// An empty raster, an array of another length, a cell size that is not positive, or a keyword of `provenance` that
-/// PNG does not allow.
-pub fn draw_map(
-    picture: &MapPicture<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(picture)?.write(form, provenance)
-}
-
-fn compose(picture: &MapPicture<'_>) -> Result<Sheet, String> {
-    check_layer(picture.layer, [picture.n_cols, picture.n_rows], picture.cell_m, picture.surface_m)?;
-    let axes = paint::scale(picture.n_cols, picture.n_rows, picture.cell_m);
-    let (painted, legend) = map_layers::paint_layer(picture, axes);
-    let size = axes.map(|axis| axis.n_px as f64);
-    let [map_w, map_h] = size;
-    let px_per_cell = [map_w / picture.n_cols as f64, map_h / picture.n_rows as f64];
-    let px_per_m = px_per_cell[0] / picture.cell_m.0;
-    let scale_bar = furniture::scale_bar(px_per_m, (0.2 * map_w).clamp(160.0, 320.0));
-    let orientation = furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0);
+/// An empty raster, an array of another length, or a cell size that is not positive.
+pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
+    let MapPicture { layer, n_cols, n_rows, cell_m, surface_m, .. } = *picture;
+    let canvas = Canvas::new([n_cols, n_rows], cell_m, surface_m, LARGE)?;
+    layer.check([n_cols, n_rows])?;
+    let range = map_layers::range_of(&[layer]);
+    let painted = map_layers::painted(layer, &canvas, range.as_ref());
+    let legend = legend(picture, painted.histogram, range.as_ref());
+    let size = canvas.size();
+    let ([map_w, map_h], px_per_cell) = (size, canvas.px_per_cell());
+    let orientation = furniture::orientation(px_per_cell[0] / cell_m.0, (0.2 * map_w).clamp(160.0, 320.0));
 
     let narrow = map_w < 620.0 || map_w < 0.55 * map_h;
     let column = furniture::stack(&[furniture::stack(&legend, 16.0), orientation.clone()], 34.0);
     let body_w = if narrow { map_w + 40.0 + column.width } else { map_w }.max(SMALLEST_BODY).round();
-    let title = furniture::paragraph(picture.title, TITLE, body_w);
-    let title_h = if title.height > 0.0 { title.height + 16.0 } else { 0.0 };
-    let caption = furniture::caption(picture.caption, body_w);
-    let [left, top] = [MARGIN, (MARGIN + title_h - 6.0).round()];
+    let mut page = Page::new(picture.title, body_w, 16.0);
+    let [left, top] = [MARGIN, (page.bottom - 6.0).round()];
 
-    let mut furniture = Drawing::default();
-    furniture.place(&title.drawing, left, MARGIN - 6.0);
+    let furniture = &mut page.furniture;
     furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
-    furniture.place(&cell_borders(picture, size), left, top);
-    furniture.place(&rings(picture.layer, picture.n_cols, px_per_cell), left, top);
-    furniture.place(&draw_marks(picture.uavs, size, px_per_cell, picture.cell_m), left, top);
-    let mut bottom = top + map_h;
-    if narrow {
+    furniture.place(&cell_borders([n_cols, n_rows], size), left, top);
+    furniture.place(&layer.rings(n_cols, px_per_cell), left, top);
+    furniture.place(&draw_marks(picture.uavs, size, px_per_cell, cell_m), left, top);
+    let bottom = top + map_h;
+    page.bottom = if narrow {
         furniture.place(&column.drawing, left + map_w + 40.0, top);
-        bottom = bottom.max(top + column.height) + 26.0;
+        bottom.max(top + column.height) + 26.0
     } else {
         let legend = furniture::flow(&legend, body_w - orientation.width - 44.0, [38.0, 14.0]);
         furniture.place(&legend.drawing, left, bottom + 24.0);
         furniture.place(&orientation.drawing, left + body_w - orientation.width, bottom + 16.0);
-        bottom += 24.0 + legend.height.max(orientation.height) + 24.0;
-    }
-    if caption.height > 0.0 {
-        furniture.line([left, bottom], [left + body_w, bottom], &furniture::hairline());
-        furniture.place(&caption.drawing, left, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let place = |length: f64| super::sheet::pixels(length);
-    Ok(Sheet {
-        width: body_w + 2.0 * MARGIN,
-        height: bottom + MARGIN - 8.0,
-        images: vec![(place(left), place(top), painted.image)],
-        furniture,
-    })
+        bottom + (24.0 + legend.height.max(orientation.height) + 24.0)
+    };
+    page.image([left, top], painted.image);
+    Ok(page.finish(0.0, picture.caption))
 }
 
-/// Refuses a layer, cell sizes or a surface that cannot be drawn.
-pub(crate) fn check_layer(
-    layer: Layer<'_>,
-    [n_cols, n_rows]: [usize; 2],
-    (cell_x, cell_y): (f64, f64),
-    surface_m: Option<&[f32]>,
-) -> Result<(), String> {
-    let shape = |name: &str, length: usize| super::check_shape(name, length, n_cols, n_rows);
-    if ![cell_x, cell_y].iter().all(|c| c.is_finite() && *c > 0.0) {
-        return Err(format!("cannot draw a map of cells of {cell_x} × {cell_y} m: both must be above 0 m"));
+/// The entries of the layer, and one for the UAVs.
+fn legend(picture: &MapPicture<'_>, mut histogram: Vec<u64>, range: Option<&ValueRange>) -> Vec<Block> {
+    let MapPicture { layer, n_cols, n_rows, receivers_name, others_name, .. } = *picture;
+    if let (Layer::Los(_), Some(tally)) = (layer, picture.counts) {
+        let nlos = tally.receivers - tally.los;
+        histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata];
     }
-    match layer {
-        Layer::Los(mask) => shape("mask", mask.len())?,
-        Layer::Count { count, mask, .. } => {
-            shape("count", count.len())?;
-            shape("mask", mask.len())?;
+    let words = LegendWords { receivers_name, others_name, has_counts: true, has_rings: layer.has_rings() };
+    let mut legend = map_legend::entries(layer, &histogram, range, picture.surface_m.is_some(), words);
+    let uavs = match picture.uavs {
+        [] => None,
+        [uav] => {
+            let is_named = uav.label.to_lowercase().contains("uav");
+            let name =
+                if is_named { uav.label.to_string() } else { format!("UAV {}", uav.label).trim_end().to_string() };
+            Some((name, marks::detail(uav, [n_cols, n_rows].map(|n| n as f64), picture.cell_m)))
         }
-        Layer::Classes { index, palette, mask } => {
-            shape("index", index.len())?;
-            shape("mask", mask.len())?;
-            let is_receiver = |class: u8| matches!(class, 0 | 1);
-            if index.iter().zip(mask).any(|(k, class)| is_receiver(*class) && usize::from(*k) >= palette.len()) {
-                return Err("cannot draw a map of classes: an index is beyond the palette".into());
-            }
-        }
-        Layer::Field { values, mask, .. } | Layer::Stability { turns: values, mask } => {
-            shape("values", values.len())?;
-            shape("mask", mask.len())?;
-        }
-        Layer::Heat { values, outlines, .. } => {
-            shape("values", values.len())?;
-            shape("outlines", outlines.len())?;
-        }
-    }
-    surface_m.map_or(Ok(()), |surface| shape("surface", surface.len()))
-}
-
-/// Rings around the few receivers that a move turns.
-pub(crate) fn rings(layer: Layer<'_>, n_cols: usize, px_per_cell: [f64; 2]) -> Drawing {
-    let mut drawing = Drawing::default();
-    let radius = 0.71 * px_per_cell[0].max(px_per_cell[1]) + 8.0;
-    for cell in map_layers::ringed(layer) {
-        let place = [cell % n_cols, cell / n_cols];
-        let [x, y] = [0, 1].map(|k| (place[k] as f64 + 0.5) * px_per_cell[k]);
-        drawing.circle([x, y], radius, &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"2\""));
-    }
-    drawing
+        uavs => Some((format!("{} UAVs", uavs.len()), "id and height".to_string())),
+    };
+    legend.extend(uavs.map(|(name, detail)| furniture::legend_entry(Swatch::Uav, &name, &detail)));
+    legend
 }
 
 /// Thin lines between cells where these are large enough to be counted.
-fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
+fn cell_borders([n_cols, n_rows]: [usize; 2], [w, h]: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
-    let (n_cols, n_rows) = (picture.n_cols, picture.n_rows);
     let cell = (w / n_cols as f64).min(h / n_rows as f64);
     if cell >= 12.0 {
         let width = if cell >= 40.0 { 2.0 } else { 1.0 };
@@ -249,7 +135,6 @@ fn cell_borders(picture: &MapPicture<'_>, [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::colors;
-    use crate::text;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -267,64 +152,31 @@ mod tests {
         }
     }
 
-    fn words(picture: &MapPicture<'_>) -> String {
-        compose(picture).expect("the picture is valid").furniture.svg
-    }
-
     #[test]
     fn the_pixel_of_a_cell_has_its_class_color() {
-        let mask = [0, 1, 2, 3, 255, 1];
-        let picture = picture(Layer::Los(&mask), 3, 2);
-        let sheet = compose(&picture).expect("the picture is valid");
-        let (left, top, map) = &sheet.images[0];
+        let sheet = draw_map(&picture(Layer::Los(&[0, 1, 2, 3, 255, 1]), 3, 2)).expect("the picture is valid");
+        let map = &sheet.images[0].2;
         assert_eq!(map.dimensions(), (960, 640));
-        let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
-        let image = crate::png::read_png(&file).to_rgb8();
-        assert_eq!(image.width(), crate::sheet::pixels(sheet.width));
-        assert_eq!(image.get_pixel(left + 100, top + 100).0, colors::NLOS);
-        assert_eq!(image.get_pixel(left + 480, top + 100).0, colors::LOS);
-        assert_eq!(image.get_pixel(left + 800, top + 500).0, colors::LOS);
-        assert_eq!(image.get_pixel(0, 0).0, [255; 3]);
-    }
-
-    #[test]
-    fn the_legend_names_classes_that_occur_and_no_others() {
-        let svg = words(&picture(Layer::Los(&[0, 1, 1, 1, 2, 2]), 3, 2));
-        for text in ["Line of sight", "75.0\u{202F}% · 3 street cells", "No line of sight", "Buildings", "2 cells"] {
-            assert!(svg.contains(text), "{text} in {svg}");
+        for (x, y, color) in [(100, 100, colors::NLOS), (480, 100, colors::LOS), (800, 500, colors::LOS)] {
+            assert_eq!(map.get_pixel(x, y).0[..3], color);
         }
-        assert!(!svg.contains("Out of range") && !svg.contains("No data"));
-        let svg = words(&picture(Layer::Los(&[3, 255]), 2, 1));
-        assert!(svg.contains("Out of range") && svg.contains("No data") && !svg.contains("ine of sight"));
     }
 
     #[test]
-    fn counts_list_each_number_or_become_a_bar() {
+    fn legends_name_what_occurs_and_nothing_else() {
         let mask = [0, 1, 1, 1];
-        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 3], mask: &mask, n_sites: 3 }, 4, 1));
-        for text in ["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"] {
-            assert!(svg.contains(text), "{text}");
+        let count = |count, n_sites| Layer::Count { count, mask: &mask, n_sites };
+        let values = [1.0, 2.0, 3.0, f32::INFINITY];
+        for (layer, wanted, unwanted) in [
+            (Layer::Los(&[0, 1, 1, 2]), &["66.7\u{202F}% · 2 street cells", "No line", "1 cell<"][..], "Out of range"),
+            (Layer::Los(&[3, 255, 3, 3]), &["Out of range", "No data"], "ine of sight"),
+            (count(&[0, 1, 2, 3], 3), &["Seen by none", "By 1 UAV", "By 2 UAVs", "By all 3 UAVs"], "No data"),
+            (count(&[0, 1, 2, 30], 30), &["UAVs that see a cell (of 30)", "Seen by none"], "By 1 UAV"),
+            (Layer::Field { values: &values, name: "Ceiling", unit: "m", mask: &mask }, &["Ceiling [m]"], "No data"),
+        ] {
+            let svg = draw_map(&picture(layer, 4, 1)).expect("the picture is valid").furniture.svg;
+            assert!(wanted.iter().all(|text| svg.contains(text)) && !svg.contains(unwanted), "{wanted:?}: {svg}");
         }
-        let svg = words(&picture(Layer::Count { count: &[0, 1, 2, 30], mask: &mask, n_sites: 30 }, 4, 1));
-        assert!(svg.contains("UAVs that see a cell (of 30)"));
-    }
-
-    #[test]
-    fn a_field_has_a_bar_with_its_name_and_unit() {
-        let mask = [1_u8; 4];
-        let svg = words(&picture(
-            Layer::Field { values: &[1.0, 2.0, 3.0, f32::INFINITY], name: "Ceiling", unit: "m", mask: &mask },
-            4,
-            1,
-        ));
-        assert!(svg.contains("Ceiling [m]"));
-    }
-
-    #[test]
-    fn equal_input_gives_equal_bytes() {
-        let mask: Vec<u8> = (0..5000_u16).map(|k| u8::try_from(k * 7 % 11 % 3).expect("below 3")).collect();
-        let picture = picture(Layer::Los(&mask), 100, 50);
-        assert_eq!(draw_map(&picture, &PictureForm::PNG, &[]), draw_map(&picture, &PictureForm::PNG, &[]));
     }
 
     #[test]
@@ -334,26 +186,22 @@ mod tests {
         for (n_cols, n_rows) in [(1, 1), (1, 500), (500, 1), (7, 3000)] {
             let mask = vec![1; n_cols * n_rows];
             let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
-            let file = draw_map(&picture, &PictureForm::PNG, &[]).expect("the picture is valid");
-            let image = crate::png::read_png(&file);
-            assert!(image.width() >= 980 && image.width() < 2200 && image.height() < 3600);
+            let sheet = draw_map(&picture).expect("the picture is valid");
+            assert!(sheet.width >= 980.0 && sheet.width < 2200.0 && sheet.height < 3600.0);
         }
     }
 
     #[test]
-    fn input_of_the_wrong_shape_is_refused() {
-        assert!(draw_map(&picture(Layer::Los(&[0; 5]), 3, 2), &PictureForm::PNG, &[]).is_err());
-        assert!(draw_map(&picture(Layer::Los(&[]), 0, 2), &PictureForm::PNG, &[]).is_err());
-        let flat = MapPicture { cell_m: (1.0, 0.0), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&flat, &PictureForm::PNG, &[]).is_err());
-        let surface = MapPicture { surface_m: Some(&[1.0; 3]), ..picture(Layer::Los(&[0]), 1, 1) };
-        assert!(draw_map(&surface, &PictureForm::PNG, &[]).is_err());
-    }
-
-    #[test]
-    fn vector_output_holds_the_same_words() {
-        let svg =
-            text(draw_map(&picture(Layer::Los(&[0, 1]), 2, 1), &PictureForm::SVG, &[])).expect("the picture is valid");
-        assert!(svg.starts_with("<svg") && svg.contains("No line of sight") && svg.contains("<image"));
+    fn what_cannot_be_drawn_is_refused() {
+        let good = picture(Layer::Los(&[0]), 1, 1);
+        for (bad, words) in [
+            (picture(Layer::Los(&[0; 5]), 3, 2), "mask has 5"),
+            (picture(Layer::Los(&[]), 0, 2), "it is empty"),
+            (picture(Layer::Classes { index: &[0], palette: &[], mask: &[1] }, 1, 1), "beyond the palette"),
+            (MapPicture { cell_m: (1.0, 0.0), ..good }, "above 0 m"),
+            (MapPicture { surface_m: Some(&[1.0; 3]), ..good }, "surface has 3"),
+        ] {
+            assert!(draw_map(&bad).is_err_and(|e| e.contains(words)), "{words}");
+        }
     }
 }

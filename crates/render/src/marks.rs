@@ -1,8 +1,8 @@
 //! UAV marks on a map, and labels that keep out of each other's way.
 
 use super::furniture::{self, NAME};
-use super::lettering::{self, Weight};
-use super::sheet::{Anchor, Drawing, Type};
+use super::lettering::{self, Anchor, Type, Weight};
+use super::sheet::Drawing;
 
 /// A UAV on a map.
 #[derive(Clone, Copy, Debug)]
@@ -198,9 +198,9 @@ impl Label {
     /// Measures a label of a name and a detail, either of which may be empty.
     pub(crate) fn new(words: &[String; 2], size: f64) -> Self {
         let styles = [NAME, Type { weight: Weight::Regular, ..NAME }].map(|style| Type { size, ..style });
-        let words = &[0, 1].map(|k| lettering::shortened(&words[k], styles[k], WIDEST * size));
-        let name_width = lettering::width(&words[0], size, Weight::SemiBold);
-        let detail_width = lettering::width(&words[1], size, Weight::Regular);
+        let words = &[0, 1].map(|k| styles[k].shortened(&words[k], WIDEST * size));
+        let name_width = styles[0].width(&words[0]);
+        let detail_width = styles[1].width(&words[1]);
         let gap = if words.iter().any(String::is_empty) { 0.0 } else { 0.36 * size };
         let name_width = name_width + gap;
         Self {

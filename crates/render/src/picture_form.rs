@@ -29,10 +29,6 @@ const MM_PER_INCH: f64 = 25.4;
 impl PictureForm {
     /// PNG as wide as it is laid out.
     pub const PNG: PictureForm = PictureForm { format: PictureFormat::Png, width_px: None, dpi: None };
-    /// SVG as wide as it is laid out.
-    pub const SVG: PictureForm = PictureForm { format: PictureFormat::Svg, ..PictureForm::PNG };
-    /// PDF as wide as it is laid out.
-    pub const PDF: PictureForm = PictureForm { format: PictureFormat::Pdf, ..PictureForm::PNG };
 
     /// Factor from a picture laid out `width` \[px\] wide to the width that is wanted.
     pub(crate) fn scale(&self, width: u32) -> f64 {
@@ -56,21 +52,5 @@ impl PictureForm {
             true => format!("{:.3}mm", MM_PER_INCH * self.inches(width, length)),
             false => length.to_string(),
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_size_on_paper_follows_from_width_and_dpi() {
-        let form = PictureForm { width_px: Some(600), dpi: Some(300), ..PictureForm::SVG };
-        // 600 px at 300 dpi are two inches, and a layout twice as high is four inches high.
-        assert_eq!(form.svg_size(1200, 2400), ["50.800mm", "101.600mm"]);
-        assert!((form.scale(1200) - 0.5).abs() < 1e-12);
-        assert_eq!(PictureForm::SVG.svg_size(1200, 2400), ["1200", "2400"]);
-        let printed = PictureForm { dpi: Some(100), ..PictureForm::PDF };
-        assert!((printed.inches(1200, 1200) - 12.0).abs() < 1e-12);
     }
 }

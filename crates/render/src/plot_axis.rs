@@ -1,7 +1,7 @@
 //! The axes of plots: how values map to pixels, and which of them have a tick.
 
 use super::furniture::{self, DETAIL};
-use super::lettering::{self, number};
+use super::lettering::number;
 
 /// Between the texts of neighboring ticks \[px\].
 const TEXT_GAP: f64 = 22.0;
@@ -24,12 +24,12 @@ pub(crate) struct Axis {
 impl Axis {
     /// Width of the widest text at a tick \[px\].
     pub(crate) fn widest_text(&self) -> f64 {
-        self.ticks.iter().map(|(_, text)| text_width(text)).fold(0.0, f64::max)
+        self.ticks.iter().map(|(_, text)| DETAIL.width(text)).fold(0.0, f64::max)
     }
 
     /// How far texts reach beyond the right end of an axis of this length \[px\].
     pub(crate) fn text_beyond(&self, length: f64) -> f64 {
-        self.ticks.iter().map(|(at, text)| at + text_width(text) / 2.0 - length).fold(0.0, f64::max).ceil()
+        self.ticks.iter().map(|(at, text)| at + DETAIL.width(text) / 2.0 - length).fold(0.0, f64::max).ceil()
     }
 }
 
@@ -45,12 +45,8 @@ pub(crate) enum Direction {
 impl Direction {
     /// Length that the text of a tick takes along the axis \[px\].
     fn room(self, text: &str) -> f64 {
-        if self == Self::Across { text_width(text) } else { DETAIL.size }
+        if self == Self::Across { DETAIL.width(text) } else { DETAIL.size }
     }
-}
-
-fn text_width(text: &str) -> f64 {
-    lettering::width(text, DETAIL.size, DETAIL.weight)
 }
 
 /// The values along an axis.

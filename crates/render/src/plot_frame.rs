@@ -1,30 +1,10 @@
-//! What every plot has: a page with title and caption, and axes with ticks around a frame.
+//! What every plot has: axes with ticks around a frame.
 
 use super::colors::INK;
-use super::furniture::{self, Block, DETAIL, TITLE};
+use super::furniture::{self, DETAIL};
+use super::lettering::{Anchor, Type};
 use super::plot_axis::Axis;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
-
-/// Around a page \[px\].
-pub(crate) const MARGIN: f64 = 40.0;
-
-/// Makes a page of a title, `gap` \[px\] below it a body, and a caption.
-pub(crate) fn page(title: &str, gap: f64, body: &Block, caption: &[String]) -> Sheet {
-    let title = furniture::paragraph(title, TITLE, body.width);
-    let top = (MARGIN + if title.height > 0.0 { title.height + gap } else { 0.0 }).round();
-    let mut drawing = Drawing::default();
-    drawing.place(&title.drawing, MARGIN, MARGIN - 6.0);
-    drawing.place(&body.drawing, MARGIN, top);
-    let mut bottom = top + body.height;
-    let caption = furniture::caption(caption, body.width);
-    if caption.height > 0.0 {
-        drawing.line([MARGIN, bottom], [MARGIN + body.width, bottom], &furniture::hairline());
-        drawing.place(&caption.drawing, MARGIN, bottom + 14.0);
-        bottom += 14.0 + caption.height;
-    }
-    let height = bottom + MARGIN - 8.0;
-    Sheet { width: body.width + 2.0 * MARGIN, height, images: Vec::new(), furniture: drawing }
-}
+use super::sheet::Drawing;
 
 /// Draws ticks, grid and names around a plot of this size \[px\], its origin at the top left of the frame.
 pub(crate) fn axes([width, height]: [f64; 2], x: &Axis, y: &Axis) -> Drawing {

@@ -2,8 +2,11 @@
 //!
 //! A file holds no time and nothing of the machine, so that equal input gives equal bytes.
 
+use std::io::Write;
+
 use image::RgbaImage;
 
+use super::check;
 use super::colors::{self, Rgb};
 
 /// Encodes an opaque picture as an RGB file that is printed at `dpi` \[pixels per inch\].
@@ -38,38 +41,28 @@ pub(crate) fn encode_picture(image: &RgbaImage, dpi: u32, provenance: &[(String,
 /// need no more than the encoded file.
 ///
 /// # Errors
-/// A mask of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a side, or a keyword of
-/// `provenance` that PNG does not allow (1 to 79 characters of Latin-1).
+/// A mask of another length than the raster, an empty raster or one of more than 2³¹ − 1
+/// cells a side, or a keyword of `provenance` that PNG does not allow (1 to 79 characters of Latin-1).
 pub fn draw_bare(
     n_cols: usize,
     n_rows: usize,
     mask: &[u8],
     provenance: &[(String, String)],
 ) -> Result<Vec<u8>, String> {
-    super::check_shape("mask", mask.len(), n_cols, n_rows)?;
-    let (width, height) = sides(n_cols, n_rows)?;
-    let palette: [Rgb; 4] = [colors::NLOS, colors::LOS, colors::BUILDING, colors::WHITE];
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Two);
-    encoder.set_palette(palette.concat());
-    encoder.set_trns(vec![255, 255, 255, 0]);
-    encoder.set_compression(png::Compression::Balanced);
-    encoder.set_filter(png::Filter::NoFilter);
-    add_provenance(&mut encoder, provenance)?;
-    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
-    let mut stream = writer.stream_writer().map_err(|e| cannot(&e))?;
-    let mut packed = vec![0_u8; n_cols.div_ceil(4)];
-    for row in mask.chunks_exact(n_cols) {
-        for (byte, cells) in packed.iter_mut().zip(row.chunks(4)) {
-            *byte = cells.iter().zip([6, 4, 2, 0]).map(|(&class, shift)| class.min(3) << shift).sum();
+    let n_cells = [n_cols, n_rows];
+    check::shape("mask", mask.len(), n_cells)?;
+    let palette = [colors::NLOS, colors::LOS, colors::BUILDING, colors::WHITE];
+    encode_palette(n_cells, (png::BitDepth::Two, &palette, &[255, 255, 255, 0]), provenance, |writer| {
+        let mut stream = writer.stream_writer()?;
+        let mut packed = vec![0_u8; n_cols.div_ceil(4)];
+        for row in mask.chunks_exact(n_cols) {
+            for (byte, cells) in packed.iter_mut().zip(row.chunks(4)) {
+                *byte = cells.iter().zip([6, 4, 2, 0]).map(|(&class, shift)| class.min(3) << shift).sum();
+            }
+            stream.write_all(&packed)?;
         }
-        std::io::Write::write_all(&mut stream, &packed).map_err(|e| cannot(&e))?;
-    }
-    stream.finish().map_err(|e| cannot(&e))?;
-    writer.finish().map_err(|e| cannot(&e))?;
-    Ok(file)
+        stream.finish()
+    })
 }
 
 /// One pixel per cell and nothing else: how many UAVs see it, in the colors of the picture.
@@ -87,9 +80,9 @@ pub fn draw_bare_count(
     n_sites: u32,
     provenance: &[(String, String)],
 ) -> Result<Vec<u8>, String> {
-    super::check_shape("mask", mask.len(), n_cols, n_rows)?;
-    super::check_shape("count", count.len(), n_cols, n_rows)?;
-    let (width, height) = sides(n_cols, n_rows)?;
+    let n_cells = [n_cols, n_rows];
+    check::shape("mask", mask.len(), n_cells)?;
+    check::shape("count", count.len(), n_cells)?;
     // Not a receiver, and nothing to show, come after the counts.
     const MOST: u32 = 252;
     let shown = n_sites.min(MOST);
@@ -108,20 +101,10 @@ pub fn draw_bare_count(
         2 => other,
         _ => nothing,
     };
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_palette(palette.concat());
-    encoder.set_trns(opacity);
-    encoder.set_compression(png::Compression::Balanced);
-    encoder.set_filter(png::Filter::NoFilter);
-    add_provenance(&mut encoder, provenance)?;
-    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
     let pixels: Vec<u8> = (0..mask.len()).map(|cell| u8::try_from(index(cell)).unwrap_or(u8::MAX)).collect();
-    writer.write_image_data(&pixels).map_err(|e| cannot(&e))?;
-    writer.finish().map_err(|e| cannot(&e))?;
-    Ok(file)
+    encode_palette(n_cells, (png::BitDepth::Eight, &palette, &opacity), provenance, |writer| {
+        writer.write_image_data(&pixels)
+    })
 }
 
 /// Encodes a picture of nearly gray colors with a palette of 64 of them: each pixel takes the mean color of those whose
@@ -129,9 +112,8 @@ pub fn draw_bare_count(
 ///
 /// # Errors
 /// An array of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a side.
-pub(crate) fn encode_grays(n_cols: usize, n_rows: usize, colors: &[Rgb]) -> Result<Vec<u8>, String> {
-    super::check_shape("colors", colors.len(), n_cols, n_rows)?;
-    let (width, height) = sides(n_cols, n_rows)?;
+pub(crate) fn encode_grays(n_cells: [usize; 2], colors: &[Rgb]) -> Result<Vec<u8>, String> {
+    check::shape("colors", colors.len(), n_cells)?;
     let level = |color: &Rgb| color[1] / 4;
     let mut sums = [[0_u64; 4]; 64];
     for color in colors {
@@ -140,32 +122,40 @@ pub(crate) fn encode_grays(n_cols: usize, n_rows: usize, colors: &[Rgb]) -> Resu
         sum[3] += 1;
     }
     let mean = |[r, g, b, n]: [u64; 4]| [r, g, b].map(|c| u8::try_from((c + n / 2) / n.max(1)).unwrap_or(u8::MAX));
+    let pixels: Vec<u8> = colors.iter().map(level).collect();
+    encode_palette(n_cells, (png::BitDepth::Eight, &sums.map(mean), &[]), &[], |writer| {
+        writer.write_image_data(&pixels)
+    })
+}
+
+/// Encodes a picture of a few colors with their opacities; `write` hands over its pixels.
+fn encode_palette(
+    [n_cols, n_rows]: [usize; 2],
+    (depth, colors, opacities): (png::BitDepth, &[Rgb], &[u8]),
+    provenance: &[(String, String)],
+    write: impl FnOnce(&mut png::Writer<&mut Vec<u8>>) -> Result<(), png::EncodingError>,
+) -> Result<Vec<u8>, String> {
+    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
+    let too_large = || format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side");
+    let (width, height) = side(n_cols).zip(side(n_rows)).ok_or_else(too_large)?;
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_palette(sums.map(mean).concat());
+    encoder.set_depth(depth);
+    encoder.set_palette(colors.concat());
+    if !opacities.is_empty() {
+        encoder.set_trns(opacities.to_vec());
+    }
     encoder.set_compression(png::Compression::Balanced);
     encoder.set_filter(png::Filter::NoFilter);
+    add_provenance(&mut encoder, provenance)?;
     let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
-    let pixels: Vec<u8> = colors.iter().map(level).collect();
-    writer.write_image_data(&pixels).map_err(|e| cannot(&e))?;
+    write(&mut writer).map_err(|e| cannot(&e))?;
     writer.finish().map_err(|e| cannot(&e))?;
     Ok(file)
 }
 
-/// The sides of a raster as PNG has them.
-fn sides(n_cols: usize, n_rows: usize) -> Result<(u32, u32), String> {
-    let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
-    side(n_cols)
-        .zip(side(n_rows))
-        .ok_or_else(|| format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side"))
-}
-
-fn add_provenance<W: std::io::Write>(
-    encoder: &mut png::Encoder<'_, W>,
-    provenance: &[(String, String)],
-) -> Result<(), String> {
+fn add_provenance<W: Write>(encoder: &mut png::Encoder<'_, W>, provenance: &[(String, String)]) -> Result<(), String> {
     for (keyword, text) in provenance {
         let latin_1 = keyword.chars().all(|c| matches!(c, ' '..='~' | '\u{A1}'..='\u{FF}'));
         if !(1..=79).contains(&keyword.chars().count()) || !latin_1 || keyword.trim() != keyword {
@@ -207,13 +197,14 @@ mod tests {
     fn a_bare_picture_has_one_pixel_per_cell_in_the_palette() {
         let mask = [0, 1, 2, 3, 255, 1, 0, 0, 1, 2];
         let file = draw_bare(5, 2, &mask, &[]).expect("the mask has the right length");
-        let image = crate::png::read_png(&file).to_rgba8();
+        let image = read_png(&file).to_rgba8();
         assert_eq!(image.dimensions(), (5, 2));
-        assert_eq!(image.get_pixel(0, 0).0, [0xE6, 0x9F, 0x00, 255]);
-        assert_eq!(image.get_pixel(1, 0).0, [0x00, 0x72, 0xB2, 255]);
-        assert_eq!(image.get_pixel(2, 0).0[3], 255);
+        let colors = [[0xE6, 0x9F, 0x00, 255], [0x00, 0x72, 0xB2, 255], [0xC3, 0xC6, 0xC9, 255]];
+        for (x, y, color) in [(0, 0, colors[0]), (1, 0, colors[1]), (2, 0, colors[2]), (4, 1, colors[2])] {
+            assert_eq!(image.get_pixel(x, y).0, color);
+        }
         assert_eq!((image.get_pixel(3, 0).0[3], image.get_pixel(4, 0).0[3]), (0, 0));
-        assert_eq!(image.get_pixel(4, 1).0, image.get_pixel(2, 0).0);
+        assert!(draw_bare(2, 2, &[1; 3], &[]).is_err() && draw_bare(0, 2, &[], &[]).is_err());
     }
 
     #[test]
@@ -222,18 +213,9 @@ mod tests {
         let file = draw_bare(1, 1, &[1], &provenance).expect("the keyword is valid");
         let reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("it is a PNG");
         let text = &reader.info().utf8_text[0];
-        assert_eq!(
-            (text.keyword.as_str(), text.get_text().expect("plain text")),
-            ("Software", provenance[0].1.clone())
-        );
+        assert_eq!((text.keyword.as_str(), text.get_text().expect("text")), ("Software", provenance[0].1.clone()));
         for keyword in ["", " padded", "λ", &"k".repeat(80)] {
             assert!(draw_bare(1, 1, &[1], &[(keyword.to_string(), String::new())]).is_err(), "{keyword:?}");
         }
-    }
-
-    #[test]
-    fn a_mask_of_the_wrong_length_is_refused() {
-        assert!(draw_bare(2, 2, &[1; 3], &[]).is_err());
-        assert!(draw_bare(0, 2, &[], &[]).is_err());
     }
 }

@@ -1,10 +1,10 @@
 //! Labels beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
 
 use super::furniture::DETAIL;
-use super::lettering;
+use super::lettering::Type;
 use super::line_look::MARKER;
 use super::marks::{Bounds, overlap, spots_around, within};
-use super::sheet::{Drawing, Type};
+use super::sheet::Drawing;
 
 /// Words of a label.
 const WORDS: Type = Type { size: 21.0, ..DETAIL };
@@ -45,7 +45,7 @@ pub(crate) fn place<'a>(points: &[LabeledPoint<'a>], size: [f64; 2], mut taken: 
     order.sort_by(|a, b| crowd(b).total_cmp(&crowd(a)));
     let mut labels: Vec<Label<'a>> = Vec::new();
     for point in order {
-        let box_size = [lettering::width(point.label, WORDS.size, WORDS.weight) + 4.0, 1.1 * WORDS.size];
+        let box_size = [WORDS.width(point.label) + 4.0, 1.1 * WORDS.size];
         let spots = || {
             let corners = GAPS.iter().flat_map(|gap| spots_around(point.at, 1.1 * MARKER + gap, box_size));
             corners.map(|[x, y]| [x, y, x + box_size[0], y + box_size[1]])

@@ -3,13 +3,13 @@
 //! Each square has its rate in percent as a number, and a color by its power of ten: the darker the worse. Exactly none
 //! is white, so that it cannot be taken for few; what cannot be decided is hatched.
 
+use super::check;
 use super::colors::{self, HATCH, INK, Rgb, TURNS, WHITE};
 use super::furniture::{self, Block, DETAIL, NAME, Swatch};
 use super::heat_sheet::hatch;
-use super::lettering::{self, number};
-use super::picture_form::PictureForm;
-use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::lettering::{Anchor, Type, number};
+use super::page::page;
+use super::sheet::{Drawing, Sheet};
 
 /// Failure rates of some methods on some families.
 #[derive(Clone, Copy, Debug)]
@@ -33,19 +33,6 @@ pub struct RateColumn<'a> {
     pub name: &'a str,
     /// What stands over it and its neighbors of the same kind.
     pub group: &'a str,
-}
-
-/// Draws failure rates.
-///
-/// # Errors
-/// No row, no column, an array of another length, more failures than trials, no trial, or a keyword of `provenance` that
-/// PNG does not allow.
-pub fn draw_rate_sheet(
-    sheet: &RateSheet<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(sheet)?.write(form, provenance)
 }
 
 /// Width and height of a square \[px\].
@@ -86,8 +73,12 @@ fn digits(percent: f64) -> String {
     number(percent, decimals)
 }
 
-fn compose(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
-    super::check_shape("rates", sheet.rates.len(), sheet.columns.len(), sheet.rows.len())?;
+/// Draws failure rates.
+///
+/// # Errors
+/// No row, no column, an array of another length, more failures than trials, or no trial.
+pub fn draw_rate_sheet(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
+    check::shape("rates", sheet.rates.len(), [sheet.columns.len(), sheet.rows.len()])?;
     if let Some([wrong, of]) = sheet.rates.iter().flatten().find(|[wrong, of]| *of == 0 || wrong > of) {
         return Err(format!("cannot draw a rate of {wrong} in {of}"));
     }
@@ -99,14 +90,13 @@ fn compose(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
     }
     let legend = furniture::flow(&keys, table.width, [34.0, 10.0]);
     let body = furniture::stack(&[table, legend], 24.0);
-    let body = Block { height: body.height + if sheet.caption.is_empty() { 0.0 } else { 20.0 }, ..body };
-    Ok(plot_frame::page(sheet.title, 22.0, &body, sheet.caption))
+    Ok(page(sheet.title, &body, sheet.caption, [22.0, 20.0]))
 }
 
 /// The names, and the squares with their rates.
 fn table(sheet: &RateSheet<'_>) -> Block {
     let mut drawing = Drawing::default();
-    let widest = sheet.rows.iter().map(|row| lettering::width(row, DETAIL.size, DETAIL.weight)).fold(0.0, f64::max);
+    let widest = sheet.rows.iter().map(|row| DETAIL.width(row)).fold(0.0, f64::max);
     let left = widest.ceil() + NAME_GAP;
     let lefts = lefts(sheet.columns, left);
     let middle = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };
@@ -174,34 +164,26 @@ fn groups<'a>(columns: &[RateColumn<'a>], lefts: &[f64]) -> Vec<(&'a str, [f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
-    const COLUMNS: [RateColumn<'static>; 3] = [
-        RateColumn { name: "ray", group: "exact" },
-        RateColumn { name: "sweep", group: "exact" },
-        RateColumn { name: "step:1", group: "approximate" },
-    ];
-
-    fn sheet<'a>(rates: &'a [Option<[u64; 2]>]) -> RateSheet<'a> {
-        RateSheet { title: "Failures", caption: &[], rows: &["slits", "walls"], columns: &COLUMNS, rates }
+    fn drawn(rates: &[Option<[u64; 2]>]) -> Result<Sheet, String> {
+        let columns = [("ray", "exact"), ("sweep", "exact"), ("step:1", "approximate")];
+        let columns = columns.map(|(name, group)| RateColumn { name, group });
+        draw_rate_sheet(&RateSheet { title: "", caption: &[], rows: &["slits", "walls"], columns: &columns, rates })
     }
 
     #[test]
     fn none_is_white_and_few_are_not() {
         let rates = [Some([0, 900]), Some([1, 100_000]), Some([3, 100]), None, Some([0, 5]), Some([5, 5])];
-        let svg = text(draw_rate_sheet(&sheet(&rates), &PictureForm::SVG, &[])).expect("the sheet is valid");
-        for text in [">0<", ">0.001<", ">3<", ">100<", ">exact<", ">approximate<", ">step:1<", ">not applicable<"] {
-            assert!(svg.contains(text), "{text}: {svg}");
+        let svg = drawn(&rates).expect("the sheet is valid").furniture.svg;
+        for (words, n) in [(">0<", 2), (">0.001<", 1), (">3<", 1), (">100<", 1), (">exact<", 1), (">step:1<", 1)] {
+            assert_eq!(svg.matches(words).count(), n, "{words}: {svg}");
         }
-        assert_eq!((color(0.0), color(0.001), color(3.0)), (WHITE, TURNS[1], TURNS[4]));
+        assert_eq!([0.0, 0.001, 3.0].map(color), [WHITE, TURNS[1], TURNS[4]]);
         assert_eq!([0.0012, 0.35, 4.21, 87.4].map(digits), ["0.0012", "0.35", "4.2", "87"]);
-        assert_eq!(svg.matches(">exact<").count(), 1);
     }
 
     #[test]
-    fn impossible_sheets_are_refused() {
-        assert!(draw_rate_sheet(&sheet(&[None; 5]), &PictureForm::PNG, &[]).is_err());
-        assert!(draw_rate_sheet(&sheet(&[Some([0, 0]); 6]), &PictureForm::PNG, &[]).is_err());
-        assert!(draw_rate_sheet(&sheet(&[Some([3, 2]); 6]), &PictureForm::PNG, &[]).is_err());
+    fn impossible_rates_are_refused() {
+        assert!(drawn(&[None; 5]).is_err() && drawn(&[Some([0, 0]); 6]).is_err() && drawn(&[Some([3, 2]); 6]).is_err());
     }
 }

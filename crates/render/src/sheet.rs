@@ -8,16 +8,16 @@ use image::RgbaImage;
 use resvg::{tiny_skia, usvg};
 
 use super::colors::{self, Rgb};
-use super::lettering::{self, Weight};
+use super::lettering::{self, Anchor, Type, Weight};
 use super::paint::narrow;
 use super::pdf::{self, PdfPage};
 use super::picture_form::{PictureForm, PictureFormat};
 use super::png;
 use super::resized::resized;
 
-/// A finished picture that can be written in either format.
+/// A drawn picture, which can be written in any format.
 #[derive(Debug)]
-pub(crate) struct Sheet {
+pub struct Sheet {
     /// Width \[px\].
     pub(crate) width: f64,
     /// Height \[px\].
@@ -29,8 +29,11 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// Returns the sheet as a file.
-    pub(crate) fn write(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
+    /// Writes the picture as a file that says where it comes from, by keyword.
+    ///
+    /// # Errors
+    /// A keyword that PNG does not allow (1 to 79 printable characters of Latin-1), or more pixels than memory holds.
+    pub fn write(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
         match form.format {
             PictureFormat::Png => self.to_png(form, provenance),
             PictureFormat::Svg => self.to_svg(form, provenance).map(String::into_bytes),
@@ -79,7 +82,7 @@ impl Sheet {
     /// The furniture as paths.
     fn tree(&self) -> Result<usvg::Tree, String> {
         let options = usvg::Options { fontdb: lettering::fonts(), ..usvg::Options::default() };
-        usvg::Tree::from_str(&self.svg_around(&PictureForm::SVG, ""), &options).map_err(|e| format!("cannot draw: {e}"))
+        usvg::Tree::from_str(&self.svg_around(&PictureForm::PNG, ""), &options).map_err(|e| format!("cannot draw: {e}"))
     }
 
     /// One SVG document, its images embedded.
@@ -118,30 +121,6 @@ impl Sheet {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of u32 first")]
 pub(crate) fn pixels(length: f64) -> u32 {
     length.ceil().clamp(1.0, f64::from(u32::MAX)) as u32
-}
-
-/// Where the reference point of a text lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Anchor {
-    /// At its left end.
-    Start,
-    /// In its middle.
-    Middle,
-    /// At its right end.
-    End,
-}
-
-/// How a text is set.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Type {
-    /// Font size \[px\].
-    pub(crate) size: f64,
-    /// Weight.
-    pub(crate) weight: Weight,
-    /// SVG color.
-    pub(crate) color: &'static str,
-    /// Reference point.
-    pub(crate) anchor: Anchor,
 }
 
 /// SVG elements in drawing order.
@@ -293,7 +272,7 @@ mod tests {
         assert_eq!(image.get_pixel(1, 3).0, [200, 0, 0]);
         assert_eq!(image.get_pixel(5, 3).0, [0x00, 0x72, 0xB2]);
         assert_eq!(image.get_pixel(9, 3).0, [255; 3]);
-        let svg = sheet.to_svg(&PictureForm::SVG, &[]).expect("the sheet is small");
+        let svg = sheet.to_svg(&PictureForm::PNG, &[]).expect("the sheet is small");
         assert!(svg.contains("data:image/png;base64,iVBOR"));
         // Twice as wide, everything is twice as large.
         let form = PictureForm { width_px: Some(20), dpi: Some(50), ..PictureForm::PNG };

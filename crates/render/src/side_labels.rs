@@ -1,8 +1,8 @@
 //! Labels beside the right ends of curves, spread so that they keep apart.
 
 use super::furniture::{DETAIL, NAME};
-use super::lettering;
-use super::sheet::{Drawing, Type};
+use super::lettering::Type;
+use super::sheet::Drawing;
 
 /// From the right end of a curve to its label \[px\].
 pub(crate) const LEADER: f64 = 78.0;
@@ -25,7 +25,7 @@ impl SideLabel {
     /// A label of a name and maybe a detail below it.
     pub(crate) fn new(y: f64, words: Vec<String>, stroke: String) -> Self {
         let style = |k: usize| if k == 0 { NAME } else { DETAIL };
-        let words = words.iter().enumerate().map(|(k, words)| lettering::shortened(words, style(k), WIDEST)).collect();
+        let words = words.iter().enumerate().map(|(k, words)| style(k).shortened(words, WIDEST)).collect();
         SideLabel { y, words, stroke }
     }
 
@@ -39,7 +39,7 @@ impl SideLabel {
 
     /// Width of the words \[px\].
     pub(crate) fn width(&self) -> f64 {
-        self.lines().map(|(style, words)| lettering::width(words, style.size, style.weight)).fold(0.0, f64::max)
+        self.lines().map(|(style, words)| style.width(words)).fold(0.0, f64::max)
     }
 }
 

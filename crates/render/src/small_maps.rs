@@ -1,152 +1,97 @@
-//! Small maps on one page: rows of panels that grow downward, one legend for all, a caption.
+//! Small maps on one page: rows of panels, one legend for all.
 
 use image::RgbaImage;
 
-use super::furniture::{self, Block, DETAIL, NAME, TITLE};
-use super::lettering;
+use super::furniture::{self, Block, DETAIL, NAME};
 use super::marks::{Mark, draw_marks};
-use super::sheet::{Drawing, Sheet, Type, pixels};
+use super::page::{MARGIN, Page};
+use super::paint::Canvas;
+use super::sheet::{Drawing, Sheet};
 
-const MARGIN: f64 = 40.0;
 /// Between neighboring maps \[px\].
 const GAPS: [f64; 2] = [34.0, 30.0];
 /// No map is narrower, or its title would need many lines \[px\].
 const NARROWEST: f64 = 380.0;
-/// Headings of rows and of parts of the legend.
-pub(crate) const HEADING: Type = Type { size: 30.0, ..NAME };
 
 /// One small map with its words.
 #[derive(Debug)]
 pub(crate) struct Panel {
     words: Block,
     image: RgbaImage,
-    marks: Drawing,
+    /// Marks and what else is drawn over the map.
+    pub(crate) over: Drawing,
 }
 
 /// What the maps of a page have in common.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Maps {
-    /// Size of a map \[px\].
-    pub(crate) size: [f64; 2],
-    /// Columns and rows of its cells.
-    pub(crate) n_cells: [usize; 2],
-    /// Cell size along columns and rows \[m\].
-    pub(crate) cell_m: (f64, f64),
+pub(crate) struct Maps<'a> {
+    pub(crate) canvas: Canvas<'a>,
     /// Maps beside each other.
-    pub(crate) columns: usize,
+    columns: usize,
 }
 
-impl Maps {
+impl<'a> Maps<'a> {
+    /// Maps of the same cells, `columns` beside each other, whose longer sides aim at `target` \[px\].
+    ///
+    /// # Errors
+    /// Cells without a size, or a surface of another shape.
+    pub(crate) fn new(
+        n_cells: [usize; 2],
+        cell_m: (f64, f64),
+        surface_m: Option<&'a [f32]>,
+        (columns, target): (usize, f64),
+    ) -> Result<Self, String> {
+        Ok(Maps { canvas: Canvas::new(n_cells, cell_m, surface_m, (target, 1.4 * target))?, columns })
+    }
+
     /// Width that a map and its words have \[px\].
     fn width(&self) -> f64 {
-        self.size[0].max(NARROWEST)
+        self.canvas.size()[0].max(NARROWEST)
     }
 
-    /// Width of everything between the margins \[px\].
-    pub(crate) fn body_width(&self) -> f64 {
-        (self.width() + GAPS[0]) * self.columns as f64 - GAPS[0]
-    }
-
-    /// Pixels of a cell along columns and rows.
-    pub(crate) fn px_per_cell(&self) -> [f64; 2] {
-        [0, 1].map(|k| self.size[k] / self.n_cells[k] as f64)
+    /// Begins a page with a title.
+    pub(crate) fn page(&self, title: &str) -> Page {
+        let mut page = Page::new(title, (self.width() + GAPS[0]) * self.columns as f64 - GAPS[0], 0.0);
+        page.bottom += 12.0;
+        page
     }
 
     /// A map with a title, a line below that, and marks.
     pub(crate) fn panel(&self, (title, detail): (&str, &str), image: RgbaImage, marks: &[Mark<'_>]) -> Panel {
-        let title = lettering::shortened(title, NAME, 2.0 * self.width());
+        let title = NAME.shortened(title, 2.0 * self.width());
         let words =
-            [furniture::paragraph(&title, NAME, self.width()), furniture::paragraph(detail, DETAIL, self.width())];
-        let marks = draw_marks(marks, self.size, self.px_per_cell(), self.cell_m);
-        Panel { words: furniture::stack(&words, 2.0), image, marks }
-    }
-
-    /// Scale bar and north arrow.
-    fn orientation(&self) -> Block {
-        let px_per_m = self.px_per_cell()[0] / self.cell_m.0;
-        let scale_bar = furniture::scale_bar(px_per_m, (0.3 * self.size[0]).clamp(140.0, 260.0));
-        furniture::beside(&[scale_bar, furniture::north_arrow()], 26.0)
-    }
-}
-
-impl Panel {
-    /// Draws more over the map.
-    pub(crate) fn with(mut self, drawing: &Drawing) -> Self {
-        self.marks.place(drawing, 0.0, 0.0);
-        self
-    }
-}
-
-/// A page that grows downward.
-#[derive(Debug)]
-pub(crate) struct Page {
-    maps: Maps,
-    furniture: Drawing,
-    images: Vec<(u32, u32, RgbaImage)>,
-    /// Where the next piece goes \[px\].
-    bottom: f64,
-}
-
-impl Page {
-    /// Begins with a title.
-    pub(crate) fn new(title: &str, maps: Maps) -> Self {
-        let title = furniture::paragraph(title, TITLE, maps.body_width());
-        let mut page = Page { maps, furniture: Drawing::default(), images: Vec::new(), bottom: MARGIN - 6.0 };
-        page.furniture.place(&title.drawing, MARGIN, page.bottom);
-        page.bottom += title.height + 18.0;
-        page
-    }
-
-    /// Places a sentence below the title.
-    pub(crate) fn lead(&mut self, text: &str) {
-        let text = furniture::paragraph(text, NAME, self.maps.body_width());
-        self.bottom -= 12.0;
-        self.furniture.place(&text.drawing, MARGIN, self.bottom);
-        self.bottom += text.height + 18.0;
-    }
-
-    /// Places a heading.
-    pub(crate) fn heading(&mut self, text: &str) {
-        self.furniture.text(MARGIN, self.bottom + 28.0, HEADING, text);
-        self.bottom += 46.0;
+            [(&*title, NAME), (detail, DETAIL)].map(|(text, kind)| furniture::paragraph(text, kind, self.width()));
+        let over = draw_marks(marks, self.canvas.size(), self.canvas.px_per_cell(), self.canvas.cell_m);
+        Panel { words: furniture::stack(&words, 2.0), image, over }
     }
 
     /// Places maps row by row, those of a row at one height.
-    pub(crate) fn panels(&mut self, panels: Vec<Panel>) {
-        let [width, height] = self.maps.size;
+    pub(crate) fn place(&self, page: &mut Page, panels: Vec<Panel>) {
+        let [width, height] = self.canvas.size();
         let mut panels = panels.into_iter().peekable();
         while panels.peek().is_some() {
-            let row: Vec<Panel> = panels.by_ref().take(self.maps.columns).collect();
+            let row: Vec<Panel> = panels.by_ref().take(self.columns).collect();
             let words = row.iter().map(|panel| panel.words.height).fold(0.0, f64::max);
-            let top = (self.bottom + words + 8.0).round();
+            let top = (page.bottom + words + 8.0).round();
             for (col, panel) in row.into_iter().enumerate() {
-                let left = (MARGIN + (self.maps.width() + GAPS[0]) * col as f64).round();
-                self.furniture.place(&panel.words.drawing, left, self.bottom);
-                self.furniture.rect([left - 0.8, top - 0.8, width + 1.6, height + 1.6], &furniture::frame());
-                self.furniture.place(&panel.marks, left, top);
-                self.images.push((pixels(left), pixels(top), panel.image));
+                let left = (MARGIN + (self.width() + GAPS[0]) * col as f64).round();
+                page.furniture.place(&panel.words.drawing, left, page.bottom);
+                page.furniture.rect([left - 0.8, top - 0.8, width + 1.6, height + 1.6], &furniture::frame());
+                page.furniture.place(&panel.over, left, top);
+                page.image([left, top], panel.image);
             }
-            self.bottom = top + height + GAPS[1];
+            page.bottom = top + height + GAPS[1];
         }
     }
 
-    /// Places the legend that is made for the room beside the scale bar and the north arrow.
-    pub(crate) fn legend(&mut self, legend: impl FnOnce(f64) -> Block) {
-        let orientation = self.maps.orientation();
-        let body_w = self.maps.body_width();
-        let legend = legend(body_w - orientation.width - 44.0);
-        self.furniture.place(&legend.drawing, MARGIN, self.bottom);
-        self.furniture.place(&orientation.drawing, MARGIN + body_w - orientation.width, self.bottom + 10.0);
-        self.bottom += legend.height.max(orientation.height + 10.0) + 26.0;
-    }
-
-    /// Ends with the caption.
-    pub(crate) fn finish(mut self, caption: &[String]) -> Sheet {
-        let body_w = self.maps.body_width();
-        let caption = furniture::caption(caption, body_w);
-        self.furniture.line([MARGIN, self.bottom], [MARGIN + body_w, self.bottom], &furniture::hairline());
-        self.furniture.place(&caption.drawing, MARGIN, self.bottom + 14.0);
-        let height = self.bottom + 14.0 + caption.height + MARGIN - 8.0;
-        Sheet { width: body_w + 2.0 * MARGIN, height, images: self.images, furniture: self.furniture }
+    /// Ends a page with the legend, made for the room beside the scale bar and the north arrow, and a caption.
+    pub(crate) fn finish(&self, mut page: Page, legend: impl FnOnce(f64) -> Block, caption: &[String]) -> Sheet {
+        let px_per_m = self.canvas.px_per_cell()[0] / self.canvas.cell_m.0;
+        let orientation = furniture::orientation(px_per_m, (0.3 * self.canvas.size()[0]).clamp(140.0, 260.0));
+        let legend = legend(page.width - orientation.width - 44.0);
+        page.furniture.place(&legend.drawing, MARGIN, page.bottom);
+        page.furniture.place(&orientation.drawing, MARGIN + page.width - orientation.width, page.bottom + 10.0);
+        page.bottom += legend.height.max(orientation.height + 10.0) + 26.0;
+        page.finish(0.0, caption)
     }
 }

@@ -3,10 +3,11 @@
 use super::colors::{self, INK, Rgb};
 use super::furniture::{self, Block, DETAIL, Swatch};
 use super::lettering::length as length_words;
-use super::picture_form::PictureForm;
+use super::lettering::{Anchor, Type};
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Sheet, Type};
+use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 480.0;
@@ -47,16 +48,8 @@ pub struct TrackStretch {
 /// Draws a track.
 ///
 /// # Errors
-/// A length that is not above 0 or a value that is not finite; a keyword of `provenance` that PNG does not allow.
-pub fn draw_track_profile(
-    track: &TrackProfile<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(track)?.write(form, provenance)
-}
-
-fn compose(track: &TrackProfile<'_>) -> Result<Sheet, String> {
+/// A length that is not above 0 or a value that is not finite.
+pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     let finite = track.enough.iter().all(|(at, h)| at.is_finite() && h.is_none_or(f64::is_finite));
     let ends = track.stretches.iter().all(|s| s.along_m.iter().all(|m| m.is_finite()));
     if !(track.length_m > 0.0 && track.length_m.is_finite() && track.user_m.is_finite() && finite && ends) {
@@ -135,7 +128,7 @@ fn compose(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     drawing.place(&framed, AXIS, top);
     drawing.place(&strip, AXIS, top + HEIGHT + GAP);
     let body = Block { width: AXIS + WIDTH + 30.0, height: top + HEIGHT + GAP + STRIP + 92.0, drawing };
-    Ok(plot_frame::page(track.title, 24.0, &body, track.caption))
+    Ok(page(track.title, &body, track.caption, [24.0, 0.0]))
 }
 
 /// An axis without ticks and name.
@@ -146,32 +139,24 @@ fn no_axis() -> Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
     #[test]
     fn the_strip_shows_every_stretch_at_its_place_and_bad_numbers_are_refused() {
-        let stretch = |from: f64, to: f64, los| TrackStretch { along_m: [from, to], los };
-        let stretches = [stretch(0.0, 25.0, Some(true)), stretch(25.0, 50.0, Some(false)), stretch(50.0, 100.0, None)];
+        let stretch = |from, to, los| TrackStretch { along_m: [from, to], los };
         let track = TrackProfile {
             title: "A walk",
             caption: &[],
             length_m: 100.0,
-            stretches: &stretches,
+            stretches: &[stretch(0.0, 25.0, Some(true)), stretch(25.0, 50.0, Some(false)), stretch(50.0, 100.0, None)],
             enough: &[(0.0, Some(0.5)), (25.0, Some(2.0)), (49.0, Some(9.0)), (60.0, None)],
             user_m: 1.5,
         };
-        let svg = text(draw_track_profile(&track, &PictureForm::SVG, &[])).expect("a picture");
-        for words in ["A walk", "No receiver", "50 m", "25 m", "user at 1.5 m", "Distance along the track"] {
-            assert!(svg.contains(words), "{words}");
-        }
+        let svg = draw_track_profile(&track).expect("the track is valid").furniture.svg;
         // 25 m of 100 are a quarter of the width.
-        assert!(svg.contains("width=\"375\" height=\"40\" fill=\"#E69F00\""), "{svg}");
-        assert_eq!(text(draw_track_profile(&track, &PictureForm::SVG, &[])), Ok(svg));
-        assert!(draw_track_profile(&track, &PictureForm::PNG, &[]).is_ok_and(|png| png.starts_with(b"\x89PNG")));
-        assert!(text(draw_track_profile(&TrackProfile { length_m: 0.0, ..track }, &PictureForm::SVG, &[])).is_err());
-        assert!(
-            text(draw_track_profile(&TrackProfile { enough: &[(f64::NAN, None)], ..track }, &PictureForm::SVG, &[]))
-                .is_err()
-        );
+        for words in ["No receiver", "50 m", "25 m", "user at 1.5 m", "width=\"375\" height=\"40\" fill=\"#E69F00\""] {
+            assert!(svg.contains(words), "{words}: {svg}");
+        }
+        assert!(draw_track_profile(&TrackProfile { length_m: 0.0, ..track }).is_err());
+        assert!(draw_track_profile(&TrackProfile { enough: &[(f64::NAN, None)], ..track }).is_err());
     }
 }

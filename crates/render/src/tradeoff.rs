@@ -4,15 +4,15 @@
 
 use super::colors::{INK, MUTED};
 use super::furniture::{Block, DETAIL, NAME};
-use super::lettering;
-use super::line_look::{LineLook, LineStyle, stroke};
+use super::lettering::{Anchor, Type};
+use super::line_look::stroke;
 use super::marks::Bounds;
-use super::picture_form::PictureForm;
+use super::page::page;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::point_labels::{self, LabeledPoint};
-use super::sheet::{Anchor, Drawing, Sheet, Type};
-use super::tradeoff_rows;
+use super::sheet::{Drawing, Sheet};
+use super::tradeoff_rows::{self, TradeoffPoint, mark};
 
 /// Width and height of the plot of cost against error \[px\].
 const SIZE: [f64; 2] = [980.0, 800.0];
@@ -46,40 +46,12 @@ pub struct Tradeoff<'a> {
     pub front: &'a [usize],
 }
 
-/// A contestant.
-#[derive(Clone, Copy, Debug)]
-pub struct TradeoffPoint<'a> {
-    /// Its name beside its mark and in its row.
-    pub label: &'a str,
-    /// What its family is called.
-    pub family: &'a str,
-    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
-    pub look: usize,
-    /// Cost, above 0, and error, at least 0; one without is in the rows alone.
-    pub place: Option<(f64, f64)>,
-    /// Signed bias; `None` where there is none.
-    pub bias: Option<f64>,
-}
-
 /// Draws cost against error.
 ///
 /// # Errors
-/// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, a front that names no point, or a
-/// keyword of `provenance` that PNG does not allow.
-pub fn draw_tradeoff(
-    plot: &Tradeoff<'_>,
-    form: &PictureForm,
-    provenance: &[(String, String)],
-) -> Result<Vec<u8>, String> {
-    compose(plot)?.write(form, provenance)
-}
-
-/// The mark of a contestant.
-pub(crate) fn mark(look: usize) -> LineStyle {
-    LineStyle::new(LineLook::Solid, look)
-}
-
-fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
+/// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, or a front that names no
+/// point.
+pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     check(plot)?;
     let window = Window::of(plot);
     let y = window.y_axis(plot.error_name);
@@ -91,7 +63,7 @@ fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     if window.band > 0.0 {
         break_marks(&mut framed, SIZE[1] - window.band);
     }
-    let rows = tradeoff_rows::rows(plot, SIZE[1]);
+    let rows = tradeoff_rows::rows(plot.points, plot.bias_name, SIZE[1]);
     let mut drawing = Drawing::default();
     let rows_left = left + SIZE[0] + GAP;
     for (title, at) in [("What accuracy costs", left), ("Which way each errs", rows_left)] {
@@ -101,7 +73,7 @@ fn compose(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     drawing.place(&rows.drawing, rows_left, HEAD);
     let height = HEAD + rows.height.max(SIZE[1] + x.name_at + 8.0);
     let body = Block { width: rows_left + rows.width, height: height + 16.0, drawing };
-    Ok(plot_frame::page(plot.title, 22.0, &body, plot.caption))
+    Ok(page(plot.title, &body, plot.caption, [22.0, 0.0]))
 }
 
 fn check(plot: &Tradeoff<'_>) -> Result<(), String> {
@@ -181,7 +153,7 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
         drawing.line([0.0, top_of_band], [SIZE[0], top_of_band], &dashed);
         let name = Type { color: INK, anchor: Anchor::End, ..DETAIL };
         drawing.text(SIZE[0] - 14.0, SIZE[1] - 14.0, name, plot.zero_name);
-        let width = lettering::width(plot.zero_name, name.size, name.weight);
+        let width = name.width(plot.zero_name);
         taken.push([SIZE[0] - 20.0 - width, SIZE[1] - 38.0, SIZE[0], SIZE[1]]);
     }
     let placed: Vec<(&TradeoffPoint<'_>, [f64; 2])> =
@@ -217,7 +189,7 @@ fn floor(drawing: &mut Drawing, x: f64, (name, bottom): (&str, f64), marks: &[[f
     let style = format!("stroke=\"{INK}\" stroke-width=\"2.2\" stroke-dasharray=\"10 7\"");
     drawing.line([x, 0.0], [x, SIZE[1]], &style);
     let words = Type { anchor: Anchor::Start, ..DETAIL };
-    let length = lettering::width(name, words.size, words.weight);
+    let length = words.width(name);
     let bounds = |left: f64, top: f64| [left, top, left + words.size + 6.0, top + length];
     let sides = [x - words.size - 12.0, x + 6.0].into_iter().filter(|left| *left > 2.0);
     let mut spots = sides.flat_map(|left| [8.0, bottom - length - 8.0].map(|top| bounds(left, top)));
@@ -246,10 +218,9 @@ fn break_marks(drawing: &mut Drawing, y: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text;
 
-    fn point<'a>(label: &'a str, place: (f64, f64), bias: f64) -> TradeoffPoint<'a> {
-        TradeoffPoint { label, family: "Engines", look: 0, place: Some(place), bias: Some(bias) }
+    fn point(place: (f64, f64), bias: f64) -> TradeoffPoint<'static> {
+        TradeoffPoint { label: "a", family: "Engines", look: 0, place: Some(place), bias: Some(bias) }
     }
 
     fn plot<'a>(points: &'a [TradeoffPoint<'a>], front: &'a [usize]) -> Tradeoff<'a> {
@@ -268,7 +239,7 @@ mod tests {
 
     #[test]
     fn points_lie_where_their_numbers_say() {
-        let points = [point("a", (1.0, 0.1), 1.0), point("b", (100.0, 0.001), -2.0), point("c", (10.0, 0.0), 0.0)];
+        let points = [point((1.0, 0.1), 1.0), point((100.0, 0.001), -2.0), point((10.0, 0.0), 0.0)];
         let plot = plot(&points, &[0, 2]);
         let window = Window::of(&plot);
         // Costs from 0.5/1.6 to 160, errors from 0.0005 to 0.2 above a band of zeros of 104 px.
@@ -278,27 +249,24 @@ mod tests {
         assert!((cx - x).abs() < 1e-9 && (cy - 748.0).abs() < 1e-9);
         let y = (800.0 - 104.0) * (0.2_f64 / 0.1).ln() / (0.2_f64 / 0.0005).ln();
         assert!((window.at((1.0, 0.1))[1] - y).abs() < 1e-9);
-        let svg = text(draw_tradeoff(&plot, &PictureForm::SVG, &[])).expect("the plot is valid");
-        for words in [">0: none wrong<", ">memory floor<", "CPU time [ns]", "Bias [points]", "Wrong receivers"] {
-            assert!(svg.contains(words), "{words}: {svg}");
-        }
-        assert!(draw_tradeoff(&plot, &PictureForm::PNG, &[]).is_ok());
     }
 
     #[test]
-    fn without_a_zero_there_is_no_band() {
-        let points = [point("a", (1.0, 0.1), 1.0), point("b", (2.0, 0.01), -2.0)];
-        let svg = text(draw_tradeoff(&plot(&points, &[]), &PictureForm::SVG, &[])).expect("the plot is valid");
-        assert!(!svg.contains("none wrong"));
-        assert!(text(draw_tradeoff(&plot(&[], &[]), &PictureForm::SVG, &[])).is_ok());
+    fn zeros_have_a_band_only_where_there_are_some() {
+        for (points, has_band) in
+            [(&[point((1.0, 0.1), 1.0)][..], false), (&[point((1.0, 0.0), 1.0)], true), (&[], false)]
+        {
+            let sheet = draw_tradeoff(&plot(points, &[])).expect("the plot is valid");
+            assert_eq!(sheet.furniture.svg.contains("none wrong"), has_band, "{points:?}");
+        }
     }
 
     #[test]
     fn impossible_points_are_refused() {
         for bad in [(0.0, 0.1), (f64::NAN, 0.1), (1.0, -0.1), (1.0, f64::INFINITY)] {
-            assert!(draw_tradeoff(&plot(&[point("a", bad, 0.0)], &[]), &PictureForm::PNG, &[]).is_err(), "{bad:?}");
+            assert!(draw_tradeoff(&plot(&[point(bad, 0.0)], &[])).is_err(), "{bad:?}");
         }
-        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), f64::NAN)], &[]), &PictureForm::PNG, &[]).is_err());
-        assert!(draw_tradeoff(&plot(&[point("a", (1.0, 1.0), 0.0)], &[1]), &PictureForm::PNG, &[]).is_err());
+        assert!(draw_tradeoff(&plot(&[point((1.0, 1.0), f64::NAN)], &[])).is_err());
+        assert!(draw_tradeoff(&plot(&[point((1.0, 1.0), 0.0)], &[1])).is_err());
     }
 }

@@ -2,11 +2,11 @@
 
 use super::colors::{INK, MUTED};
 use super::furniture::{self, Block, DETAIL};
-use super::lettering::{self, number};
+use super::lettering::{Anchor, Type, number};
+use super::line_look::{LineLook, LineStyle};
 use super::plot_axis::{Direction, Span};
 use super::plot_frame;
-use super::sheet::{Anchor, Drawing, Type};
-use super::tradeoff::{Tradeoff, TradeoffPoint, mark};
+use super::sheet::Drawing;
 
 /// Width of the plot of biases \[px\].
 const WIDTH: f64 = 430.0;
@@ -14,6 +14,26 @@ const WIDTH: f64 = 430.0;
 const ROW: f64 = 40.0;
 /// Room for the numbers to its right \[px\].
 const NUMBERS: f64 = 124.0;
+
+/// A contestant.
+#[derive(Clone, Copy, Debug)]
+pub struct TradeoffPoint<'a> {
+    /// Its name beside its mark and in its row.
+    pub label: &'a str,
+    /// What its family is called.
+    pub family: &'a str,
+    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
+    pub look: usize,
+    /// Cost, above 0, and error, at least 0; one without is in the rows alone.
+    pub place: Option<(f64, f64)>,
+    /// Signed bias; `None` where there is none.
+    pub bias: Option<f64>,
+}
+
+/// The mark of a contestant.
+pub(crate) fn mark(look: usize) -> LineStyle {
+    LineStyle::new(LineLook::Solid, look)
+}
 
 /// A row: the heading of a family, or a contestant.
 #[derive(Clone, Copy, Debug)]
@@ -23,10 +43,10 @@ enum Row<'a> {
 }
 
 /// Draws the rows within `height` \[px\].
-pub(crate) fn rows(plot: &Tradeoff<'_>, height: f64) -> Block {
+pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -> Block {
     let mut rows: Vec<Row<'_>> = Vec::new();
     let mut family = "";
-    for point in plot.points {
+    for point in points {
         if point.family != family {
             family = point.family;
             rows.push(Row::Family(family));
@@ -38,14 +58,14 @@ pub(crate) fn rows(plot: &Tradeoff<'_>, height: f64) -> Block {
     let words = Type { size, color: INK, ..DETAIL };
     let heading = Type { color: MUTED, ..words };
     let width_of = |row: &Row<'_>| match row {
-        Row::Family(name) => lettering::width(name, size, heading.weight),
-        Row::Point(point) => 42.0 + lettering::width(point.label, size, words.weight),
+        Row::Family(name) => heading.width(name),
+        Row::Point(point) => 42.0 + words.width(point.label),
     };
     let left = (rows.iter().map(width_of).fold(0.0, f64::max) + 22.0).ceil();
-    let reach = plot.points.iter().filter_map(|p| p.bias).map(f64::abs).fold(0.0, f64::max).max(1e-3) * 1.12;
+    let reach = points.iter().filter_map(|p| p.bias).map(f64::abs).fold(0.0, f64::max).max(1e-3) * 1.12;
     let span = Span { ends: [-reach, reach], is_log: false };
     let frame = [WIDTH, step * rows.len() as f64];
-    let x = span.axis(plot.bias_name, Direction::Across, WIDTH);
+    let x = span.axis(bias_name, Direction::Across, WIDTH);
     let y = Span { ends: [0.0, 1.0], is_log: false }.axis_at("", Direction::Up, frame[1], Vec::new());
 
     let mut framed = plot_frame::axes(frame, &x, &y);

@@ -1,0 +1,147 @@
+//! The entries of the legend of a map: classes that occur, color bars, and what is no receiver.
+
+use super::colors::{self, Ramp, Rgb};
+use super::furniture::{self, Block, Scale, Swatch};
+use super::lettering::{grouped, percent};
+use super::map_layers::{self, HEAT, Layer, MapClass};
+use super::value_range::ValueRange;
+
+/// More UAVs than this share a color bar instead of legend entries.
+const MOST_COUNT_ENTRIES: u32 = 6;
+
+/// What a legend says beside colors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LegendWords<'a> {
+    /// What receivers are, in the plural.
+    pub(crate) receivers_name: &'a str,
+    /// What class 2 is, in the plural and capitalized.
+    pub(crate) others_name: &'a str,
+    /// Whether cells are counted.
+    pub(crate) has_counts: bool,
+    /// Whether the few cells that a move turns have rings.
+    pub(crate) has_rings: bool,
+}
+
+/// The entries of the legend of a layer of which so many cells have each color.
+pub(crate) fn entries(
+    layer: Layer<'_>,
+    histogram: &[u64],
+    range: Option<&ValueRange>,
+    has_surface: bool,
+    words: LegendWords<'_>,
+) -> Vec<Block> {
+    let colors = map_layers::palette(layer, range);
+    let (of_colors, of_special) = histogram.split_at(colors.len());
+    let receivers: u64 = of_colors.iter().sum();
+    let share = |n: u64| format!("{} · {}", percent(n, receivers), grouped(n));
+    let flat = |color: Rgb, name: &str, detail: String| {
+        furniture::legend_entry(Swatch::Flat(color), name, if words.has_counts { &detail } else { "" })
+    };
+    let mut legend: Vec<Block> = match layer {
+        Layer::Los(_) => {
+            let entry = |(k, name): (usize, &str)| {
+                let receivers_name = match words.receivers_name.strip_suffix('s') {
+                    Some(singular) if of_colors[k] == 1 => singular,
+                    _ => words.receivers_name,
+                };
+                let detail = format!("{} {receivers_name}", share(of_colors[k]));
+                (of_colors[k] > 0).then(|| flat(colors[k], name, detail))
+            };
+            [(1, "Line of sight"), (0, "No line of sight")].into_iter().filter_map(entry).collect()
+        }
+        Layer::Count { n_sites, .. } => count_legend(n_sites, &colors, histogram),
+        Layer::Classes { palette, .. } => {
+            let entry = |(class, n): (&MapClass<'_>, &u64)| {
+                let detail = if class.detail.is_empty() { cells(*n) } else { class.detail.to_string() };
+                flat(class.color, class.name, detail)
+            };
+            palette.iter().zip(of_colors).filter(|(_, n)| **n > 0).map(entry).collect()
+        }
+        Layer::Stability { .. } => {
+            let entry = |k: usize| {
+                let name = match k {
+                    0 => "Stable".to_string(),
+                    1 => "1 of 8 moves turns it".to_string(),
+                    k => format!("{k} of 8 moves turn it"),
+                };
+                let ringed = if k > 0 && words.has_rings { " · ringed" } else { "" };
+                flat(colors[k], &name, format!("{}{ringed}", share(of_colors[k])))
+            };
+            (0..colors.len()).filter(|k| of_colors[*k] > 0).map(entry).collect()
+        }
+        Layer::Field { name, unit, .. } => {
+            let mut entries = Vec::new();
+            if let Some(range) = range.filter(|_| receivers > 0) {
+                let mut along = &colors[..];
+                if range.flat_above_zero {
+                    let detail = format!("{} · 0 {unit} or more", percent(of_colors[255], receivers));
+                    entries.push(flat(colors::LOS, "Line of sight", detail));
+                    along = &colors[..255];
+                }
+                let along: Vec<Rgb> = along.iter().step_by(2).copied().collect();
+                entries.push(color_bar(name, unit, range, &along));
+            }
+            entries
+        }
+        Layer::Heat { name, unit, .. } => {
+            let range = range.filter(|_| receivers > 0);
+            range.map(|range| color_bar(name, unit, range, &colors[..HEAT.into()])).into_iter().collect()
+        }
+    };
+    for (swatch, name, n) in special_legend(of_special, words.others_name, has_surface) {
+        let (name, detail) = match (layer, swatch) {
+            (Layer::Heat { none, .. }, Swatch::Hatched) => (none, String::new()),
+            // Cells of the city are no measure of places in the air.
+            (Layer::Heat { .. }, _) => (name, String::new()),
+            _ => (name, if words.has_counts { cells(n) } else { String::new() }),
+        };
+        legend.push(furniture::legend_entry(swatch, name, &detail));
+    }
+    legend
+}
+
+fn cells(n: u64) -> String {
+    format!("{} {}", grouped(n), if n == 1 { "cell" } else { "cells" })
+}
+
+fn color_bar(name: &str, unit: &str, range: &ValueRange, along: &[Rgb]) -> Block {
+    let name = if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") };
+    furniture::color_bar(&name, range.scale, along, 460.0)
+}
+
+/// The special classes that occur, from their numbers of cells: swatch, name, number.
+pub(crate) fn special_legend<'a>(
+    numbers: &[u64],
+    others_name: &'a str,
+    has_surface: bool,
+) -> Vec<(Swatch, &'a str, u64)> {
+    let [low, high] = [0.0, 1.0].map(|t| Ramp::BuildingTone.at(t));
+    let building = if has_surface { Swatch::Range(low, high) } else { Swatch::Flat(colors::BUILDING) };
+    let out_of_range = Swatch::Flat(colors::OUT_OF_RANGE);
+    let special = [(building, others_name), (out_of_range, "Out of range"), (Swatch::Hatched, "No data")];
+    special.into_iter().zip(numbers).filter(|(_, n)| **n > 0).map(|((swatch, name), n)| (swatch, name, *n)).collect()
+}
+
+/// Entries for the numbers of UAVs that occur; a color bar for many UAVs.
+pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
+    let receivers: u64 = histogram[..palette.len()].iter().sum();
+    let entry = |k: u32, name: &str| {
+        let n = histogram[k as usize];
+        let detail = format!("{} · {}", percent(n, receivers), grouped(n));
+        (n > 0).then(|| furniture::legend_entry(Swatch::Flat(palette[k as usize]), name, &detail))
+    };
+    let none = entry(0, "Seen by none");
+    if n_sites <= MOST_COUNT_ENTRIES {
+        let name = |k: u32| match k {
+            1 if n_sites == 1 => "Seen by the UAV".to_string(),
+            1 => "By 1 UAV".to_string(),
+            2 if n_sites == 2 => "By both UAVs".to_string(),
+            k if k == n_sites => format!("By all {k} UAVs"),
+            k => format!("By {k} UAVs"),
+        };
+        return none.into_iter().chain((1..=n_sites).filter_map(|k| entry(k, &name(k)))).collect();
+    }
+    let scale = Scale { low: 1.0, high: f64::from(n_sites), open_low: false, open_high: false };
+    let title = format!("UAVs that see a cell (of {n_sites})");
+    std::iter::once(furniture::color_bar(&title, scale, &Ramp::Seen.steps(64), 420.0)).chain(none).collect()
+}
