@@ -22,7 +22,7 @@ use crate::error::Result;
 use crate::memory;
 use crate::threads::in_pool;
 use program::Cli;
-use run::{RepairsFile, Run, check_scenes, check_text};
+use run::{RepairsFile, Run, check_scenes, check_text, check_use};
 use typed::Typed;
 
 /// Runs the program on the words of a command line and returns its exit code.
@@ -53,6 +53,7 @@ fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
     let Some((scenes, reading, out)) = shared else { return cli.run(&run) };
     memory::limit(out.max_memory, interrupt::give_up)?;
     check_scenes(&scenes)?;
+    check_use(&scenes, out, cli.draws(), &run.typed)?;
     let repairs = RepairsFile::of(&scenes, (reading, out), &run.typed)?;
     check_text(out, repairs.as_ref())?;
     in_pool(out.threads, || say::with_progress(&run.progress, is_quiet, || cli.run(&run)))??;

@@ -112,6 +112,14 @@ impl Cli {
         })
     }
 
+    /// Whether something other than a city is drawn at random: links, blocks, scenes.
+    pub(super) fn draws(&self) -> bool {
+        matches!(
+            self.command,
+            Command::Plos(_) | Command::Sample(_) | Command::Compare(_) | Command::Chart(_) | Command::Stress(_)
+        )
+    }
+
     /// Does what was asked for.
     pub(super) fn run(&self, run: &Run) -> Result<()> {
         match &self.command {

@@ -89,6 +89,22 @@ impl Run {
     }
 }
 
+/// Refuses what scenes cannot use: a seed of cities in files, where nothing else is drawn; hashes where no file is read.
+///
+/// # Errors
+/// E116.
+pub(super) fn check_use(scenes: &[&OsString], out: &OutputArgs, draws: bool, typed: &Typed) -> Result<()> {
+    let is_generated = |scene: &&&OsString| built_up(scene).is_some();
+    if !draws && !scenes.iter().any(|scene| is_generated(&scene)) {
+        typed.refuse(&["seed"], "for a city in a file: nothing is drawn")?;
+    }
+    let reads_others = typed.files.iter().any(|file| !out.output.contains(file));
+    if scenes.iter().all(|scene| is_generated(&scene)) && !reads_others {
+        typed.refuse(&["hash"], "without a file that is read")?;
+    }
+    Ok(())
+}
+
 /// Refuses a scene that is no file but the name of a built-up environment, which stands behind `itu:`.
 ///
 /// # Errors

@@ -56,6 +56,7 @@ mod answers; // what every command says: its answer, its files, errors in one fo
 mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input, names that mean something
 #[cfg(unix)]
 mod odd_paths; // names of files that are no Unicode
+mod idle_flags; // no flag of any command is taken in silence
 mod cli_flags; // every flag of map, link, city and info changes something
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents

@@ -1,0 +1,224 @@
+//! No flag of any command is taken in silence: with it a run answers something else, or refuses it by name.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::cli::scenes;
+use crate::program::Folder;
+
+/// A command line of each command, over city, raster or generated city, that its flags are added to.
+const BASES: &[(&str, &str)] = &[
+    ("map", "map city.geojson --uav 2,2,50 --json -o t.csv"),
+    ("link", "link city.geojson --uav 2,2,50 --rx 40,40"),
+    ("track", "track city.geojson --uav 2,2,50 --track walk.csv --json -o t.csv"),
+    ("city", "city city.geojson --json -o c.geojson"),
+    ("info", "info city.geojson --json"),
+    ("zones", "zones city.geojson --json"),
+    ("limits", "limits city.geojson --uav 2,2,50 --cities 2 --json"),
+    ("plos", "plos itu:urban --height 100 --distance 50 --method product --json"),
+    ("place", "place city.geojson --height 40,60 --step 20 --json"),
+    ("sample", "sample itu:urban --size 200 --zones street:4 --height 60 --json"),
+    ("compare", "compare city.geojson --uav 2,2,50 --uav 45,45,30 --json"),
+    ("chart", "chart city.geojson --uav 2,2,50 --time 0 --json"),
+    ("stress", "stress --scenes 1 --families walls --json"),
+    ("completions", "completions bash"),
+];
+
+/// A value of each flag that takes one; a command before the flag has its own.
+const VALUES: &[(&str, &str)] = &[
+    ("--terrain", "slope.asc"),
+    ("--ground", "5"),
+    ("--building-threshold", "4"),
+    ("--height-field", "tall"),
+    ("--top-field", "z_top"),
+    ("--height-unit", "ft"),
+    ("--levels-field", "tall"),
+    ("--layer", "a"),
+    ("--missing", "levels"),
+    ("--base", "highest"),
+    ("--data-area", "all"),
+    ("--extent", "0,0,48,48"),
+    ("--cell", "0.5"),
+    ("--crs", "EPSG:25832"),
+    ("--project", "EPSG:25832"),
+    ("--size", "210"),
+    ("--seed", "5"),
+    ("--nodata-as", "block"),
+    ("--repairs", "mended.csv"),
+    ("--tile", "20"),
+    ("--uav", "30,5,45"),
+    ("--uavs", "sites.csv"),
+    ("--rx", "41,40"),
+    ("--track", "other.csv"),
+    ("--every", "3"),
+    ("--rx-height", "9"),
+    ("--receivers", "all"),
+    ("--radius", "25"),
+    ("--method", "ray"),
+    ("plos --method", "3gpp-tr36777-umi"),
+    ("stress --method", "xdraw"),
+    ("--tolerance", "0.2"),
+    ("--layers", "los,margin"),
+    ("--height-curve", "curve.csv"),
+    ("--curve-heights", "10:50:10"),
+    ("--output", "more.json"),
+    ("completions --output", "more.json"),
+    ("--csv", "more.csv"),
+    ("--threads", "1"),
+    ("--max-memory", "1G"),
+    ("--tif-layout", "plain"),
+    ("--polygons", "los"),
+    ("--simplify", "2"),
+    ("--scratch", "."),
+    ("--title", "Another_title"),
+    ("--attribution", "Somebody"),
+    ("--width", "900"),
+    ("--dpi", "200"),
+    ("--uav-error", "2"),
+    ("--height-error", "3"),
+    ("--cities", "3"),
+    ("--curve", "mine=curve_of_mine.csv"),
+    ("--theta", "30"),
+    ("--distance", "60"),
+    ("--phi", "10"),
+    ("--height", "70"),
+    ("--alpha", "0.4"),
+    ("--beta", "400"),
+    ("--gamma", "12"),
+    ("--users", "street"),
+    ("--placement", "street"),
+    ("--until", "0.2"),
+    ("--ci", "0.8"),
+    ("--users-per-city", "3"),
+    ("--links", "300"),
+    ("--positions", "20"),
+    ("--theta-band", "2"),
+    ("--block", "30"),
+    ("--plot", "curves"),
+    ("--step", "15"),
+    ("--over", "street"),
+    ("--within", "part.geojson"),
+    ("--keep-out", "part.geojson"),
+    ("--candidates", "sites.csv"),
+    ("--clearance", "45"),
+    ("--goal", "margin"),
+    ("--area", "part.geojson"),
+    ("--weights", "slope.asc"),
+    ("--minimize", "height"),
+    ("--count", "2"),
+    ("--map", "best.tif"),
+    ("--top", "1"),
+    ("--zones", "crossroad:4"),
+    ("--mask", "mask.asc"),
+    ("--time", "0.01"),
+    ("--families", "grazing"),
+    ("--scenes", "2"),
+    ("chart --theta", "40"),
+    ("chart --height", "70"),
+];
+
+/// Flags that by their nature change no answer of these runs; other tests show what they do.
+const QUIET: &[(&str, &str)] = &[
+    ("--threads", "threads_do_not_change_results"),
+    ("--max-memory", "no run takes more than was allowed: memory_limits"),
+    ("--overwrite", "an_existing_file_is_replaced_only_with_leave"),
+    ("--hash", "a_large_input_is_hashed_on_request"),
+    ("--skip-bad", "bad_rows_are_told_together_and_left_out_on_request"),
+    ("--csv-text", "names_that_mean_something_to_a_program_reach_none"),
+    ("--strips", "maps_strip_by_strip_are_those_in_memory"),
+    ("--method", "exact engines agree: engines, agreement"),
+    ("--resume", "what_is_there_is_left_alone"),
+    ("--json", "of a run that is asked for it already"),
+];
+
+/// What a run left, without what differs between any two runs: words, times, memory.
+fn seen(folder: &Folder, line: &str) -> (i32, String, String, BTreeMap<String, Vec<u8>>) {
+    let before = folder.files();
+    let answer = folder.type_in(line);
+    let out = match serde_json::from_str::<Value>(&answer.out) {
+        Ok(mut value) => {
+            forget(&mut value);
+            value.to_string()
+        }
+        Err(_) => answer.out.clone(),
+    };
+    let mut files = BTreeMap::new();
+    for name in folder.files().into_iter().filter(|name| !before.contains(name)) {
+        let bytes = match image::load_from_memory(&folder.read(&name)) {
+            // A picture holds the words of its run; its resolution stands in its header.
+            Ok(picture) => [picture.width().to_le_bytes().to_vec(), picture.into_bytes(), resolution(&folder.read(&name))].concat(),
+            Err(_) if name.ends_with(".csv") => folder.read(&name),
+            Err(_) => Vec::new(),
+        };
+        files.insert(name.clone(), bytes);
+        std::fs::remove_file(folder.join(&name)).expect("a file of this run");
+    }
+    let is_quiet = answer.err.is_empty().to_string();
+    (answer.code(), if answer.code() == 0 { out } else { answer.err.clone() }, is_quiet, files)
+}
+
+/// The chunk of a PNG that says how many pixels a meter has.
+fn resolution(png: &[u8]) -> Vec<u8> {
+    png.windows(4).position(|w| w == b"pHYs").map_or(Vec::new(), |at| png[at..(at + 13).min(png.len())].to_vec())
+}
+
+fn forget(value: &mut Value) {
+    match value {
+        Value::Object(object) => {
+            object.retain(|name, _| name != "command" && !name.ends_with("_s") && !name.ends_with("_mb"));
+            object.values_mut().for_each(forget);
+        }
+        Value::Array(values) => values.iter_mut().for_each(forget),
+        _ => {}
+    }
+}
+
+#[test]
+fn no_flag_of_any_command_is_taken_in_silence() {
+    let folder = scenes();
+    folder.write("walk.csv", "x,y\n2,40\n40,40\n48,5\n");
+    folder.write("other.csv", "x,y\n2,30\n45,35\n");
+    folder.write("curve_of_mine.csv", "distance_m,p_los\n0,1\n500,0.1\n");
+    folder.write(
+        "part.geojson",
+        r#"{"type": "Polygon", "coordinates": [[[0,0],[25,0],[25,50],[0,50],[0,0]]]}"#,
+    );
+    let mask: Vec<String> = (0..50).map(|row| vec![if row < 20 { "1" } else { "0" }; 50].join(" ")).collect();
+    folder.write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{}\n", mask.join("\n")));
+    let value_of = |command: &str, flag: &str| {
+        let own = format!("{command} {flag}");
+        let all = || VALUES.iter();
+        all().find(|(name, _)| *name == own).or_else(|| all().find(|(name, _)| *name == flag)).map(|(_, value)| *value)
+    };
+    let mut silent = Vec::new();
+    for &(command, base) in BASES {
+        let draws = ["--title", "--attribution", "--width", "--dpi", "--plot"];
+        let flags: Vec<String> = match command {
+            "completions" => vec!["--output".into()],
+            _ => folder.flags(command),
+        };
+        let plain = seen(&folder, base);
+        assert_eq!(plain.0, 0, "{base}: {}", plain.1);
+        let mut drawn = None;
+        for flag in flags.iter().filter(|flag| !["--help", "--version"].contains(&flag.as_str())) {
+            let line = format!("{flag} {}", value_of(command, flag).unwrap_or_default());
+            let without = if draws.contains(&flag.as_str()) {
+                drawn.get_or_insert_with(|| seen(&folder, &format!("{base} -o drawn.png"))).clone()
+            } else {
+                plain.clone()
+            };
+            let drawing = if draws.contains(&flag.as_str()) { " -o drawn.png" } else { "" };
+            let with = seen(&folder, &format!("{base}{drawing} {line}"));
+            let is_refused = with.0 != 0 && with.0 != 1;
+            let is_quiet = QUIET.iter().any(|(name, _)| name == flag);
+            if !is_refused && with == without && !is_quiet {
+                silent.push(format!("{base}{drawing} {line}"));
+            }
+            if is_refused {
+                assert!(with.1.starts_with("error[E"), "{base} {line}: {}", with.1);
+            }
+        }
+    }
+    assert!(silent.is_empty(), "flags that changed nothing:\n{}", silent.join("\n"));
+}
