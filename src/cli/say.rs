@@ -19,7 +19,7 @@ fn say(text: &str) {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 30] = [
+const FLAGS: [(&str, &str); 29] = [
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),
@@ -42,14 +42,13 @@ const FLAGS: [(&str, &str); 30] = [
     ("size_m", "--size"),
     ("nodata_as", "--nodata-as"),
     ("bare", "--bare"),
+    ("layers", "--layers"),
     ("tif_layout", "--tif-layout"),
     ("gdal_values", "--gdal-values"),
     ("polygons", "--polygons"),
     ("simplify_m", "--simplify"),
     ("resume", "--resume"),
     ("strips", "--strips"),
-    ("area", "--area FILE"),
-    ("weights", "--weights FILE"),
 ];
 
 /// Whether an error names an option of the library.

@@ -26,7 +26,7 @@ pub(crate) use drawing::MapDrawing;
 pub(crate) use job::{Done, Given, MapJob};
 pub(crate) use plan::{Held, MapPlan};
 pub use report::SiteFacts;
-pub(crate) use report::{IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};
+pub(crate) use report::{AnyMapDocument, IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};
 pub use request::CoverageRequest;
 pub use save::{PolygonClasses, SaveOptions};
 pub(crate) use sites::{Outcome, SITE, SiteRuns};

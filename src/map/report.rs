@@ -272,12 +272,24 @@ pub(crate) struct MapDocument {
     digest: String,
 }
 
-#[derive(Serialize)]
-struct MapProvenance {
+/// What features of a map say of the run; the rest stands in their properties.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct MapProvenance {
     #[serde(flatten)]
     head: Head,
+    /// What was odd.
     warnings: Vec<WarningFacts>,
+    /// SHA-256 of columns, rows (u64, little endian) and each site's mask, north row first.
     digest: String,
+}
+
+/// A document of a map, or what its features say of the run.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "a type of its schema alone")]
+pub(crate) enum AnyMapDocument {
+    Map(MapDocument),
+    Features(MapProvenance),
 }
 
 /// Properties of a polygon of coverage.

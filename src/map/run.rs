@@ -12,7 +12,7 @@ use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
 use crate::error::{Error, PlacesError, Result};
-use crate::export::{Batch, Format, OutputRules, bare_name, check_layers, check_outputs};
+use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
@@ -111,6 +111,11 @@ impl MapJob {
         let outputs = check_outputs(&self.outputs, rules)?;
         let curve_outputs = self.curve.checked(&self.outputs, rules)?;
         self.save.check_formats(&outputs)?;
+        let shows_layers =
+            |(_, format): &Output| !matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
+        if self.plan.layers != [Layer::Los] && !outputs.iter().any(shows_layers) {
+            return Err(Error::idle("layers", "without a raster or a picture"));
+        }
         Ok((outputs, curve_outputs))
     }
 

@@ -10,18 +10,18 @@ use crate::program::Folder;
 /// A command line of each command, over city, raster or generated city, that its flags are added to.
 const BASES: &[(&str, &str)] = &[
     ("map", "map city.geojson --uav 2,2,50 --json -o t.csv"),
-    ("link", "link city.geojson --uav 2,2,50 --rx 40,40"),
+    ("link", "link city.geojson --uav 2,2,50amsl --rx 40,40 --json"),
     ("track", "track city.geojson --uav 2,2,50 --track walk.csv --json -o t.csv"),
     ("city", "city city.geojson --json -o c.geojson"),
     ("info", "info city.geojson --json"),
-    ("zones", "zones city.geojson --json"),
-    ("limits", "limits city.geojson --uav 2,2,50 --cities 2 --json"),
+    ("zones", "zones city.geojson --top-field z_top --ground 10 --json"),
+    ("limits", "limits city.geojson --uav 2,2,50amsl --cities 2 --json"),
     ("plos", "plos itu:urban --height 100 --distance 50 --method product --json"),
     ("place", "place city.geojson --height 40,60 --step 20 --json"),
     ("sample", "sample itu:urban --size 200 --zones street:4 --height 60 --json"),
     ("compare", "compare city.geojson --uav 2,2,50 --uav 45,45,30 --json"),
     ("chart", "chart city.geojson --uav 2,2,50 --time 0 --json"),
-    ("stress", "stress --scenes 1 --families walls --json"),
+    ("stress", "stress --scenes 1 --families cell-grazing --json"),
     ("completions", "completions bash"),
 ];
 
@@ -64,6 +64,7 @@ const VALUES: &[(&str, &str)] = &[
     ("--curve-heights", "10:50:10"),
     ("--output", "more.json"),
     ("completions --output", "more.json"),
+    ("city --data-area", "part.geojson"),
     ("--csv", "more.csv"),
     ("--threads", "1"),
     ("--max-memory", "1G"),
@@ -74,7 +75,7 @@ const VALUES: &[(&str, &str)] = &[
     ("--title", "Another_title"),
     ("--attribution", "Somebody"),
     ("--width", "900"),
-    ("--dpi", "200"),
+    ("--dpi", "150"),
     ("--uav-error", "2"),
     ("--height-error", "3"),
     ("--cities", "3"),
@@ -95,7 +96,7 @@ const VALUES: &[(&str, &str)] = &[
     ("--positions", "20"),
     ("--theta-band", "2"),
     ("--block", "30"),
-    ("--plot", "curves"),
+    ("--plot", "heat"),
     ("--step", "15"),
     ("--over", "street"),
     ("--within", "part.geojson"),
@@ -112,7 +113,7 @@ const VALUES: &[(&str, &str)] = &[
     ("--zones", "crossroad:4"),
     ("--mask", "mask.asc"),
     ("--time", "0.01"),
-    ("--families", "grazing"),
+    ("--families", "cell-slits"),
     ("--scenes", "2"),
     ("chart --theta", "40"),
     ("chart --height", "70"),
@@ -145,11 +146,16 @@ fn seen(folder: &Folder, line: &str) -> (i32, String, String, BTreeMap<String, V
     };
     let mut files = BTreeMap::new();
     for name in folder.files().into_iter().filter(|name| !before.contains(name)) {
-        let bytes = match image::load_from_memory(&folder.read(&name)) {
-            // A picture holds the words of its run; its resolution stands in its header.
-            Ok(picture) => [picture.width().to_le_bytes().to_vec(), picture.into_bytes(), resolution(&folder.read(&name))].concat(),
-            Err(_) if name.ends_with(".csv") => folder.read(&name),
-            Err(_) => Vec::new(),
+        let bytes = match name.rsplit('.').next() {
+            Some("png") => pixels(&folder.read(&name)),
+            Some("json" | "geojson") => {
+                let mut value = folder.json(&name);
+                forget(&mut value);
+                value.to_string().into_bytes()
+            }
+            Some("csv") => folder.read(&name),
+            // Rasters hold the words of their run.
+            _ => Vec::new(),
         };
         files.insert(name.clone(), bytes);
         std::fs::remove_file(folder.join(&name)).expect("a file of this run");
@@ -158,9 +164,13 @@ fn seen(folder: &Folder, line: &str) -> (i32, String, String, BTreeMap<String, V
     (answer.code(), if answer.code() == 0 { out } else { answer.err.clone() }, is_quiet, files)
 }
 
-/// The chunk of a PNG that says how many pixels a meter has.
-fn resolution(png: &[u8]) -> Vec<u8> {
-    png.windows(4).position(|w| w == b"pHYs").map_or(Vec::new(), |at| png[at..(at + 13).min(png.len())].to_vec())
+/// What is seen of a PNG, and how large: not the words of its run.
+fn pixels(file: &[u8]) -> Vec<u8> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("it fits in memory")];
+    reader.next_frame(&mut pixels).expect("a whole PNG");
+    let head = format!("{:?} {:?}", reader.info().size(), reader.info().pixel_dims);
+    [head.into_bytes(), pixels].concat()
 }
 
 fn forget(value: &mut Value) {
@@ -180,12 +190,10 @@ fn no_flag_of_any_command_is_taken_in_silence() {
     folder.write("walk.csv", "x,y\n2,40\n40,40\n48,5\n");
     folder.write("other.csv", "x,y\n2,30\n45,35\n");
     folder.write("curve_of_mine.csv", "distance_m,p_los\n0,1\n500,0.1\n");
-    folder.write(
-        "part.geojson",
-        r#"{"type": "Polygon", "coordinates": [[[0,0],[25,0],[25,50],[0,50],[0,0]]]}"#,
-    );
+    folder.write("part.geojson", r#"{"type": "Polygon", "coordinates": [[[0,0],[25,0],[25,50],[0,50],[0,0]]]}"#);
     let mask: Vec<String> = (0..50).map(|row| vec![if row < 20 { "1" } else { "0" }; 50].join(" ")).collect();
-    folder.write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{}\n", mask.join("\n")));
+    folder
+        .write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{}\n", mask.join("\n")));
     let value_of = |command: &str, flag: &str| {
         let own = format!("{command} {flag}");
         let all = || VALUES.iter();
@@ -202,13 +210,15 @@ fn no_flag_of_any_command_is_taken_in_silence() {
         assert_eq!(plain.0, 0, "{base}: {}", plain.1);
         let mut drawn = None;
         for flag in flags.iter().filter(|flag| !["--help", "--version"].contains(&flag.as_str())) {
+            // A city in vectors has no ground that could be without data.
+            let is_drawn = draws.contains(&flag.as_str()) || (command, flag.as_str()) == ("city", "--data-area");
             let line = format!("{flag} {}", value_of(command, flag).unwrap_or_default());
-            let without = if draws.contains(&flag.as_str()) {
+            let without = if is_drawn {
                 drawn.get_or_insert_with(|| seen(&folder, &format!("{base} -o drawn.png"))).clone()
             } else {
                 plain.clone()
             };
-            let drawing = if draws.contains(&flag.as_str()) { " -o drawn.png" } else { "" };
+            let drawing = if is_drawn { " -o drawn.png" } else { "" };
             let with = seen(&folder, &format!("{base}{drawing} {line}"));
             let is_refused = with.0 != 0 && with.0 != 1;
             let is_quiet = QUIET.iter().any(|(name, _)| name == flag);

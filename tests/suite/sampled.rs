@@ -178,7 +178,7 @@ fn samples_that_make_no_sense_are_refused() {
             "city.geojson --zones street:5 --height 50 --centers",
             "centers of zones have no meaning for a city in a file",
         ),
-        ("dsm.asc --zones street:5 --height 50", "no zone is known"),
+        ("dsm.asc --zones street:5 --height 50", "no building is known, so no zone is"),
     ] {
         let answer = folder.type_in(&format!("sample {line}"));
         let said = answer.refused(2).join(" ");

@@ -41,6 +41,7 @@ pub(in crate::cli) struct LinkArgs {
 
 impl LinkArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        run.typed.refuse(&["data_area"], "for a link: its ends are where they are put")?;
         let site = parse_uav(&self.uav, "1".into())?;
         let asked = AskedSight { rx_height_m: self.height.rx_height, radius_m: self.radius, ..AskedSight::default() };
         let radius_m = asked.checked()?.radius_m();

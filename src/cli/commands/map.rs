@@ -5,7 +5,7 @@ use crate::answer::{Answer, Spent};
 use crate::cli::interrupt;
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
-use crate::cli::told::{refusal, refusal_with};
+use crate::cli::told::refusal_with;
 use crate::error::{ErrorClass, Result};
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
@@ -18,8 +18,8 @@ impl MapArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
         let names_sites = |path: &std::path::PathBuf| path.to_string_lossy().contains(SITE);
         let job = self.job(run)?;
-        if self.strips && (!is_raster_scene(&job.word) || job.scene.project.is_some()) {
-            return Err(refusal(116, "`--strips` has no meaning but for a raster in its own system"));
+        if !is_raster_scene(&job.word) || job.scene.project.is_some() {
+            run.typed.refuse(&["strips", "scratch"], "but for a raster in its own system")?;
         }
         let runs = SiteRuns::of(&job, &run.progress)?;
         if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_sites) {

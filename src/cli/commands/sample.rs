@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::placements::heights;
 use crate::quantity::Height;
 use crate::sample::{FORMATS, SamplePlan};
+use crate::scene::built_up;
 use crate::zones::Zone;
 
 #[derive(Debug, Args)]
@@ -63,6 +64,9 @@ pub(in crate::cli) struct SampleArgs {
 
 impl SampleArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        if built_up(&self.scene.scene).is_some() {
+            run.typed.refuse(&["ground"], "for heights above the ground of a generated city")?;
+        }
         let above_ground = |height: Height| match height {
             Height::AboveGround(h) => Ok(h),
             other => {

@@ -42,6 +42,7 @@ pub(in crate::cli) struct TrackArgs {
 
 impl TrackArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        run.typed.refuse(&["data_area"], "for a link: its ends are where they are put")?;
         let plan = TrackPlan {
             uav: parse_uav(&self.uav, "1".into())?,
             file: self.track.clone(),
