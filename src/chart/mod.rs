@@ -142,7 +142,7 @@ impl Answer for Chart {
 /// A chart of maps or of P_LoS, told apart by `kind`.
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
-#[expect(dead_code, reason = "a type of its schema alone")]
+#[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
 pub(crate) enum AnyChartDocument {
     Maps(ChartDocument),
     PLos(PlosChartDocument),

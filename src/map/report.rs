@@ -286,7 +286,7 @@ pub(crate) struct MapProvenance {
 /// A document of a map, or what its features say of the run.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
-#[expect(dead_code, reason = "a type of its schema alone")]
+#[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
 pub(crate) enum AnyMapDocument {
     Map(MapDocument),
     Features(MapProvenance),

@@ -301,7 +301,7 @@ const INFO_SCHEMA: &str = "skyshed/info/1";
 /// Any of them, told apart by `kind`; a document that stands beside a picture has none.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
-#[expect(dead_code, reason = "a type of its schema alone")]
+#[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
 pub(crate) enum InfoDocument<'a> {
     Scene(SceneInfo),
     Places(PlacesInfo),

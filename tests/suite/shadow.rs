@@ -378,7 +378,7 @@ fn munich(terrain: bool) -> HeightField {
         ground_m: (!terrain).then_some(0.0),
         ..FootprintOptions::default()
     };
-    let scene = read_footprints(&maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
+    let scene = read_footprints(maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
     HeightField::build(&scene.grid, scene.solids).field
 }
 

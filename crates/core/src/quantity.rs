@@ -133,8 +133,8 @@ impl FromStr for Height {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let kinds: [(&str, fn(f64) -> Height); 3] =
-            [("agl", Height::agl), ("roof", Height::roof), ("amsl", Height::amsl)];
+        type Kind = fn(f64) -> Height;
+        let kinds: [(&str, Kind); 3] = [("agl", Height::agl), ("roof", Height::roof), ("amsl", Height::amsl)];
         let typed = kinds.into_iter().find_map(|(suffix, make)| Some((text.strip_suffix(suffix)?.trim_end(), make)));
         let (number, make) = typed.unwrap_or((text, Height::agl));
         parse_meters(number).map(make).map_err(|found| {
