@@ -1,4 +1,4 @@
-//! What was mended or left out while reading footprints, thing by thing, as a table or as points.
+//! The file of `--repairs`: every fault of footprints as a row of a table or a point.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! How line of sight is asked for: for which receivers, how far, by which engine; and what captions say of that.
+//! Receivers, their height, the radius and the engine as the library takes them, checked; what captions say of them.
 
 use schemars::JsonSchema;
 use serde::Serialize;

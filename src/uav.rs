@@ -1,4 +1,4 @@
-//! UAVs as they are asked for.
+//! `Uav` of the front door, and the UAVs of a command line or a table before a scene is known.
 
 use std::collections::HashSet;
 use std::path::PathBuf;

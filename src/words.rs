@@ -1,4 +1,4 @@
-//! Text that several commands share: documents, titles.
+//! Text that several answers share: titles, P_LoS in words, documents laid out.
 
 use crate::coverage::IdleFootprints;
 use crate::quantity::tidy;

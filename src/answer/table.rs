@@ -1,4 +1,5 @@
-//! Tables from rows that are types of serde.
+//! Tables from rows that are types of serde: the fields of a row type, which stands beside its document, are the
+//! columns.
 
 use schemars::{JsonSchema, schema_for};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What the command line says of its own words.
+//! Errors that only the command line can make: words that cannot be read, flags that exclude each other.
 
 use crate::error::{Error, ErrorClass};
 

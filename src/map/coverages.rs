@@ -1,7 +1,7 @@
 //! What UAVs see: the answer of a map.
 
 use super::report::{MapReport, SiteFacts};
-use super::save::SaveOptions;
+use super::save_options::SaveOptions;
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
 use crate::export::{Format, Layer};

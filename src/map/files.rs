@@ -1,4 +1,4 @@
-//! The files of a map.
+//! What stands in each file of a map, format by format.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::kml::{KmlOverlay, kml};
 use super::report::{MapReport, MaskDigest};
-use super::save::{PolygonClasses, SaveOptions, no_crs};
+use super::save_options::{PolygonClasses, SaveOptions, no_crs};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_polygons};
 use crate::crs::wkt_of;

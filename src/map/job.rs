@@ -1,4 +1,4 @@
-//! A map as files: what is asked for, and what came of it.
+//! A map as a run of `skyshed map`: its plan and its outputs, and what is told when it is done.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::curve::{CurvePlan, Curves};
 use super::plan::MapPlan;
 use super::report::MapReport;
-use super::save::SaveOptions;
+use super::save_options::SaveOptions;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing};
 use crate::error::{Result, Warning};

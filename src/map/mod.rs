@@ -12,7 +12,7 @@ mod plan;
 mod report;
 mod request;
 mod run;
-mod save;
+mod save_options;
 mod saving;
 mod sites;
 mod stability;
@@ -28,7 +28,7 @@ pub(crate) use plan::{Held, MapPlan};
 pub use report::SiteFacts;
 pub(crate) use report::{AnyMapDocument, IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};
 pub use request::CoverageRequest;
-pub use save::{PolygonClasses, SaveOptions};
+pub use save_options::{PolygonClasses, SaveOptions};
 pub(crate) use sites::{Outcome, SITE, SiteRuns};
 pub(crate) use tolerance::{FormDocument, check_tolerance};
 

@@ -1,4 +1,4 @@
-//! What is asked of a map, and the map.
+//! What the program asks of a map with all defaults filled in, and the map made in memory.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Asking for coverage.
+//! What a caller of the library asks of a map, setting by setting: it becomes a plan.
 
 use std::marker::PhantomData;
 use std::sync::Arc;

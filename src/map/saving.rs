@@ -1,10 +1,10 @@
-//! Coverage as files.
+//! `save` of `Coverage` and `Coverages`: the file that an extension asks for.
 
 use std::path::Path;
 
 use super::coverages::{Coverage, Coverages};
 use super::files::Writer;
-use super::save::SaveOptions;
+use super::save_options::SaveOptions;
 use crate::answer::{Spent, add_outputs};
 use crate::error::Result;
 use crate::export::{Batch, OutputRules, check_layers, check_outputs};

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use super::curve::CurvePlan;
 use super::job::{Done, Given, GivenScene, MapJob};
-use super::save::SaveOptions;
+use super::save_options::SaveOptions;
 use super::strips::{check_strips, on_disk, reason_for_strips};
 use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};

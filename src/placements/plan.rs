@@ -1,4 +1,4 @@
-//! What is looked for, and where.
+//! What the program asks of a search with all defaults filled in, and what belongs together in it.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Asking where to hover.
+//! What a caller of the library asks of a search, setting by setting: it becomes a plan.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What is said of a search.
+//! What `skyshed place` prints: the best places, the bound, what was left out.
 
 use super::goal::Whom;
 use super::report::{PlaceFacts, PlaceReport, PlaceValue};

@@ -1,4 +1,5 @@
-//! P_LoS of a real city from its maps, on coarser cells where a tolerance allows them.
+//! The method `maps` of a P_LoS study: shares and their intervals from maps of a real city, on coarser cells within a
+//! tolerance.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Which P_LoS is asked for.
+//! What the program asks of a P_LoS study with all defaults filled in.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! P_LoS over a real city: maps from many positions, and the statistical city that is most like it.
+//! A city in a file in a P_LoS study: how it is read, where its UAVs are, the statistical city most like it.
 
 use std::ffi::OsStr;
 

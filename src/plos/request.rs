@@ -1,4 +1,4 @@
-//! Asking for P_LoS.
+//! What a caller of the library asks of P_LoS, setting by setting: it becomes a plan.
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What limits the truth of a map: said in warnings, and in captions, as pictures travel without what was said beside them.
+//! What limits the truth of a map, in warnings and captions: the curve of the earth, unknown ground, missing heights.
 
 use crate::city::HeightGap;
 use crate::coverage::Uav;

@@ -1,4 +1,4 @@
-//! Where UAVs are, and how line of sight is asked for.
+//! `--uav`, `--uavs`, `--rx-height`, `--receivers`, `--radius`, `--method`: their words and their defaults.
 
 use std::path::PathBuf;
 

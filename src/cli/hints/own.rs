@@ -1,4 +1,4 @@
-//! Remedies for what is asked of the library as a whole.
+//! Remedies for the errors of `src/error/`: requests, places, inputs, limits.
 
 use crate::error::{InputError, LimitError, OfGenerated, PlacesError, RequestError};
 use crate::los_probability::models::Model;

@@ -1,4 +1,4 @@
-//! What was mended or left out while reading footprints: the kinds of faults, counted.
+//! The kinds of faults of footprints, and how often each occurred.
 
 /// A kind of fault of a footprint. Its order is that of warnings, and of what is listed for one feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,4 +1,4 @@
-//! Where a UAV hovers, as it was asked for.
+//! A site: a position and a height, as they were typed, before a scene is known.
 
 use crate::quantity::Height;
 

@@ -1,4 +1,4 @@
-//! Files of a run: their formats, and what is checked of them before any work.
+//! Outputs before any work: is each a file that can be made, of a format that the run writes, and not an input?
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! What was mended or left out while reading footprints, in words.
+//! Faults of footprints as warnings, one for each kind.
 
 use super::footprint_options::{FootprintOptions, MissingHeight};
 use crate::city::{FootprintFault, FootprintFaults};

@@ -1,4 +1,4 @@
-//! What was mended or left out while reading footprints, thing by thing, where that is asked for.
+//! Faults of footprints one by one, where `--repairs` asks for them.
 
 use crate::city::{FootprintFault, FootprintFaults};
 

@@ -1,4 +1,5 @@
-//! The bootstrap: clusters are drawn with replacement, a thousand times, and ratios of sums are formed anew.
+//! The bootstrap behind intervals over a real city and of comparisons: clusters are drawn with replacement, a thousand times,
+//! and ratios of sums are formed anew.
 //!
 //! Ratios that are asked for together are resampled together: in each drawing every block of ground counts equally often
 //! in all of them. So the difference of two maps is resampled as what it is, a difference cell by cell, and what both maps

@@ -1,4 +1,4 @@
-//! Cells of a row as bits of words.
+//! Cells of a row as bits: 64 in a machine word.
 
 use crate::raster::bits_between;
 

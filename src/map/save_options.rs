@@ -1,4 +1,4 @@
-//! In which form a map is written.
+//! Options of files: tiles or strips, classes or GDAL's values, bare pictures, polygons; which of them a format takes.
 
 use std::path::Path;
 
