@@ -241,8 +241,7 @@ fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
         return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
     }
     // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
-    let grid =
-        GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::Fault("a grid of one cell is valid"))?;
+    let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::Fault("a grid of one cell is valid"))?;
     Ok(What::Uavs(read_sites(path, &grid, 1, BadRows::Refuse)?))
 }
 

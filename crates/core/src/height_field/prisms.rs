@@ -151,7 +151,7 @@ impl Prisms {
         sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).min().unwrap_or(all_around)
     }
 
-    /// The height of [`Prisms::solid_at`], [`VOID`] where there is none.
+    /// The height of the solid there, [`VOID`] where there is none.
     pub fn solid_below(&self, x: i64, y: i64) -> i32 {
         self.solid_at(x, y).map_or(VOID, |(top, _)| top)
     }
