@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use super::say;
-use crate::cli::told::refusal;
+use crate::cli::failure::{Failure, refusal};
 use crate::error::{Error, Result};
 use crate::export::abandon_files;
 use crate::progress::Progress;
@@ -36,7 +36,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// UAVs whose files are complete, in a run that writes them one by one.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
-fn interrupted() -> Error {
+fn interrupted() -> Failure {
     let text = match WRITTEN.load(Ordering::Acquire) {
         0 => "interrupted; nothing was written".to_string(),
         n => format!("interrupted; the files of {} are written", counted(n, "UAV", "UAVs")),
@@ -45,7 +45,7 @@ fn interrupted() -> Error {
 }
 
 /// Some files of a run may have their names already.
-fn while_writing() -> Error {
+fn while_writing() -> Failure {
     refusal(130, "interrupted; what was written is whole, the rest is not there")
 }
 
@@ -91,14 +91,14 @@ fn after_grace(work: impl FnOnce() + Send + 'static) {
 /// Ends the program with an error, from any thread.
 pub(super) fn give_up(error: &Error) -> ! {
     let _no_file_is_begun = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
-    end(error)
+    end(&Failure::Library(error.clone()))
 }
 
-/// Ends the program with an error, without a temporary file.
-fn end(error: &Error) -> ! {
+/// Ends the program without a temporary file.
+fn end(failure: &Failure) -> ! {
     abandon_files();
-    say::error(error);
-    std::process::exit(i32::from(error.class().exit_code()));
+    say::failure(failure);
+    std::process::exit(i32::from(failure.class().exit_code()));
 }
 
 /// From here on [`wants_to_stop`] says when to begin no further piece.
@@ -142,9 +142,12 @@ pub(super) fn check() -> skyshed_core::Result<()> {
     if wants_to_stop() { Err(skyshed_core::Error::Interrupted) } else { Ok(()) }
 }
 
-/// An error in the words of the run: an interrupt says what was written.
-pub(super) fn in_words(error: Error) -> Error {
-    if matches!(error, Error::Core(skyshed_core::Error::Interrupted)) { interrupted() } else { error }
+/// A failure in the words of the run: an interrupt says what was written.
+pub(super) fn in_words(failure: Failure) -> Failure {
+    match failure {
+        Failure::Library(Error::Core(skyshed_core::Error::Interrupted)) => interrupted(),
+        failure => failure,
+    }
 }
 
 /// A run that tells what it does, and is asked whether to go on.

@@ -5,20 +5,21 @@
 
 mod args;
 mod commands;
+mod failure;
 mod hints;
 mod interrupt;
 mod program;
 mod refusal;
 mod run;
 mod say;
-mod told;
+
 mod typed;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use crate::error::Result;
+use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 use program::Cli;
@@ -38,10 +39,10 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let error = interrupt::in_words(error);
-            say::error(&error);
-            ExitCode::from(error.class().exit_code())
+        Err(failure) => {
+            let failure = interrupt::in_words(failure);
+            say::failure(&failure);
+            ExitCode::from(failure.class().exit_code())
         }
     }
 }

@@ -14,7 +14,7 @@ use super::commands::{
 };
 use super::run::Run;
 use super::typed::Typed;
-use crate::error::Result;
+use crate::cli::failure::Result;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
 #[derive(Debug, Parser)]

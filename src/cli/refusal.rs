@@ -2,9 +2,9 @@
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use super::failure::{Failure, Result, refusal, refusal_with};
 use super::say;
-use super::told::{refusal, refusal_with};
-use crate::error::{Error, MOST_FOUND, Result, shortened};
+use crate::error::{MOST_FOUND, shortened};
 
 /// Answers for help and version, on standard output; gives back any other error.
 ///
@@ -30,7 +30,7 @@ pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
     }
 }
 
-fn in_words(text: &str) -> Error {
+fn in_words(text: &str) -> Failure {
     let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
     // Missing arguments are listed on lines of their own; an error is one line.
     let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::hints;
-use crate::cli::told::refusal;
-use crate::error::{Error, RequestError, Result, Warning, escaped, io_words, is_text};
+use crate::cli::failure::{Failure, Result, refusal};
+use crate::error::{Error, RequestError, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
 
 /// A line on standard error; a closed pipe there is nobody's concern.
@@ -56,7 +56,10 @@ fn names_option(error: &Error) -> bool {
     use RequestError as R;
     match error {
         Error::Request(error) => {
-            matches!(error, R::Idle { .. } | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. })
+            matches!(
+                error,
+                R::Idle { .. } | R::NothingToResume | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. }
+            )
         }
         Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
         _ => false,
@@ -79,17 +82,17 @@ fn say_labelled(label: &str, color: u8, text: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints an error and its hint.
-pub(super) fn error(error: &Error) {
+/// Prints why a command fails, and what to do about it.
+pub(super) fn failure(failure: &Failure) {
     const RED: u8 = 31;
-    let mut text = error.to_string();
-    if names_option(error) {
+    let mut text = failure.to_string();
+    if matches!(failure, Failure::Library(error) if names_option(error)) {
         for (option, flag) in FLAGS {
             text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
         }
     }
-    say_labelled(&format!("error[{}]", error.code()), RED, &text);
-    if let Some(hint) = hints::hint(error) {
+    say_labelled(&format!("error[{}]", failure.code()), RED, &text);
+    if let Some(hint) = failure.remedy() {
         say(&format!("hint: {hint}"));
     }
 }

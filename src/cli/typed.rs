@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-use super::told::refusal;
-use crate::error::Result;
+use super::failure::{Result, refusal};
 
 /// What was typed, as opposed to left at its default.
 #[derive(Debug, Default)]

@@ -5,8 +5,6 @@ mod limit;
 mod places;
 mod request;
 
-use std::fmt;
-
 pub use input::InputError;
 pub use limit::LimitError;
 pub use places::PlacesError;
@@ -17,34 +15,40 @@ pub(crate) use skyshed_core::error::{MOST_FOUND, escaped, io_words, is_text, one
 /// The error of every fallible function of this crate.
 ///
 /// It has a class, which fixes the exit code of the command line, a stable code, and one line of text.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Of scenes, UAVs and engines.
-    Core(skyshed_core::Error),
+    #[error(transparent)]
+    Core(#[from] skyshed_core::Error),
     /// Of P_LoS, placement and comparisons.
+    #[error(transparent)]
     Study(skyshed_study::Error),
     /// Of files.
+    #[error(transparent)]
     Io(skyshed_io::Error),
     /// A request that makes no sense.
-    Request(RequestError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Request(#[from] RequestError),
     /// Places that are not there.
-    Places(PlacesError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Places(#[from] PlacesError),
     /// A file that is not what it was given as.
-    Input(InputError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Input(#[from] InputError),
     /// A request that is too large.
-    Limit(LimitError),
+    #[error("{}", one_line(&.0.to_string()))]
+    Limit(#[from] LimitError),
     /// E403: a picture could not be drawn; a fault of the program.
+    #[error("{}", one_line(&format!("cannot draw the picture: {_0}")))]
     Drawing(String),
     /// E902: what should have held whatever was asked.
+    #[error("{0}")]
     Fault(&'static str),
-    /// What the command line says of its own words.
-    #[doc(hidden)]
-    CommandLine { class: ErrorClass, code: u16, text: String, hint: Option<String> },
 }
 
 /// The result of every fallible function of this crate.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// E113: a number out of range.
@@ -74,7 +78,6 @@ impl Error {
             Error::Input(_) => ErrorClass::File,
             Error::Limit(_) => ErrorClass::Limit,
             Error::Drawing(_) | Error::Fault(_) => ErrorClass::Internal,
-            Error::CommandLine { class, .. } => *class,
         }
     }
 
@@ -90,35 +93,8 @@ impl Error {
             Error::Limit(error) => error.code(),
             Error::Drawing(_) => 403,
             Error::Fault(_) => 902,
-            Error::CommandLine { code, .. } => *code,
         };
         format!("E{number}")
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match self {
-            Error::Core(error) => return error.fmt(f),
-            Error::Study(error) => return error.fmt(f),
-            Error::Io(error) => return error.fmt(f),
-            Error::Request(error) => error.to_string(),
-            Error::Places(error) => error.to_string(),
-            Error::Input(error) => error.to_string(),
-            Error::Limit(error) => error.to_string(),
-            Error::Drawing(why) => format!("cannot draw the picture: {why}"),
-            Error::Fault(what) => (*what).to_string(),
-            Error::CommandLine { text, .. } => text.clone(),
-        };
-        f.write_str(&one_line(&text))
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl From<skyshed_core::Error> for Error {
-    fn from(error: skyshed_core::Error) -> Self {
-        Error::Core(error)
     }
 }
 
@@ -139,29 +115,5 @@ impl From<skyshed_io::Error> for Error {
             skyshed_io::Error::Core(error) => Error::Core(error),
             error => Error::Io(error),
         }
-    }
-}
-
-impl From<RequestError> for Error {
-    fn from(error: RequestError) -> Self {
-        Error::Request(error)
-    }
-}
-
-impl From<PlacesError> for Error {
-    fn from(error: PlacesError) -> Self {
-        Error::Places(error)
-    }
-}
-
-impl From<InputError> for Error {
-    fn from(error: InputError) -> Self {
-        Error::Input(error)
-    }
-}
-
-impl From<LimitError> for Error {
-    fn from(error: LimitError) -> Self {
-        Error::Limit(error)
     }
 }

@@ -55,6 +55,9 @@ pub enum RequestError {
     /// E113: a number out of range: what it is, and what is wanted.
     #[error("{what} is `{found}`, wanted {wanted}")]
     Number { what: &'static str, found: f64, wanted: String },
+    /// E113: a tolerance out of range.
+    #[error("the tolerance is `{0}`, wanted a P_LoS above 0 and below 1")]
+    Tolerance(f64),
     /// E113: a text that is no list of heights, and why.
     #[error("the heights are `{text}`: {found}")]
     Heights { text: String, found: String },
@@ -70,6 +73,9 @@ pub enum RequestError {
     /// E116: an option that changes nothing, and why.
     #[error("`{option}` has no meaning {why}")]
     Idle { option: &'static str, why: String },
+    /// E116: `resume` without files.
+    #[error("`resume` has no meaning without files to leave alone")]
+    NothingToResume,
     /// E116: a file of polygons, and no polygons.
     #[error("cannot write {0}: it holds polygons")]
     NoPolygons(String),
@@ -138,8 +144,14 @@ impl RequestError {
             R::GdalValues { .. } => 107,
             R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
             R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoCrs(_) => 109,
-            R::Number { .. } | R::Heights { .. } | R::CurveHeights { .. } | R::MixedHeights | R::ZoneTwice(_) => 113,
+            R::Number { .. }
+            | R::Tolerance(_)
+            | R::Heights { .. }
+            | R::CurveHeights { .. }
+            | R::MixedHeights
+            | R::ZoneTwice(_) => 113,
             R::Idle { .. }
+            | R::NothingToResume
             | R::NoPolygons(_)
             | R::OneCity(_)
             | R::RealCity { .. }

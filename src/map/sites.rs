@@ -67,6 +67,9 @@ pub(crate) enum Outcome<'a> {
     AllThere,
 }
 
+/// Who is told of each outcome, and may fail himself.
+pub(crate) type Told<'a, E> = dyn FnMut(Outcome<'_>) -> Result<(), E> + 'a;
+
 /// What became of the files of a UAV.
 #[derive(PartialEq, Eq)]
 enum Found {
@@ -89,7 +92,7 @@ impl<'a> SiteRuns<'a> {
             return Ok(None);
         }
         if files.is_empty() {
-            return Err(Error::idle("resume", "without files to leave alone"));
+            return Err(RequestError::NothingToResume.into());
         }
         // Those in folders named after UAVs are checked with each of them.
         let folders_are_shared = |path: &&&PathBuf| !path.parent().is_some_and(names);
@@ -104,7 +107,7 @@ impl<'a> SiteRuns<'a> {
     ///
     /// # Errors
     /// Of the first UAV that failed, once all others are done; at once if the user interrupts.
-    pub(crate) fn run(&self, each: &mut dyn FnMut(Outcome<'_>) -> Result<()>) -> Result<()> {
+    pub(crate) fn run<E: From<Error>>(&self, each: &mut Told<'_, E>) -> Result<(), E> {
         if !self.is_by_site() {
             return self.run_together(each);
         }
@@ -122,7 +125,7 @@ impl<'a> SiteRuns<'a> {
                 Ok(None) => each(Outcome::There)?,
                 Err(error) if error.class() == ErrorClass::Interrupted => {
                     failed.into_iter().try_for_each(|first| each(Outcome::Failed(&first)))?;
-                    return Err(error);
+                    return Err(error.into());
                 }
                 Err(error) => {
                     // The first one is told at the end.
@@ -137,7 +140,7 @@ impl<'a> SiteRuns<'a> {
                 }
             }
         }
-        failed.map_or(Ok(()), Err)
+        failed.map_or(Ok(()), |error| Err(error.into()))
     }
 
     fn is_by_site(&self) -> bool {
@@ -145,7 +148,7 @@ impl<'a> SiteRuns<'a> {
     }
 
     /// One run of all UAVs, unless its files are there.
-    fn run_together(&self, each: &mut dyn FnMut(Outcome<'_>) -> Result<()>) -> Result<()> {
+    fn run_together<E: From<Error>>(&self, each: &mut Told<'_, E>) -> Result<(), E> {
         let unit = self.unit(None, &self.inputs(true)?);
         let mut job = self.job.clone();
         match found(&job, &unit)? {

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::accuracy::{CONFIDENCE, Choice, Measured, Question, Simpler, Tried, coarsest_within};
 use crate::coverage::Uav;
-use crate::error::{Error, RequestError, Result};
+use crate::error::{RequestError, Result};
 use crate::height_field::HeightField;
 use crate::los::MethodChoice;
 use crate::quantity::tidy;
@@ -21,7 +21,7 @@ use crate::zones::ZoneMap;
 pub(crate) fn check_tolerance(tolerance: Option<f64>, method: MethodChoice) -> Result<()> {
     let Some(tolerance) = tolerance else { return Ok(()) };
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        return Err(Error::number("the tolerance", tolerance, "a P_LoS above 0 and below 1"));
+        return Err(RequestError::Tolerance(tolerance).into());
     }
     if matches!(method, MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
         return Err(RequestError::ToleranceOfApproximate.into());

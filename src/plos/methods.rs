@@ -4,8 +4,8 @@ use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use super::curve_file::read_curve;
+use super::document::MethodFacts;
 use super::plan::PlosPlan;
-use super::report::MethodFacts;
 use crate::error::{Error, RequestError, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};

@@ -2,6 +2,7 @@
 
 mod coarser;
 mod curve_file;
+mod document;
 mod heat;
 mod maps;
 mod methods;
@@ -18,11 +19,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
+pub(crate) use document::{PlosDocument, PlosTableRow};
 pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
 pub(crate) use plan::{PlosPlan, PlotKind};
 use real::Real;
-pub(crate) use report::{PlosDocument, PlosTableRow};
 use report::{PlosReport, PlosRow, PlosValue};
 pub use request::{PLos, PLosRequest, PLosValue};
 pub(crate) use sweep::{Far, Sweeps};

@@ -3,8 +3,11 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use skyshed_study::Error as StudyError;
+use skyshed_study::error::LosProbabilityError;
+
 use super::sweep::Sweeps;
-use crate::error::{Error, RequestError, Result, Warning};
+use crate::error::{RequestError, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::UserCurve;
 use crate::los_probability::setting::Setting;
@@ -74,7 +77,8 @@ impl PlosPlan {
     /// E113, E116, E120.
     pub(crate) fn check(&self) -> Result<()> {
         if !(self.confidence > 0.0 && self.confidence < 1.0) {
-            return Err(Error::number("the confidence", self.confidence, "above 0 and below 1"));
+            let (what, found, wanted) = ("the confidence", self.confidence, "above 0 and below 1");
+            return Err(StudyError::from(LosProbabilityError::OutOfRange { what, found, wanted }).into());
         }
         // Each height must be possible with the receivers', whatever the sweep.
         for height in &self.sweeps.heights {

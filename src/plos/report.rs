@@ -1,11 +1,13 @@
-//! P_LoS studies as reported: the document `skyshed/plos/1` and its table.
+//! P_LoS studies as found: values, methods, tolerances; and how the document and the table are filled with them.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::Value;
 
+use super::document::{
+    FitDocument, MethodFacts, NumberOr, PlosDocument, PlosRowDocument, PlosTableRow, ProductToleranceDocument,
+    RealCityDocument, SettingDocument, ToleranceDocument, TotalTiming, TriedDocument, ValuesDocument,
+};
 use crate::accuracy::{CONFIDENCE, Simpler};
-use crate::answer::{Rows, SourceFacts, Spent, WarningFacts, digest_words, document_of, rows, version, warnings_of};
+use crate::answer::{Rows, SourceFacts, Spent, digest_words, document_of, rows, version, warnings_of};
 use crate::city::{BuiltUp, Source};
 use crate::city_statistics::fit::BuiltUpFit;
 use crate::digest::Sha256;
@@ -89,19 +91,6 @@ impl PlosRow {
             _ => None,
         }
     }
-}
-
-/// A method of a study.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub(crate) struct MethodFacts {
-    /// Its word.
-    pub(crate) id: String,
-    /// Its name.
-    pub(crate) name: String,
-    /// Where it comes from.
-    pub(crate) source: String,
-    /// Where it is valid, and what it is a function of.
-    pub(crate) domain: String,
 }
 
 /// A real city as reported.
@@ -351,221 +340,4 @@ impl RealCityFacts {
             }),
         }
     }
-}
-
-/// P_LoS by every method.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct PlosDocument<'a> {
-    /// Kind of document and its version.
-    schema: &'static str,
-    /// Version of the program.
-    version: &'static str,
-    /// Words of the command line after the program's name; empty for a call of the library.
-    command: &'a [String],
-    /// Seed of everything random.
-    seed: u64,
-    /// Confidence of the intervals.
-    confidence: f64,
-    /// The methods.
-    methods: &'a [MethodFacts],
-    /// What a tolerance led to, where one was given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tolerance: Option<ProductToleranceDocument>,
-    /// Cities in files.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    real_cities: Vec<RealCityDocument>,
-    /// Files that were read.
-    sources: Vec<SourceFacts>,
-    /// The values; not in what is stored in pictures and beside tables.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rows: Option<Vec<PlosRowDocument>>,
-    /// Seconds spent; not there either.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    timing_s: Option<TotalTiming>,
-    /// What was odd.
-    warnings: Vec<WarningFacts>,
-    /// SHA-256 of the table.
-    digest: String,
-}
-
-/// Seconds spent.
-#[derive(Debug, Serialize, JsonSchema)]
-struct TotalTiming {
-    /// All of it.
-    total: f64,
-}
-
-/// How far the product may be off.
-#[derive(Debug, Serialize, JsonSchema)]
-struct ProductToleranceDocument {
-    /// How far P_LoS may be off.
-    tolerance: f64,
-    /// How sure the bound is.
-    confidence: f64,
-    /// How far it is off at most; null without the product.
-    bound: Option<f64>,
-}
-
-/// A city in a file.
-#[derive(Debug, Serialize, JsonSchema)]
-struct RealCityDocument {
-    /// As it was named.
-    city: String,
-    /// UAV positions that were mapped.
-    positions: usize,
-    /// Those inside of a building.
-    positions_in_buildings: usize,
-    /// Positions left out because their disc is cut by the border of the data.
-    positions_with_cut_discs: usize,
-    /// P_LoS at an angle is of users within so many degrees of it.
-    theta_band_deg: Option<f64>,
-    /// Engine of the maps.
-    engine: String,
-    /// Blocks of ground that are resampled.
-    blocks: usize,
-    /// Their edge [m].
-    block_m: f64,
-    /// What a tolerance led to.
-    tolerance: Option<ToleranceDocument>,
-    /// The statistical city that is most like it; null where buildings are not known one by one.
-    fit: Option<FitDocument>,
-}
-
-/// The statistical city that is most like a real one.
-#[derive(Debug, Serialize, JsonSchema)]
-struct FitDocument {
-    /// Share of the ground that is built on.
-    alpha: f64,
-    /// Buildings per km².
-    beta_per_km2: f64,
-    /// Scale of the Rayleigh distribution of heights [m].
-    gamma_m: f64,
-    /// Standard error of that scale [m].
-    gamma_std_error_m: f64,
-    /// Buildings with a height.
-    buildings: usize,
-    /// Largest distance of the two distributions of heights.
-    kolmogorov_smirnov_distance: f64,
-    /// The height at which they are so far apart [m].
-    farthest_at_m: f64,
-}
-
-/// What a tolerance led to over a real city.
-#[derive(Debug, Serialize, JsonSchema)]
-struct ToleranceDocument {
-    /// How far P_LoS may be off.
-    tolerance: f64,
-    /// How sure the bound is.
-    confidence: f64,
-    /// The form of the city that was taken.
-    taken: FormDocument,
-    /// Positions from which maps of both were compared.
-    positions: usize,
-    /// The forms that were tried, the coarsest first.
-    tried: Vec<TriedDocument>,
-}
-
-/// A form that was tried.
-#[derive(Debug, Serialize, JsonSchema)]
-struct TriedDocument {
-    #[serde(flatten)]
-    form: FormDocument,
-    /// How far any P_LoS is off at most.
-    bound: Option<f64>,
-    /// Why there is no bound.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<String>,
-}
-
-/// What P_LoS is of. Heights are above ground.
-#[derive(Debug, Serialize, JsonSchema)]
-struct SettingDocument {
-    /// The city as it was named.
-    city: String,
-    /// Share of the ground that is built on; estimated for a real city.
-    alpha: Option<f64>,
-    /// Buildings per km²; estimated for a real city.
-    beta_per_km2: Option<f64>,
-    /// Scale of the Rayleigh distribution of heights [m]; estimated for a real city.
-    gamma_m: Option<f64>,
-    /// Method: product, city, geometry, maps, a model by its id, or a curve by its name.
-    method: String,
-    /// Height of the UAV [m].
-    height_m: f64,
-    /// Height of the receivers [m].
-    rx_height_m: f64,
-    /// Elevation angle of the UAV [deg]; none for users at many.
-    theta_deg: Option<f64>,
-    /// Azimuth, 0 across the street [deg]; none for the mean over all.
-    phi_deg: Option<f64>,
-    /// Ground distance of the users [m]; none for users at many.
-    distance_m: Option<f64>,
-    /// Where the UAV hovers; none for models.
-    placement: Option<&'static str>,
-    /// Which users are counted; none for models.
-    users: Option<&'static str>,
-    /// What becomes of UAVs inside of buildings: nlos or excluded; none for models.
-    uav_in_building: Option<&'static str>,
-}
-
-/// P_LoS and how sure it is.
-#[derive(Debug, Serialize, JsonSchema)]
-struct ValuesDocument {
-    /// P_LoS.
-    p_los: Option<f64>,
-    /// Lower end of its interval.
-    ci_low: Option<f64>,
-    /// Upper end of its interval.
-    ci_high: Option<f64>,
-    /// Its standard error.
-    std_error: Option<f64>,
-    /// Links behind it.
-    samples: Option<u64>,
-    /// Independent groups of links.
-    clusters: Option<u64>,
-}
-
-/// A value.
-#[derive(Debug, Serialize, JsonSchema)]
-struct PlosRowDocument {
-    #[serde(flatten)]
-    setting: SettingDocument,
-    /// Radius around the UAV that users are within [m].
-    radius_m: Option<f64>,
-    #[serde(flatten)]
-    values: ValuesDocument,
-    /// Why a value or its interval is missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<String>,
-}
-
-/// A row of the table of P_LoS.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct PlosTableRow {
-    #[serde(flatten)]
-    setting: SettingDocument,
-    /// P_LoS; empty where there is none.
-    p_los: Option<f64>,
-    /// Lower end of its interval; n/a where an estimate has none, empty for models.
-    ci_low: Option<NumberOr>,
-    /// Upper end of its interval; likewise.
-    ci_high: Option<NumberOr>,
-    /// Its standard error; likewise.
-    std_error: Option<NumberOr>,
-    /// Links behind it.
-    samples: Option<u64>,
-    /// Independent groups of links.
-    clusters: Option<u64>,
-    /// Radius around the UAV that users are within [m].
-    radius_m: Option<f64>,
-    /// P_LoS at an angle is of users within so many degrees of it.
-    theta_band_deg: Option<f64>,
-}
-
-/// A number, or the word for its absence.
-#[derive(Debug, Serialize, JsonSchema)]
-#[serde(untagged)]
-enum NumberOr {
-    Number(f64),
-    Word(&'static str),
 }

@@ -189,8 +189,10 @@ impl SamplePlan {
                     match Uav::place(&site, field, radius) {
                         Ok(uav) => uavs.push(uav),
                         Err(CoreError::Uav { why: UavError::InsideBuilding { .. }, .. }) => {}
-                        // Over a building that stands where the terrain has no height.
-                        Err(CoreError::Uav { why: UavError::NoGround, .. }) => n_without_ground += 1,
+                        // Over a building that stands where the terrain has no height, or beside a cell that blocks all.
+                        Err(CoreError::Uav { why: UavError::NoGround | UavError::OverNodata, .. }) => {
+                            n_without_ground += 1;
+                        }
                         Err(e) => return Err(e.into()),
                     }
                 }

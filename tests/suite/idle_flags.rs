@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::cli::scenes;
 use crate::program::Folder;
 
-/// A command line of each command, over city, raster or generated city, that its flags are added to.
+/// Each command with the line that its flags are added to.
 const BASES: &[(&str, &str)] = &[
     ("map", "map city.geojson --uav 2,2,50 --json -o t.csv"),
     ("link", "link city.geojson --uav 2,2,50amsl --rx 40,40 --json"),

@@ -1,7 +1,7 @@
 //! The engines in a page: a city is handed over as bytes, a UAV as numbers, and the mask lies in memory.
 //!
-//! A call gives 0, or 1 after a failure, whose words are then the text of the module. The caller copies bytes to where
-//! [`input`] says and reads the mask and the text from where [`mask`] and [`text`] say; any other call may move them.
+//! [`load`] and [`map`] return 0, or 1 after a failure; [`text`] then says what went wrong. Bytes pass through the memory of the
+//! module: the caller writes a scene where [`input`] points, and reads masks where [`mask`] points. The next call may move them.
 
 #![allow(unsafe_code, reason = "functions are exported by name, which counts as unsafe; there is no unsafe block")]
 
@@ -14,7 +14,7 @@ use skyshed_core::quantity::Height;
 use skyshed_io::Input;
 use skyshed_io::read::{FootprintOptions, read_footprints};
 
-/// What the module holds between two calls.
+/// What is kept from one call to the next.
 #[derive(Default)]
 struct Held {
     input: Vec<u8>,
@@ -45,8 +45,8 @@ impl Held {
         Ok(())
     }
 
-    /// Keeps the words of a failure.
-    fn told(&mut self, done: Result<(), String>) -> u32 {
+    /// The number that a call returns; the words of a failure are kept for [`text`].
+    fn code_of(&mut self, done: Result<(), String>) -> u32 {
         match done {
             Ok(()) => 0,
             Err(words) => {
@@ -57,7 +57,7 @@ impl Held {
     }
 }
 
-/// Makes room for so many bytes of a scene, and says where.
+/// Points at room for the bytes of a scene.
 #[unsafe(no_mangle)]
 pub extern "C" fn input(n_bytes: usize) -> *mut u8 {
     HELD.with_borrow_mut(|held| {
@@ -71,11 +71,11 @@ pub extern "C" fn input(n_bytes: usize) -> *mut u8 {
 pub extern "C" fn load() -> u32 {
     HELD.with_borrow_mut(|held| {
         let done = held.load();
-        held.told(done)
+        held.code_of(done)
     })
 }
 
-/// Columns and rows of the grid, as the high and the low half of a number; 0 without a scene.
+/// The grid of the scene: columns in the high 32 bits, rows in the low ones; 0 without a scene.
 #[unsafe(no_mangle)]
 pub extern "C" fn shape() -> u64 {
     HELD.with_borrow(|held| {
@@ -88,23 +88,23 @@ pub extern "C" fn shape() -> u64 {
 pub extern "C" fn map(x: f64, y: f64, above_ground_m: f64) -> u32 {
     HELD.with_borrow_mut(|held| {
         let done = held.map(x, y, above_ground_m);
-        held.told(done)
+        held.code_of(done)
     })
 }
 
-/// Where the mask lies, a byte for each cell, north row first.
+/// Points at the mask: a class for each cell, north row first.
 #[unsafe(no_mangle)]
 pub extern "C" fn mask() -> *const u8 {
     HELD.with_borrow(|held| held.mask.as_ptr())
 }
 
-/// Where the words of the last failure lie.
+/// Points at the words of the last failure (UTF-8).
 #[unsafe(no_mangle)]
 pub extern "C" fn text() -> *const u8 {
     HELD.with_borrow(|held| held.text.as_ptr())
 }
 
-/// How many bytes these are.
+/// Length of these words \[bytes\].
 #[unsafe(no_mangle)]
 pub extern "C" fn text_length() -> usize {
     HELD.with_borrow(|held| held.text.len())

@@ -6,8 +6,7 @@ use clap::Args;
 
 use super::words::memory_size;
 use crate::answer::Output;
-use crate::cli::told::{refusal, refusal_with};
-use crate::error::Result;
+use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::picture::Look;
 

@@ -8,9 +8,8 @@ use clap::Args;
 
 use super::words::{Words, extent, number, one_of, projection};
 use crate::city::NodataAs;
-use crate::cli::told::refusal;
+use crate::cli::failure::{Result, refusal};
 use crate::crs;
-use crate::error::Result;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
 
@@ -49,7 +48,7 @@ pub(crate) struct SceneArgs {
 impl SceneArgs {
     /// Reads the scene and makes it ready.
     pub(crate) fn open(&self) -> Result<Scene> {
-        self.reading.options()?.open(&self.scene)
+        Ok(self.reading.options()?.open(&self.scene)?)
     }
 
     /// The files that it names.

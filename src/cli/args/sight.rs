@@ -6,8 +6,7 @@ use clap::Args;
 
 use super::words::{RECEIVERS, length, number, one_of};
 use crate::city::Site;
-use crate::cli::told::{refusal, refusal_with};
-use crate::error::Result;
+use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::los::MethodChoice;
 use crate::quantity::{Height, parse_number};
 use crate::sight::{AskedSight, Receivers, Sight};
@@ -97,7 +96,7 @@ pub(crate) struct RxHeightArgs {
 impl RxHeightArgs {
     /// Receivers of this height on open ground, at any distance, by the fastest exact engine.
     pub(crate) fn sight(&self) -> Result<Sight> {
-        AskedSight { rx_height_m: self.rx_height, ..AskedSight::default() }.checked()
+        Ok(AskedSight { rx_height_m: self.rx_height, ..AskedSight::default() }.checked()?)
     }
 }
 
@@ -128,7 +127,7 @@ impl SightArgs {
     pub(crate) fn checked(&self) -> Result<Sight> {
         let SightArgs { rx, receivers, radius, method } = self;
         let asked = AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
-        asked.checked()
+        Ok(asked.checked()?)
     }
 
     /// Height of the receivers \[m\].

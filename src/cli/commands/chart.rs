@@ -9,9 +9,8 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::args::words::{length, number};
+use crate::cli::failure::{Result, refusal_with};
 use crate::cli::run::Run;
-use crate::cli::told::refusal_with;
-use crate::error::Result;
 use crate::scene::built_up;
 
 #[derive(Debug, Args)]

@@ -4,9 +4,9 @@ use clap::Args;
 
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::conversion::{Conversion, FORMATS};
-use crate::error::Result;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .asc .geojson .xml .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface \

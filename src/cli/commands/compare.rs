@@ -8,9 +8,9 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::args::words::number;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::comparison::{ComparisonPlan, FORMATS, check_number};
-use crate::error::Result;
 use crate::export::Format;
 
 #[derive(Debug, Args)]

@@ -3,9 +3,8 @@
 use clap::{Args, Command};
 
 use crate::cli::args::words::{Words, one_of};
+use crate::cli::failure::{Result, refusal};
 use crate::cli::say;
-use crate::cli::told::refusal;
-use crate::error::Result;
 use clap_complete::Shell;
 
 /// What is written.

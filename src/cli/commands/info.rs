@@ -11,8 +11,8 @@ use crate::answer::Answer;
 use crate::cli::args::output::OutputArgs;
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::words::number;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Result;
 use crate::survey::{FORMATS, Output, Places, Survey, TILE_FORMATS};
 
 #[derive(Debug, Args)]

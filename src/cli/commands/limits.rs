@@ -6,8 +6,8 @@ use crate::cli::args::output::OutputArgs;
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::args::words::number;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Result;
 use crate::limits::{FORMATS, LimitsPlan};
 use crate::scene::SceneOptions;
 

@@ -2,11 +2,11 @@
 
 use super::map_args::MapArgs;
 use crate::answer::{Answer, Spent};
+use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::interrupt;
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
-use crate::cli::told::refusal_with;
-use crate::error::{ErrorClass, Result};
+use crate::error::ErrorClass;
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
 use crate::picture::Look;
@@ -134,7 +134,7 @@ impl Sites<'_> {
                 self.n[2] += 1;
                 interrupt::give_up_writing()?;
             }
-            Outcome::Failed(error) => say::error(error),
+            Outcome::Failed(error) => say::failure(&Failure::Library(error.clone())),
             Outcome::Together(done) => {
                 self.is_by_site = false;
                 self.args.tell(self.run, done)?;

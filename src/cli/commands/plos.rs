@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use super::plos_args::PlosArgs;
 use crate::cli::args::words::Numbers;
+use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
-use crate::cli::told::refusal;
-use crate::error::Result;
 use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
@@ -92,7 +91,7 @@ impl PlosArgs {
             phis: list(&self.phi).map_or_else(|| vec![None], |phis| phis.into_iter().map(Some).collect()),
             far,
         };
-        sweeps.checked()
+        Ok(sweeps.checked()?)
     }
 
     /// An ignored input is an error, never silence.

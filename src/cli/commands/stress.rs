@@ -8,8 +8,8 @@ use crate::accuracy::stress::{FAMILIES, Family};
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::ReadingArgs;
 use crate::cli::args::sight::{SightArgs, parse_uav};
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Result;
 use crate::stress::{FORMATS, Stress, StressScene};
 use crate::uav::UavsFound;
 
@@ -73,7 +73,7 @@ impl StressArgs {
             let effort = (self.scenes, self.reading.seed);
             let stress = Stress::run(&self.families, self.sight.method(), effort, run.words())?;
             run.emit(&stress, &outputs, (&self.out, &look))?;
-            return stress.check();
+            return Ok(stress.check()?);
         };
         let sites = vec![parse_uav(uav, "1".into())?.into()];
         let found = UavsFound { sites, ..UavsFound::default() };

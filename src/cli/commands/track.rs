@@ -8,8 +8,8 @@ use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{RxHeightArgs, parse_uav};
 use crate::cli::args::words::number;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Result;
 use crate::track::{FORMATS, TrackPlan};
 
 #[derive(Debug, Args)]

@@ -4,8 +4,8 @@ use clap::Args;
 
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
+use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Result;
 use crate::zone_files::{FORMATS, ZoneFiles};
 
 #[derive(Debug, Args)]

@@ -17,7 +17,6 @@ pub(in crate::cli) fn hint(error: &Error) -> Option<String> {
         Error::Places(error) => own::of_places(error),
         Error::Input(error) => own::of_input(error),
         Error::Limit(error) => own::of_limit(error),
-        Error::CommandLine { hint, .. } => hint.clone(),
         Error::Drawing(_) | Error::Fault(_) => None,
     }
 }

@@ -97,7 +97,7 @@ pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
         return Ok(None);
     }
     let said = || "its coordinate reference system".to_string();
-    crs::parse(text).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
+    crs::parse(text).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), e.to_string())))
 }
 
 /// West, south, east, north of polygons; `None` if they have no position.

@@ -69,7 +69,7 @@ pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Opti
         return Err(Error::read(input, ReadFault::CrsMember(kind.to_string())));
     };
     let said = || format!("its `crs` is `{name}`");
-    crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), Box::new(e))))
+    crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), e.to_string())))
 }
 
 /// The features of a GeoJSON document.

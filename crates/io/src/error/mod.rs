@@ -1,0 +1,225 @@
+//! What can go wrong with files, as values: an [`Error`] by what it stopped, with the cause inside.
+//!
+//! Codes and classes are those of [`skyshed_core::error`]. Every text is one line without control characters, and passages in
+//! backticks are cut. No text names a flag: what to do about an error is said by whoever knows how it was asked for.
+
+mod read;
+mod write;
+
+use std::fmt::Display;
+
+pub use read::{Cause, HeightOf, HeightsMissing, InputKind, Place, PlacesIn, ReadError, ReadFault, Wanted};
+
+use skyshed_core::error::one_line;
+pub use skyshed_core::error::{ErrorClass, MOST_FOUND, Warning, io_words, is_text, shortened};
+use thiserror::Error as Words;
+pub use write::WriteFault;
+
+use crate::raster::Crs;
+
+/// The result of every fallible function of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// The error of every fallible function of this crate.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+pub enum Error {
+    /// Of a stage below this crate.
+    #[error(transparent)]
+    Core(#[from] skyshed_core::Error),
+    /// A file that cannot be read, or not used for what it was given as.
+    #[error("{}", one_line(&.0.to_string()))]
+    Read(Box<ReadError>),
+    /// Two files that do not belong together.
+    #[error("{}", one_line(&.0.to_string()))]
+    Combine(#[from] CombineError),
+    /// A reference system that is not known, or not reached.
+    #[error("{}", one_line(&.0.to_string()))]
+    Crs(#[from] CrsError),
+    /// An option that makes no sense.
+    #[error("{}", one_line(&.0.to_string()))]
+    Option(#[from] OptionError),
+    /// A file that cannot be written: its path, or what is written, and why not.
+    #[error("{}", one_line(&format!("cannot {} {_0}: {_1}", _1.verb())))]
+    Write(String, WriteFault),
+    /// An error within a larger thing.
+    #[error("{}", one_line(&format!("{_0} ({_1})")))]
+    Within(Box<Error>, String),
+}
+
+/// Two files that do not belong together.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum CombineError {
+    /// E311: in different reference systems; the files, their systems, and what they are.
+    #[error("cannot combine {} in {} with {} in {}: wanted one CRS", .names[0], .crs[0], .names[1], .crs[1])]
+    TwoCrs { names: [String; 2], crs: [String; 2], pair: Pair },
+    /// E311: above an ellipsoid and above a datum.
+    #[error("cannot combine {0}: they are tens of meters apart, wanted one datum")]
+    TwoDatums(String),
+    /// E312: a surface, and a terrain that does not lie below it; both with their grids.
+    #[error("cannot combine {0} with {1}: wanted a terrain below the surface, found none at any cell")]
+    NoTerrainBelow(String, String),
+}
+
+/// What two files are that are combined. Tiles are those of one raster, or a virtual raster and one of its sources; a map is
+/// that of an earlier run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the names of the variants say it")]
+pub enum Pair {
+    FootprintsTerrain,
+    SurfaceTerrain,
+    Tiles,
+    SceneMap,
+    WeightsScene,
+}
+
+/// A reference system that is not known, or not reached.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum CrsError {
+    /// E310: the registry has no such code.
+    #[error("unknown coordinate reference system: no EPSG code `{0}` in the registry")]
+    UnknownCode(u32),
+    /// E310: a text that defines none; its beginning, and what is wrong.
+    #[error("cannot read the coordinate reference system `{0}`: {1}")]
+    Unreadable(String, String),
+    /// E310: no way leads from one to another, or not for the coordinates that are said.
+    #[error("cannot transform {what} from `{from}` to `{to}`: {why}")]
+    NoWay { what: String, from: String, to: String, why: String },
+    /// E502: more cells than are counted.
+    #[error("cannot reproject {0} cells: wanted below 2^32")]
+    TooManyCells(usize),
+}
+
+/// An option that makes no sense.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// E112: a size of cells.
+    #[error("`cell_m` is `{0}`, wanted above 0 m")]
+    Cell(f64),
+    /// E113: a number out of range; its option, and what is wanted.
+    #[error("`{0}` is `{1}`, wanted {2}")]
+    Number(&'static str, f64, &'static str),
+    /// E114: an extent.
+    #[error("`extent` is `{},{},{},{}`, wanted west < east and south < north", .0[0], .0[1], .0[2], .0[3])]
+    Extent([f64; 4]),
+    /// E116: a size of cells for a file that keeps its own.
+    #[error("`cell_m` has no meaning for {0}: it is in the wanted system and stays")]
+    CellKept(String),
+}
+
+/// E311: two files in different reference systems.
+pub(crate) fn two_crs((a, a_crs): (impl Display, &Crs), (b, b_crs): (impl Display, &Crs), pair: Pair) -> Error {
+    let (names, crs) = ([a.to_string(), b.to_string()], [a_crs.label(), b_crs.label()]);
+    CombineError::TwoCrs { names, crs, pair }.into()
+}
+
+impl Error {
+    /// A file that cannot be read or used.
+    pub(crate) fn read(name: impl Display, fault: ReadFault) -> Error {
+        Error::Read(Box::new(ReadError { name: name.to_string(), place: None, fault, cause: Cause::AsSaid }))
+    }
+
+    pub(crate) fn malformed(name: impl Display, what: impl Into<String>) -> Error {
+        Error::read(name, ReadFault::Malformed(what.into()))
+    }
+
+    pub(crate) fn truncated(name: impl Display, what: impl Into<String>) -> Error {
+        Error::read(name, ReadFault::Truncated(what.into()))
+    }
+
+    pub(crate) fn unsupported(name: impl Display, what: impl Into<String>) -> Error {
+        Error::read(name, ReadFault::Unsupported(what.into()))
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn write(name: impl Display, fault: WriteFault) -> Error {
+        Error::Write(name.to_string(), fault)
+    }
+
+    pub(crate) fn encode(name: impl Display, why: impl Display) -> Error {
+        Error::write(name, WriteFault::Encode(why.to_string()))
+    }
+
+    pub(crate) fn refused(name: impl Display, cause: &std::io::Error) -> Error {
+        Error::write(name, WriteFault::Refused(io_words(cause)))
+    }
+
+    /// The same error with its place in the file.
+    pub(crate) fn at(mut self, place: Place) -> Error {
+        if let Error::Read(read) = &mut self {
+            read.place = Some(place);
+        }
+        self
+    }
+
+    /// The same error with what is known of its cause.
+    pub(crate) fn because(mut self, cause: Cause) -> Error {
+        if let Error::Read(read) = &mut self {
+            read.cause = cause;
+        }
+        self
+    }
+
+    /// The same error within a larger thing, which stands at the end of its text, in parentheses.
+    #[must_use]
+    pub fn within(self, more: impl Display) -> Error {
+        Error::Within(Box::new(self), more.to_string())
+    }
+
+    /// The class, which fixes the exit code of the command line.
+    pub fn class(&self) -> ErrorClass {
+        match self {
+            Error::Core(error) => error.class(),
+            Error::Within(error, _) => error.class(),
+            Error::Write(_, WriteFault::Encode(_)) => ErrorClass::Internal,
+            _ => match self.number() / 100 {
+                1 => ErrorClass::Usage,
+                2 => ErrorClass::Site,
+                5 => ErrorClass::Limit,
+                _ => ErrorClass::File,
+            },
+        }
+    }
+
+    /// The stable code, for example `E301`.
+    pub fn code(&self) -> String {
+        match self {
+            Error::Core(error) => error.code(),
+            error => format!("E{:03}", error.number()),
+        }
+    }
+
+    /// The number of the code.
+    fn number(&self) -> u16 {
+        match self {
+            Error::Core(error) => error.code().trim_start_matches('E').parse().unwrap_or(900),
+            Error::Within(error, _) => error.number(),
+            Error::Read(error) => error.fault.number(),
+            Error::Combine(CombineError::TwoCrs { .. } | CombineError::TwoDatums(_)) => 311,
+            Error::Combine(CombineError::NoTerrainBelow(..)) => 312,
+            Error::Crs(CrsError::TooManyCells(_)) => 502,
+            Error::Crs(_) => 310,
+            Error::Option(OptionError::Cell(_)) => 112,
+            Error::Option(OptionError::Number(..)) => 113,
+            Error::Option(OptionError::Extent(_)) => 114,
+            Error::Option(OptionError::CellKept(_)) => 116,
+            Error::Write(_, fault) => fault.number(),
+        }
+    }
+}
+
+/// For traits of the core, through which it asks for windows of a scene.
+impl From<Error> for skyshed_core::Error {
+    fn from(error: Error) -> skyshed_core::Error {
+        match error {
+            Error::Core(error) => error,
+            error => skyshed_core::Error::new(error.class(), error.number(), error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Files that cannot be read, or not used for what they were given as.
+
+use std::fmt::{self, Display};
+
+use thiserror::Error as Words;
+
+/// A file that cannot be read, or not used for what it was given as.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadError {
+    /// The path, or the name of what was held.
+    pub name: String,
+    /// Where in it.
+    pub place: Option<Place>,
+    /// What is wrong.
+    pub fault: ReadFault,
+    /// What is known of the cause.
+    pub cause: Cause,
+}
+
+/// A place in a file, counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Words)]
+pub enum Place {
+    /// A line.
+    #[error("line {0}")]
+    Line(u64),
+    /// A feature.
+    #[error("feature {0}")]
+    Feature(u64),
+}
+
+/// What is wrong with a file.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum ReadFault {
+    /// E301: there is no such file.
+    #[error("no such file")]
+    Missing,
+    /// E301: the system refuses it.
+    #[error("{0}")]
+    CannotOpen(String),
+    /// E301: it can be read once, from its beginning.
+    #[error("it is a pipe or a device, wanted a file: it is read in any order")]
+    NoFile,
+    /// E301: a file beside it is missing; its path, and what it would hold.
+    #[error("{0} is missing, {1}")]
+    NoSidecar(String, &'static str),
+    /// E302: it is not what it should be.
+    #[error("{0}")]
+    Malformed(String),
+    /// E302: rows or features of a file of places, which was to hold sites or a track; others may be good.
+    #[error("{what}")]
+    Rows { what: String, of: PlacesIn, some_are_good: bool },
+    /// E303: it ends before it should.
+    #[error("{0}")]
+    Truncated(String),
+    /// E304: what the format allows but is not read.
+    #[error("{0}")]
+    Unsupported(String),
+    /// E304: a layer, by its name, that is a view or has no geometry.
+    #[error("layer `{0}` is no table with a geometry column")]
+    NoTable(String),
+    /// E305: no cell holds a height, of so many, which are said.
+    #[error("none of the {0} cells {1} a height, wanted at least one")]
+    AllVoid(u64, String),
+    /// E306: it is not north-up.
+    #[error("{0}")]
+    Rotated(String),
+    /// E307: its cells are no regular grid.
+    #[error("{0}")]
+    Irregular(String),
+    /// E308: it holds nothing of what is wanted.
+    #[error("{0}")]
+    Nothing(Wanted),
+    /// E309: a footprint has no height; its id, and the property that was looked at.
+    #[error("feature `{0}` has no usable `{1}`")]
+    HeightMissing(String, String),
+    /// E309: too many footprints have no height.
+    #[error("{0}")]
+    HeightsMissing(HeightsMissing),
+    /// E310: it names a reference system that cannot be used; how, and what is wrong with that.
+    #[error("{0}: {1}")]
+    Crs(String, String),
+    /// E310: it names a reference system in a way that is not read.
+    #[error("its `crs` is of type `{0}`, wanted a name")]
+    CrsMember(String),
+    /// E310: what it says of its reference system is not understood.
+    #[error("{0}")]
+    CrsNotUnderstood(String),
+    /// E310: it names no reference system.
+    #[error("it names no coordinate reference system")]
+    NoCrs,
+    /// E310: it is in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
+    #[error("it is in degrees ({crs})")]
+    Degrees { crs: String, kind: InputKind, center: (f64, f64) },
+    /// E312: a mesh has no face over the grid, which is described.
+    #[error("no face covers a cell of the grid, {0}")]
+    NoFaceInGrid(String),
+    /// E365: no feature has the property of heights; others that may hold heights, count storeys, or do neither.
+    #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
+    NoHeightProperty { wanted: String, like_heights: Vec<String>, like_storeys: Vec<String>, others: Vec<String> },
+    /// E108: it has no such table; what was asked for, and what there is.
+    #[error("it has no layer `{0}`, wanted one of {names}", names = quoted(.1))]
+    NoLayer(String, Vec<String>),
+    /// E108: it has several tables, and none was asked for.
+    #[error("it has the layers {names}, wanted one", names = quoted(.0))]
+    Layers(Vec<String>),
+    /// E205: something has a height beyond the lattice \[m above the datum\].
+    #[error("{0} has height `{1}` m, wanted within ±32768 m of the datum")]
+    HeightRange(HeightOf, f64),
+    /// E206: positions in a system, but the scene names none.
+    #[error("positions in {0}, but the scene names no CRS")]
+    NoSceneCrs(String),
+    /// E206: positions that cannot be brought into the scene: which, and why; whether they are longitude and latitude, and
+    /// others are good.
+    #[error("{what}")]
+    Misplaced { what: String, is_degrees: bool, some_are_good: bool },
+    /// E208: an area that does not meet the scene; west, south, east, north of that \[CRS units\].
+    #[error("its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}", .0[0], .0[2], .0[1], .0[3])]
+    OutsideScene([f64; 4]),
+    /// E501: more than memory holds.
+    #[error("{0}")]
+    Memory(String),
+    /// E502: more parts than are read.
+    #[error("{0}")]
+    TooMany(String),
+    /// E502: a grid larger than any map; columns and rows.
+    #[error("the grid would have {0}×{1} cells, wanted at most 65536 a side")]
+    GridTooLarge(f64, f64),
+    /// E504: edges of a footprint cross too often; its id, and how often.
+    #[error("feature `{0}` has {1}")]
+    Tangle(String, String),
+}
+
+/// Footprints without heights, and what each policy would do about them.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[error(
+    "{n_missing} of {n} footprints, {:.1} % of the footprint area, have no usable `{property}`; wanted at most {:.0} %",
+    100.0 * share,
+    100.0 * most
+)]
+pub struct HeightsMissing {
+    /// How many have none.
+    pub n_missing: usize,
+    /// Of how many.
+    pub n: usize,
+    /// Their share of the area.
+    pub share: f64,
+    /// The largest share that is left out.
+    pub most: f64,
+    /// The property that was looked at.
+    pub property: String,
+    /// How many of those without a height have storeys, in `levels_field`.
+    pub n_storeys: usize,
+    /// The property that counts storeys.
+    pub levels_field: String,
+    /// The median of the known heights \[m\].
+    pub median_m: Option<f64>,
+}
+
+/// Which kind of file is in degrees, and which program brings it out of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InputKind {
+    /// A raster: `gdalwarp`.
+    Raster,
+    /// Vectors: `ogr2ogr`.
+    Vector,
+}
+
+/// What a file of places was to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the variants say it")]
+pub enum PlacesIn {
+    SiteTable,
+    SiteFeatures,
+    TrackTable,
+    TrackFeatures,
+}
+
+/// What has a height.
+#[derive(Debug, Clone, PartialEq, Eq, Words)]
+#[expect(missing_docs, reason = "the names of the variants say it")]
+pub enum HeightOf {
+    #[error("a cell")]
+    Cell,
+    #[error("a vertex")]
+    Vertex,
+    #[error("feature `{0}`")]
+    Feature(String),
+}
+
+/// What a file holds none of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Words)]
+pub enum Wanted {
+    /// An area.
+    #[error("it holds no polygon, wanted a Polygon or MultiPolygon")]
+    Area,
+    /// Footprints that tell how large the grid is.
+    #[error("it holds no polygon, so the grid's extent is unknown")]
+    Extent,
+    /// Sites.
+    #[error("it holds no site")]
+    Sites,
+    /// Two places, of so many.
+    #[error("found {0} different places, wanted at least 2")]
+    Places(usize),
+    /// Tiles in a folder.
+    #[error("a folder without .tif, .tiff or .asc files, wanted tiles")]
+    Tiles,
+    /// Objects of CityJSON.
+    #[error("its `CityObjects` are empty")]
+    CityObjects,
+    /// A table of a GeoPackage.
+    #[error("it holds no table of features")]
+    Layers,
+    /// Faces of a mesh.
+    #[error("it holds no face")]
+    Faces,
+}
+
+/// What is known of the cause of a [`ReadFault`] beyond its words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Cause {
+    /// No more than the words say.
+    #[default]
+    AsSaid,
+    /// The file is cut short, or damaged.
+    CutShort,
+    /// Its header is damaged.
+    DamagedHeader,
+    /// A block of cells is damaged.
+    DamagedBlock,
+    /// Its files are not of one set.
+    MixedFiles,
+    /// `ncols` and `nrows` may be wrong, or the file is cut short.
+    TooFewCells,
+    /// `ncols` and `nrows` may be wrong.
+    TooManyCells,
+    /// Decimal commas.
+    DecimalCommas,
+    /// A raster of another format.
+    OtherRaster,
+    /// One GeoJSON feature a line.
+    FeatureALine,
+    /// A virtual raster that does not tell its files as they are.
+    StaleVrt,
+    /// A virtual raster that GDAL can make one raster of.
+    ForGdal,
+    /// Samples of a type that is not read.
+    SampleType,
+    /// Samples of one bit.
+    OneBit,
+    /// A compression that is not read.
+    Compression,
+    /// A block too large to hold.
+    LargeBlock,
+    /// Several bands in a JPEG.
+    ColorJpeg,
+    /// A place that the file does not tell whole.
+    NoPlace,
+    /// Ground control points.
+    ControlPoints,
+    /// Tiles that lie on different grids.
+    OtherGrid,
+    /// A tile of another place.
+    FarTile,
+    /// Nodata that is declared wrongly, or not at all.
+    Nodata,
+    /// Cells that are too large.
+    LargeCells,
+    /// A raster of which a part may do.
+    LargeRaster,
+    /// Multipatches.
+    Multipatch,
+    /// A database that another program has open.
+    OpenDatabase,
+    /// A program that was built without a format.
+    NotBuilt,
+}
+
+/// Names in backticks.
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+impl ReadFault {
+    pub(super) fn number(&self) -> u16 {
+        use ReadFault::*;
+        match self {
+            NoLayer(..) | Layers(_) => 108,
+            HeightRange(..) => 205,
+            NoSceneCrs(_) | Misplaced { .. } => 206,
+            OutsideScene(_) => 208,
+            Missing | CannotOpen(_) | NoFile | NoSidecar(..) => 301,
+            Malformed(_) | Rows { .. } => 302,
+            Truncated(_) => 303,
+            Unsupported(_) | NoTable(_) => 304,
+            AllVoid(..) => 305,
+            Rotated(_) => 306,
+            Irregular(_) => 307,
+            Nothing(_) => 308,
+            HeightMissing(..) | HeightsMissing(_) => 309,
+            Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } => 310,
+            NoFaceInGrid(_) => 312,
+            NoHeightProperty { .. } => 365,
+            Memory(_) => 501,
+            TooMany(_) | GridTooLarge(..) => 502,
+            Tangle(..) => 504,
+        }
+    }
+
+    /// What cannot be done with the file.
+    fn verb(&self) -> &'static str {
+        use ReadFault::*;
+        match self {
+            AllVoid(..) | HeightMissing(..) | HeightsMissing(_) | NoFaceInGrid(_) => "use",
+            NoHeightProperty { .. } | HeightRange(..) | OutsideScene(_) | Tangle(..) => "use",
+            Nothing(Wanted::Extent) | GridTooLarge(..) => "map",
+            Nothing(Wanted::Tiles) => "read",
+            Nothing(_) => "use",
+            NoCrs => "project",
+            CrsNotUnderstood(_) | NoSceneCrs(_) | Misplaced { .. } => "place",
+            _ => "read",
+        }
+    }
+}
+
+impl Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ReadError { name, place, fault, .. } = self;
+        match (fault, place) {
+            (ReadFault::Degrees { crs, .. }, _) => {
+                write!(f, "`{name}` is in degrees ({crs}); wanted a projected coordinate system in meters")
+            }
+            (_, Some(place)) => write!(f, "cannot {} {name}: {place}: {fault}", fault.verb()),
+            (_, None) => write!(f, "cannot {} {name}: {fault}", fault.verb()),
+        }
+    }
+}

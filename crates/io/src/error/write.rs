@@ -1,0 +1,95 @@
+//! Files that cannot be written.
+
+use thiserror::Error as Words;
+
+use crate::export::{Format, Layer};
+
+/// Why a file cannot be written.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+pub enum WriteFault {
+    /// E104: no extension tells the format; what may be written.
+    #[error("it has no extension, which tells the format")]
+    NoExtension(Vec<Format>),
+    /// E104: an unknown extension; what may be written.
+    #[error("unknown extension `.{0}`")]
+    Extension(String, Vec<Format>),
+    /// E105: a format of other commands; what may be written.
+    #[error("this command does not write that format")]
+    NotThisFormat(Vec<Format>),
+    /// E105: named twice.
+    #[error("it is named twice")]
+    Twice,
+    /// E105: two outputs have it beside them.
+    #[error("two outputs of this run need it")]
+    Needed,
+    /// E105: a folder.
+    #[error("it is a folder")]
+    Folder,
+    /// E105: no file that can be replaced.
+    #[error("it is a folder, a pipe or a device, wanted a file")]
+    NoFile,
+    /// E105: what the run reads.
+    #[error("it is an input of this run")]
+    Input,
+    /// E105: the file beside it is what the run reads.
+    #[error("its sidecar {0} is an input of this run")]
+    SidecarIsInput(String),
+    /// E105: it would become a tile of what the run reads.
+    #[error("it would be a tile of the folder that this run reads")]
+    Tile,
+    /// E106: it is there.
+    #[error("it exists")]
+    Exists,
+    /// E106: it is there, and was not when the run began.
+    #[error("it exists, made while this run worked")]
+    ExistsMeanwhile,
+    /// E107: a format of one layer, and how many were asked for.
+    #[error("{name} holds one layer of one site, found {1}", name = if *.0 == Format::Bil { "a .bil file" } else { "an ASCII grid" })]
+    OneLayer(Format, usize),
+    /// E107: a layer that the format shows is not asked for.
+    #[error("it shows line of sight, which is not among the layers")]
+    Without(Layer),
+    /// E107: sets of more UAVs than a float holds, beside measures.
+    #[error("`which` of more than 24 sites beside measures")]
+    SetsBesideMeasures,
+    /// E107: sets in which every number is one, beside counts.
+    #[error("`count` beside `which` of 32 sites or more")]
+    SetsBesideCounts,
+    /// E109: footprints that are no boxes, of so many.
+    #[error("{0} of {1} footprints are not rectangles parallel to the axes, as buildings of ns-3 are")]
+    NoBoxes(usize, usize),
+    /// E401: the system refuses it.
+    #[error("{0}")]
+    Refused(String),
+    /// E401: a scratch file in a folder.
+    #[error("{0}")]
+    Scratch(String),
+    /// E402: the format cannot hold it.
+    #[error("{0}")]
+    Encode(String),
+    /// E502: more corners than a mesh counts.
+    #[error("it has more than 2^31 corners")]
+    Corners,
+}
+
+impl WriteFault {
+    /// What cannot be done.
+    pub(super) fn verb(&self) -> &'static str {
+        if matches!(self, WriteFault::Encode(_)) { "encode" } else { "write" }
+    }
+
+    pub(super) fn number(&self) -> u16 {
+        use WriteFault::*;
+        match self {
+            NoExtension(_) | Extension(..) => 104,
+            Exists | ExistsMeanwhile => 106,
+            OneLayer(..) | Without(_) | SetsBesideMeasures | SetsBesideCounts => 107,
+            NoBoxes(..) => 109,
+            Refused(_) | Scratch(_) => 401,
+            Encode(_) => 402,
+            Corners => 502,
+            _ => 105,
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Why a command fails: what the library says, or what only the command line can say of the words that were typed.
+
+use std::fmt;
+
+use super::hints;
+use crate::error::{Error, ErrorClass};
+
+/// Why a command fails.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// The library could not answer.
+    Library(Error),
+    /// The words make no sense: a stable code, what is wrong, and a remedy.
+    Words { code: u16, text: String, remedy: Option<String> },
+}
+
+/// The result of everything that a command does.
+pub(super) type Result<T, E = Failure> = std::result::Result<T, E>;
+
+/// What is wrong with the words, under a stable code.
+pub(super) fn refusal(code: u16, text: impl Into<String>) -> Failure {
+    Failure::Words { code, text: text.into(), remedy: None }
+}
+
+/// What is wrong with the words, with a remedy.
+pub(super) fn refusal_with(code: u16, text: impl Into<String>, remedy: impl Into<String>) -> Failure {
+    Failure::Words { code, text: text.into(), remedy: Some(remedy.into()) }
+}
+
+impl Failure {
+    /// The stable code, for example `E301`.
+    pub(super) fn code(&self) -> String {
+        match self {
+            Failure::Library(error) => error.code(),
+            Failure::Words { code, .. } => format!("E{code}"),
+        }
+    }
+
+    /// The class, which fixes the exit code of the program.
+    pub(super) fn class(&self) -> ErrorClass {
+        match self {
+            Failure::Library(error) => error.class(),
+            Failure::Words { code, .. } => match code {
+                130 => ErrorClass::Interrupted,
+                402 => ErrorClass::Internal,
+                200..300 => ErrorClass::Site,
+                300..500 => ErrorClass::File,
+                _ => ErrorClass::Usage,
+            },
+        }
+    }
+
+    /// What to do about it, where that is known.
+    pub(super) fn remedy(&self) -> Option<String> {
+        match self {
+            Failure::Library(error) => hints::hint(error),
+            Failure::Words { remedy, .. } => remedy.clone(),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Library(error) => error.fmt(f),
+            Failure::Words { text, .. } => f.write_str(&crate::error::one_line(text)),
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::Library(error)
+    }
+}
+
+impl From<skyshed_io::Error> for Failure {
+    fn from(error: skyshed_io::Error) -> Failure {
+        Failure::Library(error.into())
+    }
+}
