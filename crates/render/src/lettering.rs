@@ -7,9 +7,8 @@
 use std::sync::{Arc, OnceLock};
 
 use resvg::usvg::fontdb;
-use skrifa::instance::{LocationRef, Size};
-use skrifa::{FontRef, MetadataProvider};
 use skyshed_core::error::is_text;
+use ttf_parser::Face;
 
 static REGULAR: &[u8] = include_bytes!("fonts/SkyshedSans-Regular.otf");
 static SEMI_BOLD: &[u8] = include_bytes!("fonts/SkyshedSans-SemiBold.otf");
@@ -65,13 +64,11 @@ pub(crate) struct Type {
 impl Type {
     /// Width of a text \[px\].
     pub(crate) fn width(self, text: &str) -> f64 {
-        static FONTS: OnceLock<[FontRef<'static>; 2]> = OnceLock::new();
-        let fonts = FONTS.get_or_init(|| [REGULAR, SEMI_BOLD].map(|font| FontRef::new(font).expect("it is a font")));
-        let font = &fonts[usize::from(self.weight == Weight::SemiBold)];
-        let (glyphs, metrics) = (font.charmap(), font.glyph_metrics(Size::unscaled(), LocationRef::default()));
-        let advance = |c: char| metrics.advance_width(glyphs.map(c).unwrap_or_default()).unwrap_or_default();
-        let units_per_em = font.metrics(Size::unscaled(), LocationRef::default()).units_per_em;
-        text.chars().map(|c| f64::from(advance(c))).sum::<f64>() * self.size / f64::from(units_per_em)
+        static FACES: OnceLock<[Face<'static>; 2]> = OnceLock::new();
+        let faces = FACES.get_or_init(|| [REGULAR, SEMI_BOLD].map(|font| Face::parse(font, 0).expect("it is a font")));
+        let face = &faces[usize::from(self.weight == Weight::SemiBold)];
+        let advance = |c: char| face.glyph_hor_advance(face.glyph_index(c).unwrap_or_default()).unwrap_or_default();
+        text.chars().map(|c| f64::from(advance(c))).sum::<f64>() * self.size / f64::from(face.units_per_em())
     }
 
     /// Breaks a text into lines no wider than `max_width` \[px\]: at spaces, and inside a word that is itself too wide.
