@@ -29,9 +29,10 @@ use rayon::prelude::*;
 use skyshed_core::city::{Ground, NodataAs, Solids};
 use skyshed_core::coverage::{Control, MapOptions, Mapper, Tally, Uav, class};
 use skyshed_core::height_field::{HeightField, Station};
-use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice, SimdLevel, link_los, simd_levels};
+use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice, link_los};
 use skyshed_core::quantity::VOID;
 use skyshed_core::raster::{CellWindow, GeoRef, Raster};
+use skyshed_core::simd::{SimdLevel, simd_levels};
 use skyshed_io::read::{SurfaceOptions, read_surface};
 
 use self::cities::{footprints, raster, surface_of, uav_in_the_middle};

@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
 use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class, map_site};
 use skyshed_core::height_field::HeightField;
-use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice, simd_levels};
+use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice};
 use skyshed_core::quantity::{Height, VOID, height_steps};
 use skyshed_core::raster::{CellWindow, GeoRef, Raster};
+use skyshed_core::simd::simd_levels;
 use skyshed_io::read::{SurfaceOptions, read_surface};
 
 use crate::invariants::uav_at;

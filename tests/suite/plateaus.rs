@@ -4,11 +4,10 @@ use rayon::prelude::*;
 use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground};
 use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
 use skyshed_core::height_field::{Columns, HeightField, Plateaus};
-use skyshed_core::los::{
-    Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los, simd_levels,
-};
+use skyshed_core::los::{Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los};
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
+use skyshed_core::simd::simd_levels;
 
 use crate::engines::as_raster;
 use crate::invariants::uav_at;

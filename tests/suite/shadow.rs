@@ -11,7 +11,6 @@
 
 use std::path::Path;
 
-use fearless_simd::Level;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use skyshed_core::city::{BuiltUp, BuiltUpCity};
@@ -19,6 +18,7 @@ use skyshed_core::height_field::{CellKind, HeightField, Prisms};
 use skyshed_core::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::BitGrid;
+use skyshed_core::simd::{SimdLevel, simd_levels};
 use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
 use crate::oracle::Prism;
@@ -64,7 +64,7 @@ impl Field {
         self.heights.iter().all(|z| *z == first).then_some(i64::from(first))
     }
 
-    fn cast(&self, prisms: &Prisms, uav: LatticePoint, level: Level, n_bands: usize) -> ShadowLos {
+    fn cast(&self, prisms: &Prisms, uav: LatticePoint, level: SimdLevel, n_bands: usize) -> ShadowLos {
         let grid = ShadowGrid::new(self.xs.clone(), self.ys.clone());
         let scene =
             ShadowScene { prisms, casters: prisms.casters(), grid: &grid, wanted: &self.wanted, level, n_bands };
@@ -76,7 +76,7 @@ impl Field {
 
     /// Asserts that `shadow` says of each wanted cell what `ray` says, and nothing of others.
     fn compare(&self, prisms: &Prisms, uav: LatticePoint, context: &(impl Fn() -> String + Sync)) -> Seen {
-        let found = self.cast(prisms, uav, Level::new(), 1);
+        let found = self.cast(prisms, uav, SimdLevel::new(), 1);
         let hidden: u64 = (0..self.ys.len())
             .into_par_iter()
             .map(|row| {
@@ -97,21 +97,6 @@ impl Field {
         assert_eq!(found.count, found.los.count());
         seen
     }
-}
-
-/// Every set of vector instructions of this machine.
-pub(crate) fn levels() -> Vec<Level> {
-    let best = Level::new();
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    let lower = [
-        best.as_avx512().map(Level::Avx512),
-        best.as_avx2().map(Level::Avx2),
-        best.as_sse4_2().map(Level::Sse4_2),
-        best.as_sse2().map(Level::Sse2),
-    ];
-    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-    let lower = [Some(Level::baseline())];
-    [Some(best)].into_iter().chain(lower).flatten().collect()
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -417,7 +402,7 @@ fn shadow_equals_ray_on_munich() {
 
 #[test]
 fn every_simd_level_and_any_number_of_bands_and_threads_give_the_same_bits() {
-    let levels = levels();
+    let levels = simd_levels();
     assert!(levels.len() > 1);
     let mut n_asked = 0;
     for (name, cell) in [("urban", 0.7), ("high-rise", 1.0)] {
@@ -426,14 +411,14 @@ fn every_simd_level_and_any_number_of_bands_and_threads_give_the_same_bits() {
         let prisms = field.prisms().unwrap();
         for receivers in [receivers(&field, 1536, false, 100, 0.0), receivers(&field, 1536, true, 100, 2.0)] {
             for uav in uavs_over(&field, &built_up).into_iter().step_by(3) {
-                let expected = receivers.cast(prisms, uav, Level::new(), 1);
+                let expected = receivers.cast(prisms, uav, SimdLevel::new(), 1);
                 n_asked += expected.asked;
                 for level in &levels {
                     assert_eq!(receivers.cast(prisms, uav, *level, 1), expected, "{level:?}");
                 }
                 for n_threads in [1, 2, 7] {
                     let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-                    let found = pool.install(|| receivers.cast(prisms, uav, Level::new(), n_threads));
+                    let found = pool.install(|| receivers.cast(prisms, uav, SimdLevel::new(), n_threads));
                     assert_eq!((found.los, found.count), (expected.los.clone(), expected.count), "{n_threads} threads");
                 }
             }
@@ -447,10 +432,10 @@ fn nothing_wanted_nothing_found_and_without_prisms_all_is_seen() {
     let field = city("urban", 100.0, 1.0, 1);
     let uav = LatticePoint { x: 1024, y: 1024, z: 50 * 1024 };
     let mut receivers = receivers(&field, 1536, false, 100, 0.0);
-    let clear = receivers.cast(&Prisms::new([] as [(Vec<[i32; 2]>, i32, u32); 0]), uav, Level::new(), 3);
+    let clear = receivers.cast(&Prisms::new([] as [(Vec<[i32; 2]>, i32, u32); 0]), uav, SimdLevel::new(), 3);
     assert_eq!((clear.count, &clear.los), (receivers.wanted.count(), &receivers.wanted));
     receivers.wanted = BitGrid::new(100, 100);
-    assert_eq!(receivers.cast(field.prisms().unwrap(), uav, Level::new(), 3).count, 0);
+    assert_eq!(receivers.cast(field.prisms().unwrap(), uav, SimdLevel::new(), 3).count, 0);
     let empty = Field { xs: Vec::new(), ys: Vec::new(), heights: Vec::new(), wanted: BitGrid::new(0, 0) };
-    assert_eq!(empty.cast(field.prisms().unwrap(), uav, Level::new(), 1).count, 0);
+    assert_eq!(empty.cast(field.prisms().unwrap(), uav, SimdLevel::new(), 1).count, 0);
 }

@@ -11,10 +11,11 @@ use skyshed_core::height_field::HeightField;
 use skyshed_core::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
 use skyshed_core::quantity::{Height, LatticePoint};
 use skyshed_core::raster::BitGrid;
+use skyshed_core::simd::simd_levels;
 use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
 
 use crate::invariants::{raster_town, vector_town};
-use crate::shadow::{city, levels, tiny_field, tiny_scene, tiny_uav};
+use crate::shadow::{city, tiny_field, tiny_scene, tiny_uav};
 use crate::shapes::moved;
 use crate::support::{Random, prisms_of, slow};
 
@@ -82,7 +83,7 @@ fn compare(
 #[test]
 fn what_a_receiver_sees_is_what_ray_says_where_everything_coincides() {
     let n_scenes = if slow() { 300_000_u64 } else { 24_000 };
-    let levels = levels();
+    let levels = simd_levels();
     let compared = (0..n_scenes)
         .into_par_iter()
         .map(|seed| {

@@ -5,11 +5,12 @@ use rayon::prelude::*;
 use skyshed_core::error::Result;
 use skyshed_core::height_field::{Columns, TileMaxima};
 use skyshed_core::los::{
-    ColumnsReader, ReceiverHeights, SimdLevel, StreamLimits, StreamedHeights, StreamedScene, columns_los, simd_levels,
-    streamed_sweep_los, sweep_los,
+    ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, columns_los, streamed_sweep_los,
+    sweep_los,
 };
 use skyshed_core::quantity::{BLOCKS_ALL, LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
+use skyshed_core::simd::{SimdLevel, simd_levels};
 
 use crate::support::{Random, slow};
 

@@ -12,6 +12,7 @@ pub mod outlines;
 pub mod overlay;
 pub mod quantity;
 pub mod raster;
+pub mod simd;
 pub mod city;
 pub mod zones;
 

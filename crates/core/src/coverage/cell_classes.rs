@@ -1,7 +1,9 @@
 //! From sets of cells to the classes of a mask, 64 cells at a time.
 
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+
+use crate::dispatch;
 
 use super::class;
 use crate::height_field::CellSets;

@@ -5,8 +5,10 @@
 //! found row by row by its two ends; elsewhere 64 cells are compared at a time, from the flattest angle up, until none is
 //! as steep.
 
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+
+use crate::dispatch;
 
 use crate::los::GridReceivers;
 use crate::quantity::STEPS_PER_UNIT;

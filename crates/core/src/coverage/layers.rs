@@ -53,6 +53,17 @@ impl Overlay {
     pub fn count(&self) -> &[u32] {
         &self.count
     }
+
+    /// Number of receivers that exactly 0, 1, 2, … UAVs see, up to all `n_uavs` that were added.
+    pub fn seen_by(&self, n_uavs: usize) -> Vec<u64> {
+        let mut counts = vec![0; n_uavs + 1];
+        for (class, count) in self.union.iter().zip(&self.count) {
+            if matches!(*class, class::NLOS | class::LOS) {
+                counts[*count as usize] += 1;
+            }
+        }
+        counts
+    }
 }
 
 /// Which class of a cell wins, the lowest first.

@@ -13,11 +13,11 @@ use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Error, Fault, MapError, Result};
 use crate::height_field::{GridPositions, HeightField};
 use crate::los::{
-    ColumnsReader, GridReceivers, MethodChoice, SimdLevel, StreamLimits, StreamedHeights, StreamedScene,
-    streamed_sweep_los,
+    ColumnsReader, GridReceivers, MethodChoice, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los,
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
 use crate::raster::{BitGrid, CellWindow, GeoRef};
+use crate::simd::SimdLevel;
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
 ///

@@ -3,8 +3,10 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+
+use crate::dispatch;
 use rayon::prelude::*;
 
 use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};

@@ -1,6 +1,8 @@
 //! The highest values of tiles of cells: what lets line of sight pass over much of a city unseen.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
+
+use crate::dispatch;
 use rayon::prelude::*;
 
 /// Rows and columns of a tile, as a power of two.

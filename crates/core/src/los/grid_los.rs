@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
-    GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, SimdLevel, StepLength,
+    GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
     UavPositions, WrongMethod, link_los, r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, set_bits};
+use crate::simd::SimdLevel;
 
 /// An engine with the solids that it works on.
 #[derive(Debug, Clone)]

@@ -39,7 +39,6 @@ mod method;
 mod obstruction;
 mod prisms_ray;
 mod shadow;
-mod simd;
 mod sweep;
 
 pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
@@ -59,7 +58,6 @@ pub use shadow::{
     InView, OnPlateaus, PlateauScene, ReceiverTile, ShadowGrid, ShadowLos, ShadowScene, UavPositions, plateaus_los,
     shadow_los, shadow_los_relief,
 };
-pub use simd::{SimdLevel, simd_levels};
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,
 };

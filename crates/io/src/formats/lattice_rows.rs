@@ -1,7 +1,8 @@
 //! Rows of 32-bit floats straight onto the lattice of heights, many at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+use skyshed_core::dispatch;
+use skyshed_core::simd::SimdLevel;
 
 use super::voids::{HIGHEST_LIKELY, LOWEST_LIKELY};
 use crate::quantity::{STEPS_PER_UNIT, VOID};
@@ -12,7 +13,7 @@ use crate::quantity::{STEPS_PER_UNIT, VOID};
 /// cell is neither nodata nor a likely height: what to say of such a cell is for who reads them one by one. `cells` holds
 /// nothing of use then.
 pub(super) fn put_on_lattice(cells: &mut [i32], nodata: Option<f32>) -> Option<u64> {
-    dispatch!(Level::new(), simd => convert(simd, cells, nodata))
+    dispatch!(SimdLevel::new(), simd => convert(simd, cells, nodata))
 }
 
 #[inline(always)]

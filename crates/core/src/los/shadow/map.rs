@@ -1,6 +1,6 @@
 //! Whole maps past prisms, for receivers at one height or at many.
 
-use fearless_simd::dispatch;
+use crate::dispatch;
 use rayon::prelude::*;
 
 use super::band::{BandJob, TILE};

@@ -20,7 +20,9 @@
 
 use std::ops::ControlFlow;
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
+
+use crate::dispatch;
 use rayon::prelude::*;
 
 use super::super::columns_ray::columns_los;

@@ -18,7 +18,9 @@
 //! `ray` can tell, runs through no position that is left if it is left out. What is left is decided as by
 //! [`crate::los`], doubts by `ray`.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
+
+use crate::dispatch;
 
 use super::band::{Band, BandJob};
 use super::geometry::distance_squared;

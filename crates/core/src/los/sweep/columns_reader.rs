@@ -69,10 +69,11 @@ impl StreamedHeights {
 }
 
 /// What a streamed sweep is asked.
-#[derive(Debug, Clone, Copy)]
-pub struct StreamedScene<'a, R> {
+#[derive(Clone, Copy)]
+#[expect(missing_debug_implementations, reason = "columns are read from anywhere")]
+pub struct StreamedScene<'a> {
     /// The columns.
-    pub columns: &'a R,
+    pub columns: &'a dyn ColumnsReader,
     /// The highest top, or anything higher \[1/1024 m\].
     pub max_top: i32,
     /// The UAV, on the lattice of the columns.

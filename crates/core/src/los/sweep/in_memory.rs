@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
+
+use crate::dispatch;
 use rayon::prelude::*;
 
 use super::super::columns_los;

@@ -5,13 +5,13 @@
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
-    __m256, __m256i, __m512, __m512i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmpgt_epi32,
-    _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm512_permutex2var_ps, _mm512_permutexvar_ps,
+    __m256, __m256i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmpgt_epi32, _mm256_permutevar8x32_ps,
+    _mm256_set1_epi32,
 };
 
 use fearless_simd::prelude::*;
 #[cfg(target_arch = "x86_64")]
-use fearless_simd::{Level, f32x8, f32x16, u32x8, u32x16};
+use fearless_simd::{Level, f32x8, u32x8};
 
 use super::quadrants::{CELL, as_i64};
 use crate::quantity::VOID;
@@ -163,43 +163,16 @@ fearless_simd::kernel!(
     }
 );
 
-#[cfg(target_arch = "x86_64")]
-fearless_simd::kernel!(
-    /// The lanes of a vector that `index` names.
-    #[inline(always)]
-    fn permute_one_avx512(avx512: Avx512, values: __m512, index: __m512i) -> __m512 {
-        _mm512_permutexvar_ps(index, values)
-    }
-);
-
-#[cfg(target_arch = "x86_64")]
-fearless_simd::kernel!(
-    /// Of the lanes of two vectors, those of `low` first, the ones that `index` names.
-    #[inline(always)]
-    fn permute_avx512(avx512: Avx512, low: __m512, high: __m512, index: __m512i) -> __m512 {
-        _mm512_permutex2var_ps(low, index, high)
-    }
-);
-
 /// Values `values[index]`, of as many as there are lanes.
 #[inline(always)]
 fn permuted<S: Simd>(simd: S, values: &[f32], index: S::u32s) -> S::f32s {
     // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
     #[cfg(target_arch = "x86_64")]
-    match simd.level() {
-        Level::Avx2(avx2) => {
-            let index = u32x8::from_slice(avx2, index.as_slice());
-            let found: f32x8<_> =
-                permute_one_avx2(avx2, f32x8::from_slice(avx2, values).into(), index.into()).simd_into(avx2);
-            return S::f32s::from_slice(simd, found.as_slice());
-        }
-        Level::Avx512(avx512) => {
-            let index = u32x16::from_slice(avx512, index.as_slice());
-            let found: f32x16<_> =
-                permute_one_avx512(avx512, f32x16::from_slice(avx512, values).into(), index.into()).simd_into(avx512);
-            return S::f32s::from_slice(simd, found.as_slice());
-        }
-        _ => {}
+    if let Level::Avx2(avx2) = simd.level() {
+        let index = u32x8::from_slice(avx2, index.as_slice());
+        let found: f32x8<_> =
+            permute_one_avx2(avx2, f32x8::from_slice(avx2, values).into(), index.into()).simd_into(avx2);
+        return S::f32s::from_slice(simd, found.as_slice());
     }
     S::f32s::from_slice(simd, values).swizzle_dyn(bytes_of::<S>(index))
 }
@@ -210,29 +183,17 @@ pub(super) fn tables<S: Simd>(simd: S, tables: [&[f32]; 2], base: usize, index: 
     let n = S::f32s::LEN;
     let windows = tables.map(|table| &table[base..][..2 * n]);
     #[cfg(target_arch = "x86_64")]
-    match simd.level() {
-        Level::Avx2(avx2) => {
-            let index = u32x8::from_slice(avx2, index.as_slice());
-            let [a, b] = windows.map(|window| {
-                let half = |values| f32x8::from_slice(avx2, values).into();
-                (half(&window[..8]), half(&window[8..]))
-            });
-            let found = permute_pairs_avx2(avx2, a, b, index.into());
-            return [found.0, found.1].map(|found| {
-                let found: f32x8<_> = found.simd_into(avx2);
-                S::f32s::from_slice(simd, found.as_slice())
-            });
-        }
-        Level::Avx512(avx512) => {
-            let index = u32x16::from_slice(avx512, index.as_slice());
-            return windows.map(|window| {
-                let half = |values| f32x16::from_slice(avx512, values).into();
-                let found = permute_avx512(avx512, half(&window[..16]), half(&window[16..]), index.into());
-                let found: f32x16<_> = found.simd_into(avx512);
-                S::f32s::from_slice(simd, found.as_slice())
-            });
-        }
-        _ => {}
+    if let Level::Avx2(avx2) = simd.level() {
+        let index = u32x8::from_slice(avx2, index.as_slice());
+        let [a, b] = windows.map(|window| {
+            let half = |values| f32x8::from_slice(avx2, values).into();
+            (half(&window[..8]), half(&window[8..]))
+        });
+        let found = permute_pairs_avx2(avx2, a, b, index.into());
+        return [found.0, found.1].map(|found| {
+            let found: f32x8<_> = found.simd_into(avx2);
+            S::f32s::from_slice(simd, found.as_slice())
+        });
     }
     windows.map(|window| {
         let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));

@@ -126,10 +126,10 @@ fn transposed<S: Simd>([a, b, c, d]: [i32x4<S>; 4]) -> [i32x4<S>; 4] {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
 
     use super::*;
-    use crate::los::simd_levels;
+    use crate::simd::simd_levels;
 
     #[test]
     fn columns_become_lines_whatever_their_shape() {

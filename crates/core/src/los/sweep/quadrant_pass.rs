@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
-use fearless_simd::dispatch;
+use crate::dispatch;
 use rayon::prelude::*;
 
-use super::columns_reader::{ColumnsReader, StreamedHeights, StreamedScene};
+use super::columns_reader::{StreamedHeights, StreamedScene};
 use super::line_order::turn;
 use super::line_walk::{LineCells, LinkLength, LinkOverLines};
 use super::quadrants::{CELL, Quadrant, as_i64, parts};
@@ -22,8 +22,8 @@ use crate::raster::{BitGrid, CellWindow, set_bits};
 const WALKED_AT_ONCE: usize = 1 << 20;
 
 /// A quadrant with its lines numbered outward from the UAV.
-pub(super) struct QuadrantPass<'a, R> {
-    scene: &'a StreamedScene<'a, R>,
+pub(super) struct QuadrantPass<'a> {
+    scene: &'a StreamedScene<'a>,
     quadrant: Quadrant,
     /// Rows or columns of the window that are passed, in the order of the raster.
     lines: Range<usize>,
@@ -81,9 +81,9 @@ struct Left {
     undecided: u64,
 }
 
-impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
+impl<'a> QuadrantPass<'a> {
     /// The pass over a quadrant; `None` if no line of the window lies in it.
-    pub(super) fn new(scene: &'a StreamedScene<'a, R>, quadrant: Quadrant) -> Option<Self> {
+    pub(super) fn new(scene: &'a StreamedScene<'a>, quadrant: Quadrant) -> Option<Self> {
         let (n_rows, n_cols) = scene.columns.shape();
         let (window, uav) = (scene.window, scene.uav);
         let (rows, cols) = (window.row..window.row + window.n_rows, window.col..window.col + window.n_cols);
@@ -443,8 +443,8 @@ impl<'a, R: ColumnsReader> QuadrantPass<'a, R> {
 }
 
 /// The receivers of one line of a strip.
-struct StripVerdicts<'a, 'p, R> {
-    pass: &'a QuadrantPass<'p, R>,
+struct StripVerdicts<'a, 'p> {
+    pass: &'a QuadrantPass<'p>,
     lines: &'a StripLines,
     number: usize,
     receivers: &'a LineReceivers<'a>,
@@ -452,7 +452,7 @@ struct StripVerdicts<'a, 'p, R> {
     left: &'a mut Left,
 }
 
-impl<R: ColumnsReader> Verdicts for StripVerdicts<'_, '_, R> {
+impl Verdicts for StripVerdicts<'_, '_> {
     #[inline(always)]
     fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64 {
         self.seen.add(self.number - self.lines.numbers.start, word, decided.los, is_shared);

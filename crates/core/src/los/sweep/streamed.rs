@@ -10,7 +10,7 @@
 //! that of [`sweep_los`](super::sweep_los), whatever the strips.
 
 use super::super::columns_los;
-use super::columns_reader::{ColumnsReader, StreamedHeights, StreamedScene};
+use super::columns_reader::{StreamedHeights, StreamedScene};
 use super::quadrant_pass::QuadrantPass;
 use super::quadrants::{CELL, Quadrant, Swept, as_i64, near_cells};
 use crate::error::Result;
@@ -26,10 +26,7 @@ use crate::raster::{BitGrid, CellWindow};
 ///
 /// # Errors
 /// Those of the reader.
-pub fn streamed_sweep_los<R: ColumnsReader>(
-    scene: &StreamedScene<'_, R>,
-    passed: &(dyn Fn(u64) -> bool + Sync),
-) -> Result<Swept> {
+pub fn streamed_sweep_los(scene: &StreamedScene<'_>, passed: &(dyn Fn(u64) -> bool + Sync)) -> Result<Swept> {
     if i64::from(scene.max_top) <= scene.uav.z.min(scene.receivers.range().0) {
         return Ok(Swept { los: scene.wanted.clone(), undecided: 0 });
     }
@@ -45,7 +42,7 @@ pub fn streamed_sweep_los<R: ColumnsReader>(
 }
 
 /// Asks `ray` for the cells around the UAV that no wedge decides.
-fn near_box<R: ColumnsReader>(scene: &StreamedScene<'_, R>, los: &mut BitGrid) -> Result<()> {
+fn near_box(scene: &StreamedScene<'_>, los: &mut BitGrid) -> Result<()> {
     let (n_rows, n_cols) = scene.columns.shape();
     let (rows, cols) = near_cells(scene.uav, n_rows, CellWindow { row: 0, col: 0, n_rows, n_cols });
     if rows.is_empty() || cols.is_empty() {
