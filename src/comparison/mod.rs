@@ -22,7 +22,7 @@ use report::CompareReport;
 use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
-use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, class, count_sets};
+use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, count_sets};
 use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;
@@ -173,7 +173,7 @@ impl ComparisonPlan {
             placements: placed.iter().zip(shares).map(placement).collect(),
             pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups }).collect(),
             union: Tally::of_mask(overlay.union()),
-            seen_by: seen_by(&overlay, placed.len()),
+            seen_by: overlay.seen_by(placed.len()),
             sets: count_sets(&masks),
             digest: MaskDigest::of(grid, masks.iter().copied()),
             facts,
@@ -230,17 +230,6 @@ fn check_ids(placed: &[Placed]) -> Result<()> {
         Some(twice) => Err(PlacesError::Twice { what: "placements", id: twice.id.clone() }.into()),
         None => Ok(()),
     }
-}
-
-/// Receivers of any placement that 0, 1, 2 … of `n` see.
-fn seen_by(overlay: &Overlay, n: usize) -> Vec<u64> {
-    let mut counts = vec![0; n + 1];
-    for (class, count) in overlay.union().iter().zip(overlay.count()) {
-        if matches!(*class, class::NLOS | class::LOS) {
-            counts[*count as usize] += 1;
-        }
-    }
-    counts
 }
 
 impl Answer for Comparison {

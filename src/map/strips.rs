@@ -112,16 +112,16 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     if job.plan.layers.iter().any(|layer| *layer != Layer::Los) {
         return refuse("no layer but `los` can be made".into());
     }
-    let flags = [
-        ("--tolerance", job.plan.tolerance.is_some()),
-        ("--height-curve", job.curve.is_wanted()),
-        ("--polygons", job.save.polygons.is_some()),
-        ("--bare", job.save.bare),
-        ("--tif-layout plain", job.save.tif_layout == Some(TiffLayout::Plain)),
-        ("--receivers of a zone", job.plan.sight.receivers().zone().is_some()),
+    let asked = [
+        ("a tolerance", job.plan.tolerance.is_some()),
+        ("a height curve", job.curve.is_wanted()),
+        ("polygons of coverage", job.save.polygons.is_some()),
+        ("a picture of cells alone", job.save.bare),
+        ("the plain layout of a GeoTIFF", job.save.tif_layout == Some(TiffLayout::Plain)),
+        ("receivers of one zone", job.plan.sight.receivers().zone().is_some()),
     ];
-    if let Some((flag, _)) = flags.iter().find(|(_, typed)| *typed) {
-        return refuse(format!("`{flag}` is not at hand"));
+    if let Some((what, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
+        return refuse(format!("{what} cannot be made"));
     }
     let file = RasterFile::open(job.path(), &mut Vec::new())?;
     let what = format!("{}, even strip by strip,", cells_of(file.georef()));
