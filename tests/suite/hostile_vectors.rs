@@ -98,7 +98,7 @@ fn files_with_bytes_turned_over_are_scenes_or_errors() {
     for path in files(&folder) {
         let whole = std::fs::read(&path).unwrap();
         let mut n_scenes = 0;
-        for n in 0..if slow() { 20_000 } else { 300 } {
+        for n in 0..if slow() { 20_000 } else { 120 } {
             let mut bytes = whole.clone();
             for _ in 0..random.within(1, 4) {
                 let at = random.below(bytes.len());

@@ -122,7 +122,7 @@ fn cells_held(buildings: &[Vec<Ring>]) -> [usize; 2] {
 fn thousands_of_footprints_on_one_another_are_one_block() {
     let folder = Folder::new();
     let mut random = Random(3);
-    let n = 5000;
+    let n = 2000;
     let same = (0..n).map(|_| vec![square([100.5; 2], 50.0), square([110.5; 2], 20.0)]).collect();
     let near = (0..n).map(|_| vec![square([(); 2].map(|()| between(&mut random, 0.0, 100.0)), 100.0)]).collect();
     // Skewed ones, whose edges cross off the lattice.
