@@ -11,7 +11,7 @@ use crate::raster::GeoRef;
 
 /// Bytes that the process may take; `u64::MAX` where nothing is known.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
-/// The same as it was typed; 0 where it was not.
+/// The limit that was typed \[bytes\]; 0 if none was.
 static TYPED: AtomicU64 = AtomicU64::new(0);
 
 /// Bytes that a cell takes in a height field and in what is drawn from it.

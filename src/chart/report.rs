@@ -344,7 +344,7 @@ struct ContestantDocument {
     wrong_share: Option<f64>,
     /// P_LoS over its own receivers.
     p_los: Option<f64>,
-    /// The same less the exact one.
+    /// P_LoS less that of the exact method.
     p_los_error: Option<f64>,
     /// Why a value is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -404,7 +404,7 @@ pub(crate) struct ChartTableRow {
     false_nlos: Option<u64>,
     /// P_LoS over its own receivers.
     p_los: Option<f64>,
-    /// The same less the exact one.
+    /// P_LoS less that of the exact method.
     p_los_error: Option<f64>,
     /// Receivers that it does not answer.
     unanswered: Option<u64>,

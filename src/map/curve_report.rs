@@ -154,7 +154,7 @@ struct CurveDocument {
     seen: Share,
     /// Lowest height that the UAV may have above the ground [m].
     lowest_height_agl_m: Option<f64>,
-    /// The same above the datum [m].
+    /// Lowest height that the UAV may have above the datum [m].
     lowest_height_amsl_m: Option<f64>,
     /// Receivers that no height sees.
     never_los: u64,

@@ -45,7 +45,7 @@ enum SiteScenes {
     OnDisk(StreamedSurface, Vec<Warning>),
     /// The part of a raster file in range of each.
     Parts,
-    /// The same of a copy on disk, as the file cannot be read in parts.
+    /// The part in range of each, from a copy on disk, as the file cannot be read in parts.
     PartsOnDisk(StreamedSurface, Vec<Warning>),
 }
 

@@ -18,7 +18,7 @@ use crate::sight::{Sight, SightFacts};
 pub(crate) enum PlaceValue {
     /// Receivers in range and how many of them are seen.
     Counts(Score),
-    /// The same by weight: only the share has a meaning.
+    /// Weights of the receivers in range and of those that are seen: only the share has a meaning.
     Weighted(Score),
     /// The margin of the worst receiver, or a bound on it; `None` without a receiver.
     Margin(Option<WorstMargin>),

@@ -166,7 +166,7 @@ impl Sweeps {
         Ok(cities)
     }
 
-    /// The same with many more angles or distances, from the first to the last; `None` if there is only one.
+    /// These sweeps with many more angles or distances, from the first to the last; `None` if there is only one.
     pub(super) fn refined(&self) -> Option<Sweeps> {
         const STEPS: u32 = 400;
         let between = |a: f64, b: f64| (0..=STEPS).map(move |k| a + (b - a) * f64::from(k) / f64::from(STEPS));

@@ -56,7 +56,7 @@ impl Sha256 {
         bytes
     }
 
-    /// The same in hexadecimal digits.
+    /// The digest in hexadecimal digits.
     pub fn hex_digits(self) -> String {
         self.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }

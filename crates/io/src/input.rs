@@ -45,7 +45,7 @@ impl Input {
         Input { path: name.into(), held: Some(Held { bytes: bytes.into(), beside: Vec::new() }) }
     }
 
-    /// The same bytes with those of a sidecar, such as `city.prj`. A file on disk has its own beside it.
+    /// Adds the bytes of a sidecar, such as `city.prj`. A file on disk has its own beside it.
     #[must_use]
     pub fn with_beside(mut self, name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
         if let Some(held) = &mut self.held {

@@ -150,7 +150,7 @@ impl BuildingHeights {
         (self.height_scale * (2.0 * exponential).sqrt()).min(self.tallest)
     }
 
-    /// The same height on the lattice \[1/1024 m\], as the city is built.
+    /// Height of building (i, j) on the lattice \[1/1024 m\], as the city is built.
     pub fn steps(&mut self, i: i32, j: i32) -> i32 {
         height_steps(self.meters(i, j)).unwrap_or(0)
     }

@@ -76,7 +76,7 @@ pub struct Mapper<'a> {
     pub(super) options: &'a MapOptions,
     /// Shared by all threads.
     pub(super) engine: GridLos<'a>,
-    /// The same, for many UAVs of which each has a thread of its own.
+    /// The engine for many UAVs of which each has a thread of its own.
     alone: GridLos<'a>,
     why: &'static str,
     /// Receivers on the ground, on roofs, or both.
@@ -187,7 +187,7 @@ impl<'a> Mapper<'a> {
         self.decide_wanted(engine, uav, (receivers, range), wanted)
     }
 
-    /// The same of some receivers in range; of all there are, if `None`.
+    /// Some receivers in range, and those of them in line of sight; all receivers there are, if `wanted` is `None`.
     fn decide_wanted(
         &self,
         engine: &GridLos<'_>,
@@ -210,7 +210,7 @@ impl<'a> Mapper<'a> {
         self.map_in_parts(uav, control, None, true)
     }
 
-    /// The same, calling `each_part` with one part of the mask after another, from the north, while others are made. Unless
+    /// Maps what a UAV sees, and calls `each_part` with one part of the mask after another, from the north, while others are made. Unless
     /// `keep`, that is all there is of the mask, and there are no layers of heights.
     pub(super) fn map_in_parts(
         &self,

@@ -86,7 +86,7 @@ impl Uav {
             .map_err(|why| refused(site, why))
     }
 
-    /// The same UAV some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
+    /// The UAV moved by some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
     pub fn moved(&self, field: &HeightField, [east, north, up]: [i64; 3], radius: Option<f64>) -> Result<Uav, Error> {
         let place = field.neighbor(&self.station.place, (east, north));
         let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());

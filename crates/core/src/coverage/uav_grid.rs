@@ -38,7 +38,7 @@ pub struct UavGrid {
 impl UavGrid {
     /// What counting takes beside the counts, for each place and thread \[bytes\]: a sum of up to 45 bits.
     pub const BYTES_PER_PLACE_AND_THREAD: usize = 6;
-    /// The same where receivers have weights: a sum of up to 120 bits.
+    /// What counting takes for each place and thread where receivers have weights \[bytes\]: a sum of up to 120 bits.
     pub const BYTES_PER_WEIGHED_PLACE_AND_THREAD: usize = 15;
 }
 

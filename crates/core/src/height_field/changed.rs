@@ -1,4 +1,4 @@
-//! The same scene with one thing changed: its receivers, its buildings, or the heights of its roofs.
+//! A scene with one thing changed: its receivers, its buildings, or the heights of its roofs.
 
 use super::solid::{RasterSolid, Solid, VectorSolid};
 use super::{CellSets, Columns, HeightField, Piece, Prisms, Ring};
@@ -6,7 +6,7 @@ use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
 use crate::raster::{GeoRef, set_bits};
 
 impl HeightField {
-    /// The same solids under receivers on another grid.
+    /// The solids of the scene under receivers on another grid.
     pub(super) fn with_receivers_on(&self, grid: &GeoRef) -> HeightField {
         let mut field = HeightField { grid: grid.clone(), ..self.clone() };
         field.find_roofs();
@@ -15,7 +15,7 @@ impl HeightField {
         field
     }
 
-    /// The same ground without a building.
+    /// The ground of the scene without a building.
     pub(super) fn without_prisms(&self) -> HeightField {
         let mut field = self.clone();
         if let Solid::Vector(vector) = &mut field.solid {
@@ -27,7 +27,7 @@ impl HeightField {
         field
     }
 
-    /// The same scene with every roof higher by `steps` \[1/1024 m\]: the tops of all prisms, or those of the columns that
+    /// The scene with every roof higher by `steps` \[1/1024 m\]: the tops of all prisms, or those of the columns that
     /// are buildings; of a surface model alone, where buildings are not known, those of all columns. What is open ground
     /// and what is a building stays, so rays are what the result is for. `None` if a roof would leave the proven range.
     ///

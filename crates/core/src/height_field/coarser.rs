@@ -1,4 +1,4 @@
-//! The same scene with less detail: cells several times as large, or footprints as a raster. Approximate by intent.
+//! A scene with less detail: cells several times as large, or footprints as a raster. Approximate by intent.
 
 use rayon::prelude::*;
 

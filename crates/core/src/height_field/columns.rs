@@ -49,7 +49,7 @@ impl Columns {
         Columns { n_cols, n_rows, steps: [CELL; 2], tops, plateaus, extremes, tiles }
     }
 
-    /// The same with cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
+    /// Makes cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
     #[must_use]
     pub(crate) fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
         self.steps = steps;
@@ -111,7 +111,7 @@ impl Columns {
         }
     }
 
-    /// The same as few rectangles of one height, where they are that.
+    /// The raster as few rectangles of one height, where it is that.
     pub fn plateaus(&self) -> Option<&Plateaus> {
         self.plateaus.as_ref()
     }

@@ -54,7 +54,7 @@ impl Plateaus {
         Plateaus::of_runs(&RowRuns::of(tops, n_cols, 0)?, usize::MAX)
     }
 
-    /// The same where it saves time: `None` as well if the raster is small, or has more than one plateau to 256 cells.
+    /// The plateaus of a raster where they save time: `None` as well if it is small, or has more than one plateau to 256 cells.
     pub(super) fn if_few(tops: &LargeVec<i32>, n_cols: usize) -> Option<Self> {
         if tops.len() < FEWEST_CELLS {
             return None;

@@ -127,7 +127,7 @@ impl GeoRef {
         self.crs.as_ref()
     }
 
-    /// The same grid in another (or no) coordinate reference system.
+    /// Gives the grid another coordinate reference system, or none.
     #[must_use]
     pub fn with_crs(mut self, crs: Option<Crs>) -> Self {
         self.crs = crs;
@@ -197,7 +197,7 @@ impl GeoRef {
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
-    /// The same extent, grown to whole cells, in cells `factor` times as wide and high, from the same north-west corner.
+    /// A grid over this extent, grown to whole cells, in cells `factor` times as wide and high, from the same north-west corner.
     pub fn coarser(&self, factor: usize) -> GeoRef {
         GeoRef {
             cell_width: self.cell_width * factor as f64,
@@ -239,7 +239,7 @@ impl GeoRef {
         format!("{}×{} cells of {width}×{height} from ({}, {})", self.n_cols, self.n_rows, self.x_min, self.y_max)
     }
 
-    /// The same grid to within a millionth of a cell, whatever the CRS says.
+    /// Whether two grids are the same to within a millionth of a cell, whatever the CRS says.
     pub fn same_grid(&self, other: &GeoRef) -> bool {
         let close = |a: f64, b: f64, unit: f64| (a - b).abs() <= 1e-6 * unit;
         self.n_cols == other.n_cols

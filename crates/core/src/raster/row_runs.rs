@@ -51,7 +51,7 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
         Some(RowRuns::joined(parts.collect::<Option<Vec<_>>>()?))
     }
 
-    /// The same of few rows, by this thread; `None` if more than `most` runs are kept.
+    /// The runs of a few rows, found by this thread; `None` if more than `most` runs are kept.
     pub fn of_part(cells: &[T], n_cols: usize, most: usize) -> Option<Self> {
         let mut found = RowRuns { ends: Vec::new(), values: Vec::new(), groups: Vec::new() };
         let mut before: &[T] = &[];

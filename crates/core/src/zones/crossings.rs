@@ -36,7 +36,7 @@ const WIDEST_STREET_TYPICAL: f64 = 4.0;
 /// A crossing larger than this many squares of its widest street is open ground.
 const LARGEST_CROSSING_WIDTHS2: f64 = 30.0;
 
-/// The same for the part of it at the frame, where what lies beyond is not known.
+/// The part of a crossing at the frame is open ground above this many squares: what lies beyond the frame is not known.
 const LARGEST_CROSSING_AT_FRAME_WIDTHS2: f64 = 2.0;
 
 pub(super) fn zones_of(mesh: &Mesh) -> Vec<Zone> {

@@ -127,7 +127,7 @@ impl ZoneMap {
         }
     }
 
-    /// The same, without any work where no cell has a zone: `None` of a surface model alone.
+    /// The zones of a scene, without any work where no cell has one: `None` of a surface model alone.
     pub fn if_known(field: &HeightField, built_up: Option<&BuiltUp>) -> Option<Self> {
         (!field.is_surface_only()).then(|| ZoneMap::of(field, built_up))
     }

@@ -97,7 +97,7 @@ impl Outlines {
 }
 
 impl OpenGround {
-    /// The same after another pass of the overlay, where rounded crossings made edges cross anew.
+    /// The open ground after another pass of the overlay, where rounded crossings made edges cross anew.
     pub(super) fn again(&self) -> OpenGround {
         let rings = union(vec![self.rings.clone()]).concat();
         OpenGround { rings, ..*self }

@@ -150,7 +150,7 @@ impl Error {
         Error::write(name, WriteFault::Refused(io_words(cause)))
     }
 
-    /// The same error with its place in the file.
+    /// Adds the place in the file.
     pub(crate) fn at(mut self, place: Place) -> Error {
         if let Error::Read(read) = &mut self {
             read.place = Some(place);
@@ -158,7 +158,7 @@ impl Error {
         self
     }
 
-    /// The same error with what is known of its cause.
+    /// Adds what is known of the cause.
     pub(crate) fn because(mut self, cause: Cause) -> Error {
         if let Error::Read(read) = &mut self {
             read.cause = cause;
@@ -166,7 +166,7 @@ impl Error {
         self
     }
 
-    /// The same error within a larger thing, which stands at the end of its text, in parentheses.
+    /// Names the larger thing that the error is in, at the end of its text, in parentheses.
     #[must_use]
     pub fn within(self, more: impl Display) -> Error {
         Error::Within(Box::new(self), more.to_string())

@@ -42,7 +42,7 @@ impl Batch {
         Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new(), asks: None }
     }
 
-    /// The same batch, which asks before each file whether to go on.
+    /// Makes the batch ask before each file whether to go on.
     #[must_use]
     pub fn asking(mut self, asks: fn() -> skyshed_core::Result<()>) -> Self {
         self.asks = Some(asks);

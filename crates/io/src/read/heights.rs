@@ -33,7 +33,7 @@ pub(super) struct Heights {
     pub(super) sources: Vec<Source>,
 }
 
-/// The same in tiles on disk.
+/// What a raster of heights holds, in tiles on disk.
 #[derive(Debug)]
 pub(super) struct StoredHeights {
     /// Heights on the lattice, [`VOID`] where there is none.
@@ -91,7 +91,7 @@ impl<'a> HeightFile<'a> {
         &self.georef
     }
 
-    /// The same file if its coordinates can be those of a scene as they are.
+    /// The file, if its coordinates can be those of a scene as they are.
     pub(super) fn in_meters(self, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
         check_grid(self.input, &self.georef, warnings)?;
         Ok(self)

@@ -183,7 +183,7 @@ pub(super) fn warning_of_high_terrain(terrain: &Input, above: u64, n_cells: usiz
     (above > 0).then(|| Warning::new(341, text))
 }
 
-/// The same of flat ground.
+/// What is said of flat ground that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_ground(input: &Input, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
     let text = format!(
         "{input}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \

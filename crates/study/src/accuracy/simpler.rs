@@ -56,7 +56,7 @@ impl Simpler {
     }
 }
 
-/// The same UAV over another form of its scene: at the same place and the same height above the datum.
+/// A UAV over another form of its scene: at the same place and the same height above the datum.
 ///
 /// # Errors
 /// As [`Uav::place`]: coarser cells may hold a building where it hovers.

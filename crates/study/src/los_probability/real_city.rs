@@ -114,7 +114,7 @@ impl<'a> RealCity<'a> {
         self.engine.method()
     }
 
-    /// The same city with users on some of the cells alone, such as those of a zone.
+    /// The city with users on some of the cells alone, such as those of a zone.
     #[must_use]
     pub fn with_users(mut self, cells: &BitGrid) -> Self {
         self.receivers.cells = self.field.cells().open.clone().and(cells).into();

@@ -216,7 +216,7 @@ impl SampledCounts {
         resampled(&self.placements, &blocks, self.n_parts, confidence, seed)
     }
 
-    /// The same with all placements and blocks as one, which says nothing of their spread.
+    /// The counts with all placements and blocks as one, which says nothing of their spread.
     #[must_use]
     pub fn summed(self) -> Self {
         SampledCounts { placements: vec![self.totals()], ..self }

@@ -179,7 +179,7 @@ impl BandJob<'_> {
         }
     }
 
-    /// The same where some of `n` rows from `row` on have cells in doubt.
+    /// Hides receivers behind a part of a shadow where some of `n` rows from `row` on have cells in doubt.
     #[inline(never)]
     fn hide_in_doubt(
         &self,

@@ -50,7 +50,7 @@ impl Reach {
         (self.far - 1.0) * distance
     }
 
-    /// The same from `begin` on, if that is farther.
+    /// The reach from `begin` on, if that is farther than its own begin.
     #[inline(always)]
     pub(super) fn from(self, begin: f64) -> Reach {
         Reach { near: self.near.max(begin), ..self }
@@ -127,7 +127,7 @@ impl Plane {
         }
     }
 
-    /// The same as seen from elsewhere.
+    /// The plane of these rows and columns as another UAV sees it.
     pub(super) fn seen_from(&self, grid: &ShadowGrid, uav: LatticePoint) -> Plane {
         Plane::new(grid, uav, self.rows, self.cols)
     }

@@ -59,7 +59,7 @@ pub enum OnPlateaus {
 pub struct PlateauScene<'a> {
     /// The raster.
     pub columns: &'a Columns,
-    /// The same as plateaus.
+    /// The raster as plateaus.
     pub plateaus: &'a Plateaus,
     /// The centers of its cells.
     pub grid: &'a ShadowGrid,
@@ -91,7 +91,7 @@ pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPl
     plateaus_los_in_view(scene, &PlateauView::new(scene, uav, receivers))
 }
 
-/// The same, given what the UAV has in view of the plateaus of the scene.
+/// The wanted cells in line of sight, given what the UAV has in view of the plateaus of the scene.
 pub(in crate::los) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView) -> BitGrid {
     let PlateauView { uav, receivers, .. } = *view;
     let plateaus = scene.plateaus;

@@ -18,15 +18,15 @@ pub(super) struct Bins {
     /// The number of the line that `upper` is of, and the same bound by all other lines.
     pub(super) steepest_line: Vec<i32>,
     pub(super) second: Vec<f32>,
-    /// The same bound by the lines of the present group alone.
+    /// No ray of the bin is obstructed above this slope by a line of the present group.
     pub(super) present: Vec<f32>,
-    /// The same by those of the steepest group before the present one, and the number of its first line.
+    /// The bound by the lines of the steepest group before the present one, and the number of its first line.
     pub(super) steepest: Vec<f32>,
     pub(super) steepest_start: Vec<i32>,
-    /// The same by those of the steepest group of the rest, and the number of its first line.
+    /// The bound by the lines of the steepest group of the rest, and the number of its first line.
     pub(super) next_steepest: Vec<f32>,
     pub(super) next_start: Vec<i32>,
-    /// The same by those of all other groups, and the first lines of the first and of the last of these that may hide a
+    /// The bound by the lines of all other groups, and the first lines of the first and of the last of these that may hide a
     /// receiver from here on.
     pub(super) others: Vec<f32>,
     pub(super) first_other: Vec<i32>,

@@ -33,7 +33,7 @@ pub trait ColumnsReader: Sync {
     /// If they cannot be read.
     fn read_tops(&self, window: CellWindow, tops: &mut Vec<i32>) -> Result<()>;
 
-    /// The same with what receivers stand on, where that is not the top.
+    /// Replaces `bases` by what the receivers of a window stand on, where that is not the top \[1/1024 m\].
     ///
     /// # Errors
     /// If they cannot be read.

@@ -22,7 +22,7 @@ pub(super) const NOTHING: f32 = -1e30;
 
 /// Room that vectors may read or write before and after the part of a buffer that is in use.
 pub(super) const PAD: usize = 128;
-/// The same among bins and cells, which are counted with a sign.
+/// [`PAD`] among bins and cells, which are counted with a sign.
 pub(super) const PAD_I64: i64 = 128;
 
 /// Bits of a lattice position below the cell.
@@ -226,7 +226,7 @@ impl LineSlopes {
         (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 - DOUBT))
     }
 
-    /// The same for the largest slope that `lower` may have where no height is above the UAV.
+    /// What a height is multiplied by at either edge for the largest slope that `lower` may have where no height is above the UAV.
     fn lower_factors(self) -> (f32, f32) {
         (self.per_near * (1.0 + DOUBT), self.per_far * (1.0 + DOUBT))
     }
