@@ -35,7 +35,7 @@ mod cog; // GeoTIFFs are cloud optimized
 mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsuba, ns-3
 mod polygon_files; // coverage polygons, simplified and not
 mod bad_inputs; // every bad file gets its documented answer
-mod walkthrough; // every command of docs/walkthrough.md runs
+mod docs; // every command of the manual runs
 mod inputs; // any file given to `info`: UAVs, tracks, own outputs, strangers
 mod vertical; // what heights are above, and in which unit
 mod small_files; // small files that would take much time or memory
@@ -90,5 +90,7 @@ mod schemas; // documents against their JSON Schemas, columns and their meanings
 mod recorder; // digests of all masks, for two builds side by side
 mod referee; // one link by an engine and by the oracle
 mod shapes; // small scenes with many ties
+mod pictures; // one picture of each kind, pixel by pixel
+mod prose; // how documents and doc comments read: lengths, openings, spelling
 mod support; // random numbers and scenes for the suites above
 mod vector_files; // writes one small city in every vector format

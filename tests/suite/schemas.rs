@@ -85,6 +85,31 @@ fn every_column_says_what_it_means() {
     }
 }
 
+/// What the page says of tables: what was written by hand, then the columns of each.
+fn page_of_tables(page: &str) -> String {
+    let mark = page.find("<!--").and_then(|start| Some(start + page[start..].find('\n')? + 1)).expect("a mark");
+    let mut text = page[..mark].to_string();
+    for (kind, columns) in skyshed::schemas::tables() {
+        text += &format!("\n### {kind}\n\n| column | meaning |\n|---|---|\n");
+        for column in columns {
+            text += &format!("| `{}` | {} |\n", column.name, column.meaning.replace('|', "\\|").replace('\n', " "));
+        }
+    }
+    text
+}
+
+#[test]
+fn the_columns_in_docs_are_those_of_the_types() {
+    let path = folder().with_file_name("tables.md");
+    let found = std::fs::read_to_string(&path).expect("docs/tables.md");
+    let page = page_of_tables(&found);
+    if std::env::var_os("SKYSHED_WRITE_DOCS").is_some() {
+        std::fs::write(&path, page).expect("docs/tables.md");
+        return;
+    }
+    assert!(found == page, "docs/tables.md is not that of the types: SKYSHED_WRITE_DOCS=1 makes it anew");
+}
+
 #[test]
 fn a_document_with_a_member_of_no_schema_is_found() {
     let of = |more: &str| {

@@ -1,0 +1,114 @@
+//! Every command of the manual runs, page by page, and writes what it names.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::program::{Folder, run_in};
+use crate::support::{has_program, slow};
+
+fn page(name: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).expect(name)
+}
+
+/// The commands of a page: the lines between fences of shell.
+fn commands(page: &str) -> Vec<&str> {
+    let parts = page.split("```sh\n").skip(1).filter_map(|part| part.split("```").next());
+    parts.flat_map(str::lines).filter(|line| !line.is_empty() && !line.starts_with('#')).collect()
+}
+
+/// The words of a command, as a shell splits them: what stands between apostrophes is of one word.
+fn words(command: &str) -> Vec<String> {
+    let (mut words, mut is_quoted) = (vec![String::new()], false);
+    for c in command.chars() {
+        match c {
+            '\'' => is_quoted = !is_quoted,
+            ' ' if !is_quoted => words.push(String::new()),
+            c => words.last_mut().expect("one at least").push(c),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Runs the commands of a page in their order, in a folder that holds `maps/` and nothing else.
+#[cfg(unix)]
+fn run_page(name: &str, least: usize) {
+    let folder = Folder::new();
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    std::os::unix::fs::symlink(maps, folder.join("maps")).unwrap();
+    let (page, mut n_run, mut before) = (page(name), 0, None);
+    for line in commands(&page) {
+        let words = words(line);
+        let (program, rest) = words.split_first().expect("a command");
+        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
+        // It times all there is, and other tests run beside it.
+        if line.contains("--peers") && !slow() {
+            continue;
+        }
+        if program == "skyshed" {
+            let answer = run_in(folder.path(), &rest).done();
+            // A line that stands there twice finds its work done.
+            assert_eq!(before == Some(line), answer.err.contains("0 UAVs mapped"), "{line}: {answer:?}");
+            n_run += 1;
+            for pair in rest.windows(2).filter(|pair| ["-o", "--map", "--height-curve", "--repairs"].contains(&pair[0]))
+            {
+                let name = pair[1].replace("{site}", "square");
+                assert!(std::fs::metadata(folder.join(&name)).is_ok_and(|m| m.len() > 0), "{line}: {name}");
+            }
+        } else if has_program(program) {
+            let answer = Command::new(program).args(&rest).current_dir(folder.path()).output().unwrap();
+            let said = String::from_utf8_lossy(&answer.stdout);
+            assert!(answer.status.success() && !said.contains("rror"), "{line}: {answer:?}");
+            assert!(!program.starts_with("gdal") || said.contains("25832"), "{line}: {said}");
+        }
+        before = Some(line);
+    }
+    assert!(n_run >= least, "{name}: {n_run} commands");
+}
+
+#[cfg(unix)]
+macro_rules! pages {
+    ($($test:ident: $page:literal, $least:literal;)*) => {
+        $(#[test]
+        fn $test() {
+            run_page(concat!("docs/", $page), $least);
+        })*
+
+        #[test]
+        fn every_page_with_commands_is_run() {
+            let run = [$($page),*];
+            for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs")).unwrap().flatten() {
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if name.ends_with(".md") && !run.contains(&name.as_str()) {
+                    let page = page(&format!("docs/{name}"));
+                    assert!(!commands(&page).iter().any(|line| line.starts_with("skyshed ")), "docs/{name} is not run");
+                }
+            }
+        }
+    };
+}
+
+#[cfg(unix)]
+pages! {
+    commands_page: "commands.md", 29;
+    cities_page: "cities.md", 1;
+    exactness_page: "exactness.md", 1;
+    models_page: "models.md", 1;
+    research_page: "research.md", 1;
+    walkthrough_page: "walkthrough.md", 5;
+}
+
+#[test]
+fn commands_of_the_readme_stand_in_the_manual() {
+    let (readme, manual) = (page("README.md"), page("docs/commands.md"));
+    let manual = commands(&manual);
+    let in_table = readme
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split('`').nth(1))
+        .filter(|c| c.starts_with("skyshed "));
+    let in_table: Vec<&str> = in_table.collect();
+    assert!(in_table.len() >= 10);
+    for command in in_table {
+        assert!(manual.contains(&command), "{command}");
+    }
+}
