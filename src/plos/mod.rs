@@ -285,7 +285,10 @@ fn model_rows(
         cautions.add(211, format!("model `{id}` has no value for {} of {}: {reason}", reasons.len(), rows.len()), word);
     }
     if let Some(care) = cares.first() {
-        let more = if cares.len() > 1 { format!(" (and {} more cautions)", cares.len() - 1) } else { String::new() };
+        let more = match cares.len() - 1 {
+            0 => String::new(),
+            n => format!(" (and {} more)", counted(n as u64, "caution", "cautions")),
+        };
         cautions.add(212, format!("model `{id}`: {care}{more}"), word);
     }
     Ok(rows)

@@ -158,7 +158,7 @@ impl Environment {
     pub(super) fn of(city: &BuiltUp) -> Result<Self, OutsideDomain> {
         let known = Self::ALL.into_iter().find(|(_, name)| BuiltUp::named(name).as_ref() == Some(city));
         let Some((environment, _)) = known else {
-            return outside(format!("the city has {city}, wanted suburban, urban, dense-urban or high-rise"));
+            return outside(format!("the city has {city}, which is none of the environments of the model"));
         };
         Ok(environment)
     }

@@ -15,7 +15,7 @@ use super::card::{
 pub(super) const CARD: Card = Card {
     id: "holis2008",
     name: "Holis 2008",
-    source: "P. Holis and P. Pechac, Elevation dependent shadowing model for mobile communications via high altitude \
+    source: "J. Holis and P. Pechac, Elevation dependent shadowing model for mobile communications via high altitude \
              platforms in built-up areas, IEEE Trans. Antennas Propag. 56(4), 1078–1084, 2008; environments of Table I",
     domain: "Elevation angles from 1° to 90° (fitted up to 89°) in the suburban, urban, dense-urban or high-rise \
              environment; made for high-altitude platforms.",

@@ -58,7 +58,10 @@ fn p_los(link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
     let (rate, r) = (first_building_rate(&link.built_up), link.distance_m);
     let streets = link.built_up.street_width() / link.built_up.building_width();
     if !(rate.is_finite() && rate > 0.0) {
-        return outside(format!("streets are {} building widths wide, wanted 0.25 to 2.5", tidy(streets)));
+        return outside(format!(
+            "streets are {} building widths wide, where the fit has no value; it was made for 0.25 to 2.5",
+            tidy(streets)
+        ));
     }
     let q = h / (SQRT_2 * link.built_up.height_scale);
     let x = rate * r / (2.0 * q);

@@ -124,7 +124,7 @@ fn what_a_model_was_not_made_for_is_told() {
         (Model::AlHourani2014, of(0.1, 400.0, 8.0), Some((care, "the city has αβ = 40"))),
         (Model::AlHourani2014, of(0.3, 500.0, 6.0), Some((care, "γ = 6 m"))),
         (Model::AlHourani2014, link("ghent", 30.0), Some((refused, "b = -112.49"))),
-        (Model::AlHourani2014Table, link("ghent", 30.0), Some((refused, "wanted suburban"))),
+        (Model::AlHourani2014Table, link("ghent", 30.0), Some((refused, "none of the environments"))),
         (Model::AlHourani2014Table, roof, Some((care, "street level"))),
         (Model::Holis2008, link("urban", 0.99), Some((refused, "wanted 1° to 90°"))),
         (Model::Holis2008, link("urban", 1.0), Some((care, "the UAV is at 100 m"))),
@@ -147,7 +147,7 @@ fn what_a_model_was_not_made_for_is_told() {
         (Model::Tr38901Umi, at(100.0), Some((care, "users at 1.5 to 22.5 m"))),
         (Model::Tr38901Umi, street, Some((care, "made for a base station at 10 m"))),
         (Model::Tr38811, link("high-rise", 30.0), Some((refused, "high-rise"))),
-        (Model::Tr38811Linear, link("ghent", 30.0), Some((refused, "wanted suburban"))),
+        (Model::Tr38811Linear, link("ghent", 30.0), Some((refused, "none of the environments"))),
         // All reasons for care are given.
         (
             Model::Tr38811,
