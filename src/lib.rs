@@ -1,6 +1,7 @@
 //! Exact line-of-sight coverage maps: what a hovering UAV can see of a city, cell by cell.
 //!
-//! A [`Scene`] is a city that was opened or generated. Asked what a [`Uav`] sees, it answers with a [`Coverage`]; of several,
+//! A [`Scene`] is a city that was opened or generated. Asked what a [`Uav`] sees, it answers with a [`Coverage`]; of
+//! several,
 //! with [`Coverages`]. Each answer has its numbers, says what was odd, and saves itself by the extension of a file.
 //!
 //! ```
@@ -15,11 +16,12 @@
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 //!
-//! Lengths are in meters, positions in the scene's reference system, heights as [`Height`] says. What line of sight means is
+//! Names that end in `_m` are in meters, positions in units of the scene's reference system, heights as [`Height`]
+//! says. What line of sight means is
 //! written in `skyshed_core::los`.
 //!
 //! The crates below hold what only experts need: `skyshed_core` the engines, `skyshed_study` P_LoS, placement and accuracy,
-//! `skyshed_io` formats and readers, `skyshed_render` pictures.
+//! `skyshed_io` formats and readers, `skyshed_render` pictures. Types of options that are not found here stand there.
 
 mod answer;
 mod chart;

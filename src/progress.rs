@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::coverage::Control;
 
-/// A token of a run: how far it is, and the wish that it stop. Shared by whoever waits and whoever works.
+/// Watches a run, and can stop it from another thread. Made by `Arc::new(Progress::default())`, and given to a request.
 pub struct Progress {
     pub(crate) control: Control,
     pub(crate) total: AtomicU64,

@@ -28,6 +28,8 @@ pub struct Uav {
 
 impl Uav {
     /// A UAV at x (east) and y (north) in the scene's reference system. Several without a name are numbered from 1.
+    ///
+    /// The place is checked when a scene is asked: E2xx if the UAV cannot be there.
     pub fn new(x: f64, y: f64, height: Height) -> Uav {
         Uav { id: None, x, y, height, lonlat: None }
     }

@@ -102,7 +102,7 @@ impl Coverages {
 /// let city = Scene::options().size_m(150.0).open("itu:suburban")?;
 /// let uav = Uav::new(75.0, 75.0, Height::agl(60.0));
 /// let seen = city.coverage(uav).layers([Layer::Los, Layer::Margin]).run()?;
-/// // A margin is above zero exactly where there is line of sight.
+/// // A margin is zero or more exactly where there is line of sight; zero means that the ray touches.
 /// let margin = seen.layer(Layer::Margin).expect("it was asked for");
 /// assert!(seen.mask().iter().zip(margin).all(|(class, m)| (*class == 1) == (*m >= 0.0)));
 /// # Ok::<(), skyshed::Error>(())
@@ -137,7 +137,9 @@ impl Coverage {
         &self.0.sites[0].mask
     }
 
-    /// A layer of heights that was asked for \[m\], NaN where there is no receiver; shape as [`Coverage::mask`].
+    /// A layer of heights \[m\], NaN where there is no receiver; shape as [`Coverage::mask`]. `None` if it was not
+    /// asked for, and
+    /// for layers that hold no heights.
     pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
         let site = &self.0.sites[0];
         match layer {

@@ -67,31 +67,31 @@ impl<Answer> CoverageRequest<Answer> {
         }
     }
 
-    /// The largest horizontal distance from a UAV to a receiver \[m\]; unlimited.
+    /// The largest horizontal distance from a UAV to a receiver \[m\]. Default: unlimited.
     pub fn radius_m(mut self, radius_m: f64) -> Self {
         self.asked.radius_m = Some(radius_m);
         self
     }
 
-    /// The height of the receivers above ground or roof \[m\]; 1.5.
+    /// The height of the receivers above ground or roof \[m\]. Default: 1.5.
     pub fn receiver_height_m(mut self, height_m: f64) -> Self {
         self.asked.rx_height_m = height_m;
         self
     }
 
-    /// Which cells hold receivers; open ground.
+    /// Which cells hold receivers. Default: open ground.
     pub fn receivers(mut self, receivers: Receivers) -> Self {
         self.asked.receivers = receivers;
         self
     }
 
-    /// The layers to make; line of sight alone. Pictures show the first.
+    /// The layers to make. Default: line of sight alone. Pictures show the first.
     pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
         self.layers = layers.into_iter().collect();
         self
     }
 
-    /// The engine; the fastest exact one for the scene.
+    /// The engine. Default: the fastest exact one for the scene.
     pub fn method(mut self, method: MethodChoice) -> Self {
         self.asked.method = method;
         self
@@ -129,7 +129,8 @@ impl CoverageRequest<Coverage> {
     /// Makes the map.
     ///
     /// # Errors
-    /// E2xx if the UAV cannot be there (inside a building, below the ground, outside of what the engines can hold); E113 for
+    /// E2xx if the UAV cannot be there (inside a building, below the ground, outside of what the engines can hold);
+    /// E113 for
     /// numbers out of range; E118 if the method cannot decide the scene; E501 if the map does not fit in memory.
     pub fn run(mut self) -> Result<Coverage> {
         self.keeps_masks = true;
@@ -138,7 +139,9 @@ impl CoverageRequest<Coverage> {
 }
 
 impl CoverageRequest<Coverages> {
-    /// Keeps the mask of each UAV, a byte for each cell; else only counts and what all see together are held.
+    /// Keeps the mask of each UAV, a byte for each cell. Without it `Coverages::mask` is `None`: only counts and what
+    /// all see
+    /// together are held.
     pub fn keep_masks(mut self) -> Self {
         self.keeps_masks = true;
         self

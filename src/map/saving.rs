@@ -10,8 +10,10 @@ use crate::error::Result;
 use crate::export::{Batch, OutputRules, check_layers, check_outputs};
 
 impl Coverages {
-    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a table (.csv),
-    /// a document (.json), features (.geojson), an overlay (.kmz). What stands beside it (`.prj`, `.json`) is written too.
+    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a
+    /// table (.csv),
+    /// a document (.json), features (.geojson), polygons (.fgb), an overlay (.kmz). What stands beside it (`.prj`,
+    /// `.json`) is written too.
     ///
     /// # Errors
     /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.

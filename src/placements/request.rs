@@ -49,7 +49,7 @@ pub struct PlacementsRequest {
 }
 
 impl PlacementsRequest {
-    /// The distance between candidate places \[m\]; 20.
+    /// The distance between candidate places \[m\]. Default: 20.
     pub fn step_m(self, step_m: f64) -> Self {
         PlacementsRequest { from: CandidatesFrom::Grid { step_m }, ..self }
     }
@@ -59,41 +59,42 @@ impl PlacementsRequest {
         PlacementsRequest { from: CandidatesFrom::File { path: path.into(), skips_bad: false }, ..self }
     }
 
-    /// What to make large: `p_los`, or `margin` of the worst receiver, alone or of a zone, such as `p_los(street)`; `p_los`.
+    /// What to make large: `p_los`, or `margin` of the worst receiver, alone or of a zone, such as `p_los(street)`.
+    /// Default: `p_los`.
     pub fn goal(self, goal: impl Into<String>) -> Self {
         PlacementsRequest { goal: goal.into(), ..self }
     }
 
-    /// The largest horizontal distance from a UAV to a receiver \[m\]; unlimited.
+    /// The largest horizontal distance from a UAV to a receiver \[m\]. Default: unlimited.
     pub fn radius_m(mut self, radius_m: f64) -> Self {
         self.asked.radius_m = Some(radius_m);
         self
     }
 
-    /// The height of the receivers above ground or roof \[m\]; 1.5.
+    /// The height of the receivers above ground or roof \[m\]. Default: 1.5.
     pub fn receiver_height_m(mut self, height_m: f64) -> Self {
         self.asked.rx_height_m = height_m;
         self
     }
 
-    /// Which cells hold receivers; open ground.
+    /// Which cells hold receivers. Default: open ground.
     pub fn receivers(mut self, receivers: Receivers) -> Self {
         self.asked.receivers = receivers;
         self
     }
 
-    /// The engine; the fastest exact one for the scene.
+    /// The engine. Default: the fastest exact one for the scene.
     pub fn method(mut self, method: MethodChoice) -> Self {
         self.asked.method = method;
         self
     }
 
-    /// The least height above the roof or ground directly below \[m\]; 0.
+    /// The least height above the roof or ground directly below \[m\]. Default: 0.
     pub fn clearance_m(self, clearance_m: f64) -> Self {
         PlacementsRequest { clearance_m, ..self }
     }
 
-    /// How many UAVs are to see most together; 1.
+    /// How many UAVs are to see most together. Default: 1.
     pub fn count(self, count: usize) -> Self {
         PlacementsRequest { count: count.max(1), ..self }
     }
@@ -130,12 +131,12 @@ impl PlacementsRequest {
 }
 
 impl Placements {
-    /// The candidates, best first.
+    /// The candidates, best first, with heights above the datum whatever was asked.
     pub fn ranked(&self) -> impl ExactSizeIterator<Item = Uav> {
         self.report.ranked.iter().map(uav_of)
     }
 
-    /// The best candidate; `None` if no receiver is wanted, or none reaches the goal.
+    /// The best candidate, with its height above the datum; `None` if no receiver is wanted, or none reaches the goal.
     pub fn best(&self) -> Option<Uav> {
         self.report.winner.as_ref().ok().map(uav_of)
     }
@@ -148,7 +149,8 @@ impl Placements {
         }
     }
 
-    /// The share of the wanted receivers that a candidate sees; `None` for another goal, or a UAV that is none.
+    /// The share of the wanted receivers that a candidate sees; `None` for another goal, or for a UAV that is not among
+    /// [`Placements::ranked`].
     pub fn share(&self, uav: Uav) -> Option<f64> {
         let place = self.report.ranked.iter().find(|place| uav_of(place) == uav)?;
         match place.value {
@@ -167,7 +169,8 @@ impl Placements {
         Answer::document(self, Some(Spent::default()))
     }
 
-    /// Writes a file, whose extension says what: a picture of where to hover (.png .svg .pdf), the same as numbers (.tif), a
+    /// Writes a file, whose extension says what: a picture of where to hover (.png .svg .pdf), the same as numbers
+    /// (.tif), a
     /// table (.csv), a document (.json), the best as points (.geojson).
     ///
     /// # Errors

@@ -118,7 +118,8 @@ impl PLos {
         Answer::document(&self.0, None)
     }
 
-    /// Writes a file, whose extension says what: a plot (.png .svg .pdf), a table (.csv), arrays (.npz), a document (.json).
+    /// Writes a file, whose extension says what: a plot (.png .svg .pdf), a table (.csv), arrays (.npz), a document
+    /// (.json).
     ///
     /// # Errors
     /// E104–E106 for a file that cannot be written so; E124 for a plot of too much; E401 if writing fails.
@@ -139,13 +140,13 @@ impl PLosRequest {
         self
     }
 
-    /// Heights of the UAV above ground \[m\]; 100.
+    /// Heights of the UAV above ground \[m\]. Default: 100.
     pub fn heights_m(mut self, heights: impl IntoIterator<Item = f64>) -> Self {
         self.0.sweeps.heights = heights.into_iter().collect();
         self
     }
 
-    /// Elevation angles \[deg\]; every five from 5 to 90.
+    /// Elevation angles \[deg\]. Default: every five from 5 to 90.
     pub fn theta_deg(mut self, angles: impl IntoIterator<Item = f64>) -> Self {
         self.0.sweeps.far = angles.into_iter().map(Far::Theta).collect();
         self
@@ -163,7 +164,7 @@ impl PLosRequest {
         self
     }
 
-    /// The height of the receivers above ground \[m\]; 1.5.
+    /// The height of the receivers above ground \[m\]. Default: 1.5.
     pub fn receiver_height_m(mut self, height_m: f64) -> Self {
         self.0.rx_height_m = height_m;
         self
@@ -175,7 +176,7 @@ impl PLosRequest {
         self
     }
 
-    /// The seed of everything random; 1.
+    /// The seed of everything random. Default: 1.
     pub fn seed(mut self, seed: u64) -> Self {
         self.0.seed = seed;
         self

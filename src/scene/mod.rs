@@ -23,7 +23,9 @@ use crate::zones::ZoneMap;
 
 /// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
 ///
-/// Copies share the city. All lengths are in meters, positions in the scene's reference system.
+/// Copies share the city. Positions and extents are in units of the scene's reference system, names that end in `_m` in
+/// meters. A
+/// file in degrees is refused (E310) unless it is brought into another system.
 ///
 /// ```
 /// use skyshed::{Height, Scene, Uav};

@@ -19,7 +19,8 @@ use crate::read::{
     read_mesh, read_surface, vertical_of,
 };
 
-/// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an error.
+/// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an
+/// error.
 #[derive(Debug, Clone, Default)]
 pub struct SceneOptions {
     pub(crate) terrain: Option<PathBuf>,
@@ -58,19 +59,19 @@ impl SceneOptions {
         SceneOptions { terrain: Some(path.into()), ..self }
     }
 
-    /// Flat ground at this height above the datum \[m\]; 0 for footprints and generated cities.
+    /// Flat ground at this height above the datum \[m\]. Default: 0 for footprints and generated cities.
     #[must_use]
     pub fn ground_m(self, height_m: f64) -> Self {
         SceneOptions { ground_m: Some(height_m), ..self }
     }
 
-    /// A cell whose surface is more than this above the ground is a building \[m\]; 0.25.
+    /// A cell whose surface is more than this above the ground is a building \[m\]. Default: 0.25.
     #[must_use]
     pub fn building_threshold_m(self, height_m: f64) -> Self {
         SceneOptions { building_threshold_m: Some(height_m), ..self }
     }
 
-    /// The property that holds a footprint's height above ground; `height`, of CityJSON the highest point.
+    /// The property that holds a footprint's height above ground. Default: `height`; of CityJSON the highest point.
     #[must_use]
     pub fn height_field(self, name: impl Into<String>) -> Self {
         SceneOptions { height_field: Some(name.into()), ..self }
@@ -82,13 +83,13 @@ impl SceneOptions {
         SceneOptions { top_field: Some(name.into()), ..self }
     }
 
-    /// The unit of heights of footprints that name none; meters.
+    /// The unit of heights of footprints that name none. Default: meters.
     #[must_use]
     pub fn height_unit(self, unit: HeightUnit) -> Self {
         SceneOptions { height_unit: Some(unit), ..self }
     }
 
-    /// The property that holds the number of storeys, for [`MissingHeight::Levels`]; `building:levels`.
+    /// The property that holds the number of storeys, for [`MissingHeight::Levels`]. Default: `building:levels`.
     #[must_use]
     pub fn levels_field(self, name: impl Into<String>) -> Self {
         SceneOptions { levels_field: Some(name.into()), ..self }
@@ -100,31 +101,31 @@ impl SceneOptions {
         SceneOptions { layer: Some(name.into()), ..self }
     }
 
-    /// What becomes of footprints without a usable height; left out where they are few, refused otherwise.
+    /// What becomes of footprints without a usable height. Default: left out up to 2 % of the footprint area, E309 above.
     #[must_use]
     pub fn missing(self, policy: MissingHeight) -> Self {
         SceneOptions { missing: Some(policy), ..self }
     }
 
-    /// Which of the terrain cells below a footprint its height is above; the lowest.
+    /// Which of the terrain cells below a footprint its height is above. Default: the lowest.
     #[must_use]
     pub fn base(self, rule: BaseRule) -> Self {
         SceneOptions { base: Some(rule), ..self }
     }
 
-    /// Where footprints tell of the ground; between them.
+    /// Where the ground is known. Default: within 100 m of footprints, holes filled; everywhere if an extent is set.
     #[must_use]
     pub fn data_area(self, choice: DataAreaChoice) -> Self {
         SceneOptions { data_area: Some(choice), ..self }
     }
 
-    /// The extent of the grid over footprints or a mesh \[CRS units\]; that of the data.
+    /// The extent of the grid over footprints or a mesh \[CRS units\]. Default: that of the data.
     #[must_use]
     pub fn extent(self, [west, south, east, north]: [f64; 4]) -> Self {
         SceneOptions { extent: Some([west, south, east, north]), ..self }
     }
 
-    /// The cell size of the grid over footprints, a mesh or a generated city \[m\]; 1, or that of the terrain.
+    /// The cell size of the grid over footprints, a mesh or a generated city \[m\]. Default: 1, or that of the terrain.
     #[must_use]
     pub fn cell_m(self, size_m: f64) -> Self {
         SceneOptions { cell_m: Some(size_m), ..self }
@@ -142,19 +143,19 @@ impl SceneOptions {
         SceneOptions { project: Some(to), ..self }
     }
 
-    /// The edge length of a generated city \[m\]; 1000.
+    /// The edge length of a generated city \[m\]. Default: 1000.
     #[must_use]
     pub fn size_m(self, edge_m: f64) -> Self {
         SceneOptions { size_m: Some(edge_m), ..self }
     }
 
-    /// The seed of a generated city; 1.
+    /// The seed of a generated city. Default: 1.
     #[must_use]
     pub fn seed(self, seed: u64) -> Self {
         SceneOptions { seed: Some(seed), ..self }
     }
 
-    /// What nodata cells do to links; nothing.
+    /// What nodata cells do to links. Default: they block nothing.
     #[must_use]
     pub fn nodata_as(self, does: NodataAs) -> Self {
         SceneOptions { nodata_as: Some(does), ..self }
@@ -162,7 +163,8 @@ impl SceneOptions {
 
     /// Reads a scene and makes it ready for rays.
     ///
-    /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or the word
+    /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or
+    /// the word
     /// for a generated city: `itu:urban`, `itu:0.3,500,15`.
     ///
     /// # Errors
@@ -273,10 +275,12 @@ impl SceneOptions {
         )?)
     }
 
-    /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header. What is
+    /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header.
+    /// What is
     /// wrong with the file is told where it is read.
     ///
-    /// These are 5 for each cell, its height and what zone it may be of; what a terrain takes; and an unpacked strip or tile.
+    /// These are 5 for each cell, its height and what zone it may be of; what a terrain takes; and an unpacked strip or
+    /// tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
         // What is brought into another system is put together in memory.
         if !is_raster_scene(word) || self.project.is_some() {

@@ -22,11 +22,11 @@ pub enum Layer {
     LeastReceiverHeight,
     /// Least UAV height \[m above the datum\].
     LeastHeight,
-    /// Number of UAVs, per run.
+    /// How many of all UAVs see each cell.
     Count,
     /// How many of eight moves by one lattice step turn the answer.
     Stability,
-    /// Set of UAVs, per run.
+    /// Which of all UAVs see each cell, a bit for each.
     Which,
 }
 
