@@ -201,9 +201,9 @@ pub(crate) struct PlosTableRow {
     pub(super) p_los: Option<f64>,
     /// Lower end of its interval; n/a where an estimate has none, empty for models.
     pub(super) ci_low: Option<NumberOr>,
-    /// Upper end of its interval; likewise.
+    /// Upper end of its interval; n/a where an estimate has none, empty for models.
     pub(super) ci_high: Option<NumberOr>,
-    /// Its standard error; likewise.
+    /// Standard error of P_LoS; n/a where an estimate has none, empty for models.
     pub(super) std_error: Option<NumberOr>,
     /// Links behind it.
     pub(super) samples: Option<u64>,
