@@ -57,7 +57,7 @@ struct ZoneCounts {
     cells: u64,
     /// Their area [m²].
     area_m2: f64,
-    /// Their share of all cells.
+    /// Share of all cells.
     share: f64,
     /// Connected parts.
     parts: usize,

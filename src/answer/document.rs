@@ -196,7 +196,7 @@ pub(crate) struct Share {
     pub(crate) receivers: u64,
     /// Those in line of sight.
     pub(crate) los: u64,
-    /// Their share; null without a receiver.
+    /// Share of the receivers in line of sight; null without a receiver.
     pub(crate) p_los: Option<f64>,
     /// Why there is no share.
     #[serde(skip_serializing_if = "Option::is_none")]

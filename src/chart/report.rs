@@ -315,7 +315,7 @@ struct ExactDocument {
     receivers: u64,
     /// Those in line of sight.
     los: u64,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     p_los: Option<f64>,
     /// Links of it that a ray confirms; null where rays decided all.
     links_checked_by_ray: Option<u64>,

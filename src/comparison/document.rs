@@ -125,7 +125,7 @@ pub(super) struct ShareDocument {
     pub(super) receivers: u64,
     /// Those in line of sight.
     pub(super) los: u64,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     #[serde(rename = "p_los")]
     pub(super) value: Option<f64>,
     #[serde(flatten)]
@@ -169,7 +169,7 @@ pub(super) struct MarginDocument {
     /// Receivers near grazing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) grazing: Option<u64>,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) grazing_share: Option<f64>,
     /// Why something is missing.
@@ -284,7 +284,7 @@ pub(crate) struct CompareRow {
     pub(super) receivers: u64,
     /// Those in line of sight.
     pub(super) los: Option<u64>,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     pub(super) p_los: Option<f64>,
     /// P_LoS of the second less that of the first, over the receivers of both.
     pub(super) difference: Option<f64>,

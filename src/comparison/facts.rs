@@ -24,7 +24,7 @@ pub(crate) struct GroupShare {
     pub(crate) receivers: u64,
     /// Those in line of sight.
     pub(crate) los: u64,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     pub(crate) p_los: RatioEstimate,
 }
 

@@ -194,7 +194,7 @@ struct PointDocument {
     receivers: u64,
     /// Those in line of sight; null where the UAV cannot be.
     los: Option<u64>,
-    /// Their share.
+    /// Share of the receivers in line of sight.
     p_los: Option<f64>,
     /// Why there is no share.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -212,6 +212,6 @@ pub(crate) struct CurveRow {
     receivers: u64,
     /// Those in line of sight; empty where the UAV cannot be.
     los: Option<u64>,
-    /// Their share; empty there too, and without a receiver.
+    /// Share of the receivers in line of sight; empty where the UAV cannot be, and without a receiver.
     p_los: Option<f64>,
 }

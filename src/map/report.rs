@@ -458,7 +458,7 @@ pub(crate) struct MapRow {
     receivers: u64,
     /// Those in line of sight.
     los: u64,
-    /// Their share; empty without a receiver.
+    /// Share of the receivers in line of sight; empty without a receiver.
     p_los: Option<f64>,
     /// Cells in range that hold no receiver, such as buildings.
     not_receivers: u64,

@@ -393,7 +393,7 @@ struct PlaceDocument {
     /// Those in line of sight.
     #[serde(skip_serializing_if = "Option::is_none")]
     los: Option<u64>,
-    /// Their share, by weight where receivers have weights.
+    /// Share of the receivers in line of sight, by weight where receivers have weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     p_los: Option<Option<f64>>,
     /// Margin of the worst receiver [m].
@@ -474,7 +474,7 @@ pub(crate) struct PlaceRow {
     receivers: Option<u64>,
     /// Those in line of sight.
     los: Option<u64>,
-    /// Their share, by weight where receivers have weights.
+    /// Share of the receivers in line of sight, by weight where receivers have weights.
     p_los: Option<f64>,
     /// Margin of the worst receiver [m].
     margin_m: Option<f64>,

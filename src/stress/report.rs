@@ -242,7 +242,7 @@ struct MethodDocument {
     receivers: Option<u64>,
     /// Those that it decides wrongly.
     wrong: Option<u64>,
-    /// Their share.
+    /// Share of the receivers that are wrong.
     failure_rate: Option<f64>,
 }
 
@@ -289,7 +289,7 @@ struct FirstWrong {
 struct OutcomeFields {
     /// Receivers decided wrongly; none where the method cannot decide the family.
     wrong: Option<u64>,
-    /// Their share.
+    /// Share of the receivers that are wrong.
     failure_rate: Option<f64>,
     /// Those called LoS.
     false_los: Option<u64>,
@@ -367,7 +367,7 @@ struct BinDocument {
     within_m: f32,
     /// Receivers.
     receivers: u64,
-    /// Their share of those that were asked.
+    /// Share of the receivers that were asked.
     share: Option<f64>,
 }
 
@@ -386,7 +386,7 @@ pub(crate) struct StressSceneRow {
     lost: Option<u64>,
     /// Those that turn, or are so near.
     turned: Option<u64>,
-    /// Their share.
+    /// Share of the receivers that turn, or are so near.
     share: Option<f64>,
     /// Why the move cannot be made.
     reason: Option<String>,

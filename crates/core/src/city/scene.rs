@@ -35,7 +35,7 @@ pub struct Source {
 /// Footprints whose heights are missing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightGap {
-    /// Their share of the area of all footprints.
+    /// Share of these footprints in the area of all.
     pub area_share: f64,
     /// What was done about them, in words.
     pub done: String,
