@@ -1,64 +1,65 @@
-//! Labels beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
+//! Numbers beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
 
-use super::furniture::DETAIL;
+use super::furniture::NAME;
 use super::lettering::Type;
 use super::line_look::MARKER;
 use super::marks::{Bounds, overlap, spots_around, within};
 use super::sheet::Drawing;
 
-/// Words of a label.
-const WORDS: Type = Type { size: 21.0, ..DETAIL };
+/// How a number is set.
+const NUMBER: Type = Type { size: 21.0, ..NAME };
 /// A label farther from its point than this has a line to it \[px\].
 const NEAR: f64 = 20.0;
 /// How far labels may be from their marks, nearest first \[px\].
 const GAPS: [f64; 9] = [5.0, 14.0, 30.0, 50.0, 75.0, 105.0, 140.0, 180.0, 230.0];
 
-/// A point that has a name.
+/// A point that has a number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LabeledPoint<'a> {
+pub(crate) struct LabeledPoint {
     /// Where it is \[px\].
     pub(crate) at: [f64; 2],
-    /// Its name.
-    pub(crate) label: &'a str,
-    /// Color of its name.
+    /// Its number.
+    pub(crate) number: usize,
+    /// Color of its number.
     pub(crate) color: &'static str,
 }
 
 /// A label that has found its place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Label<'a> {
-    point: LabeledPoint<'a>,
+pub(crate) struct Label {
+    point: LabeledPoint,
     bounds: Bounds,
 }
 
 /// Finds a place for each label within a plot of this size \[px\], apart from what is `taken`. A label that finds none is left
 /// out; its point has a row beside the plot.
-pub(crate) fn place<'a>(points: &[LabeledPoint<'a>], size: [f64; 2], mut taken: Vec<Bounds>) -> Vec<Label<'a>> {
+pub(crate) fn place(points: &[LabeledPoint], size: [f64; 2], mut taken: Vec<Bounds>) -> Vec<Label> {
     let plot = [4.0, 4.0, size[0] - 4.0, size[1] - 4.0];
-    taken.extend(words_and_marks(&[], points));
+    const REACH: f64 = 1.4 * MARKER;
+    taken.extend(points.iter().map(|LabeledPoint { at: [x, y], .. }| [x - REACH, y - REACH, x + REACH, y + REACH]));
     // The most crowded points choose first.
-    let crowd = |point: &LabeledPoint<'_>| {
-        let distance = |other: &LabeledPoint<'_>| (other.at[0] - point.at[0]).hypot(other.at[1] - point.at[1]);
+    let crowd = |point: &LabeledPoint| {
+        let distance = |other: &LabeledPoint| (other.at[0] - point.at[0]).hypot(other.at[1] - point.at[1]);
         points.iter().map(|other| 1.0 / (30.0 + distance(other))).sum::<f64>()
     };
-    let mut order: Vec<&LabeledPoint<'a>> = points.iter().collect();
+    let mut order: Vec<&LabeledPoint> = points.iter().collect();
     order.sort_by(|a, b| crowd(b).total_cmp(&crowd(a)));
-    let mut labels: Vec<Label<'a>> = Vec::new();
+    let mut labels: Vec<Label> = Vec::new();
     for point in order {
-        let box_size = [WORDS.width(point.label) + 4.0, 1.1 * WORDS.size];
+        let box_size = [NUMBER.width(&point.number.to_string()) + 4.0, 1.1 * NUMBER.size];
         let spots = || {
             let corners = GAPS.iter().flat_map(|gap| spots_around(point.at, 1.1 * MARKER + gap, box_size));
             corners.map(|[x, y]| [x, y, x + box_size[0], y + box_size[1]])
         };
         let is_free = |bounds: &Bounds| within(bounds, &plot) && !taken.iter().any(|other| overlap(bounds, other));
-        // A line may begin among marks, and cross other lines where there is no better place, but no words.
+        // A line may begin among marks, and cross other lines where there is no better place, but no numbers.
         let crosses = |bounds: &Bounds| {
-            let over = |part: &Bounds| labels.iter().any(|other: &Label<'_>| overlap(part, &other.bounds));
+            let over = |part: &Bounds| labels.iter().any(|other: &Label| overlap(part, &other.bounds));
             leader(point.at, bounds).iter().any(over)
         };
-        let spot = spots().filter(|bounds| is_free(bounds)).find(|bounds| !crosses(bounds)).or_else(|| {
-            let is_apart = |bounds: &Bounds| !words_and_marks(&labels, points).any(|other| overlap(bounds, &other));
-            spots().find(|bounds| within(bounds, &plot) && is_apart(bounds) && !crosses(bounds))
+        let spot = spots().find(|bounds| is_free(bounds) && !crosses(bounds)).or_else(|| {
+            let is_apart = |bounds: &Bounds| !labels.iter().any(|other| overlap(bounds, &other.bounds));
+            spots().find(|bounds| within(bounds, &plot) && is_apart(bounds))
         });
         if let Some(bounds) = spot {
             taken.push(bounds);
@@ -67,13 +68,6 @@ pub(crate) fn place<'a>(points: &[LabeledPoint<'a>], size: [f64; 2], mut taken: 
         }
     }
     labels
-}
-
-/// What labels and marks take.
-fn words_and_marks<'a>(labels: &'a [Label<'_>], points: &'a [LabeledPoint<'_>]) -> impl Iterator<Item = Bounds> + 'a {
-    const REACH: f64 = 1.4 * MARKER;
-    let mark = |p: &LabeledPoint<'_>| [p.at[0] - REACH, p.at[1] - REACH, p.at[0] + REACH, p.at[1] + REACH];
-    points.iter().map(mark).chain(labels.iter().map(|label| label.bounds))
 }
 
 /// Where the line from a point to a label ends, if there is to be one.
@@ -98,7 +92,7 @@ pub(crate) fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Bounds
 }
 
 /// Draws thin lines from points to labels that are not beside them.
-pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label<'_>]) {
+pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label]) {
     for Label { point, bounds } in labels {
         if let Some(end) = leader_end(point.at, bounds) {
             drawing.line(point.at, end, &format!("stroke=\"{}\" stroke-width=\"1.2\"", point.color));
@@ -106,11 +100,11 @@ pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label<'_>]) {
     }
 }
 
-/// Draws the words.
-pub(crate) fn words(drawing: &mut Drawing, labels: &[Label<'_>]) {
+/// Draws the numbers.
+pub(crate) fn numbers(drawing: &mut Drawing, labels: &[Label]) {
     for Label { point, bounds: [left, top, ..] } in labels {
-        let baseline = top + 0.86 * WORDS.size;
-        drawing.text(left + 2.0, baseline, Type { color: point.color, ..WORDS }, point.label);
+        let baseline = top + 0.86 * NUMBER.size;
+        drawing.text(left + 2.0, baseline, Type { color: point.color, ..NUMBER }, &point.number.to_string());
     }
 }
 
@@ -122,14 +116,13 @@ mod tests {
     fn labels_of_crowded_points_keep_apart() {
         let point = |k: u32| LabeledPoint {
             at: [400.0 + 9.0 * f64::from(k), 300.0 + f64::from(k % 3)],
-            label: "step:0.25",
+            number: k as usize + 1,
             color: "#000000",
         };
-        let points: Vec<LabeledPoint<'_>> = (0..12).map(point).collect();
+        let points: Vec<LabeledPoint> = (0..12).map(point).collect();
         let wall = [0.0, 0.0, 800.0, 200.0];
         let labels = place(&points, [800.0, 600.0], vec![wall]);
-        // Half of such a crowd at least; lines to the rest would cross words.
-        assert!(labels.len() >= 6, "{}", labels.len());
+        assert_eq!(labels.len(), 12);
         for (k, label) in labels.iter().enumerate() {
             assert!(within(&label.bounds, &[0.0, 0.0, 800.0, 600.0]) && !overlap(&label.bounds, &wall));
             assert!(labels[k + 1..].iter().all(|other| !overlap(&label.bounds, &other.bounds)));

@@ -1,5 +1,7 @@
 //! Cost against error, both logarithmic, and beside it the bias of the same contestants, row by row.
 //!
+//! Names of contestants that lie close together would cover each other, so each mark has the number of its row.
+//!
 //! An error of 0 has no place on a logarithmic axis. It has a band of its own at the foot, and the axis is broken there.
 
 use super::colors::{INK, MUTED};
@@ -20,8 +22,9 @@ const SIZE: [f64; 2] = [980.0, 800.0];
 const ZERO_BAND: f64 = 104.0;
 /// From the plot to what is beside it, with room for names of ticks \[px\].
 const GAP: f64 = 64.0;
-/// Room above the plots for their titles \[px\].
+/// Room above the plots for their titles, and for the name of a least cost below these \[px\].
 const HEAD: f64 = 44.0;
+const FLOOR_NAME: f64 = 34.0;
 
 /// A picture of what accuracy costs.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +41,7 @@ pub struct Tradeoff<'a> {
     pub zero_name: &'a str,
     /// What the signed bias is called, with its unit.
     pub bias_name: &'a str,
-    /// A cost that nothing can be below, and what it is called.
+    /// A cost that nothing can be below, and what it is called, over the plot.
     pub floor: Option<(f64, &'a str)>,
     /// The contestants, those of one family behind each other.
     pub points: &'a [TradeoffPoint<'a>],
@@ -69,9 +72,10 @@ pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     for (title, at) in [("What accuracy costs", left), ("Which way each errs", rows_left)] {
         drawing.text(at, 26.0, NAME, title);
     }
-    drawing.place(&framed, left, HEAD);
-    drawing.place(&rows.drawing, rows_left, HEAD);
-    let height = HEAD + rows.height.max(SIZE[1] + x.name_at + 8.0);
+    let head = HEAD + if plot.floor.is_some() { FLOOR_NAME } else { 0.0 };
+    drawing.place(&framed, left, head);
+    drawing.place(&rows.drawing, rows_left, head);
+    let height = head + rows.height.max(SIZE[1] + x.name_at + 8.0);
     let body = Block { width: rows_left + rows.width, height: height + 16.0, drawing };
     Ok(page(plot.title, &body, plot.caption, [22.0, 0.0]))
 }
@@ -156,12 +160,9 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
         let width = name.width(plot.zero_name);
         taken.push([SIZE[0] - 20.0 - width, SIZE[1] - 38.0, SIZE[0], SIZE[1]]);
     }
-    let placed: Vec<(&TradeoffPoint<'_>, [f64; 2])> =
-        plot.points.iter().filter_map(|point| Some((point, window.at(point.place?)))).collect();
     if let Some((cost, name)) = plot.floor {
-        let marks: Vec<[f64; 2]> = placed.iter().map(|(_, at)| *at).collect();
         let x = window.x.share(cost) * SIZE[0];
-        taken.push(floor(&mut drawing, x, (name, top_of_band), &marks));
+        floor(&mut drawing, x, name);
         taken.push([x - 2.0, 0.0, x + 2.0, SIZE[1]]);
     }
     let front: Vec<[f64; 2]> =
@@ -170,37 +171,30 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
         drawing.polyline(&front, &format!("{} stroke-opacity=\"0.55\"", stroke(MUTED, 3.0, "")));
         taken.extend(front.windows(2).flat_map(|ends| point_labels::along(ends[0], ends[1])));
     }
-    let labeled: Vec<LabeledPoint<'_>> = placed
-        .iter()
-        .map(|(point, at)| LabeledPoint { at: *at, label: point.label, color: mark(point.look).color })
+    let placed = plot.points.iter().enumerate();
+    let labeled: Vec<LabeledPoint> = placed
+        .filter_map(|(k, point)| {
+            Some(LabeledPoint { at: window.at(point.place?), number: k + 1, color: mark(point.look).color })
+        })
         .collect();
     let labels = point_labels::place(&labeled, SIZE, taken);
     point_labels::leaders(&mut drawing, &labels);
-    for (point, at) in placed.iter().rev() {
-        mark(point.look).draw_marker(&mut drawing, *at);
+    for point in plot.points.iter().rev() {
+        if let Some(place) = point.place {
+            mark(point.look).draw_marker(&mut drawing, window.at(place));
+        }
     }
-    point_labels::words(&mut drawing, &labels);
+    point_labels::numbers(&mut drawing, &labels);
     drawing
 }
 
-/// Draws the least cost as a dashed line with its name upward, beside it where no mark is, and returns what the name takes.
-fn floor(drawing: &mut Drawing, x: f64, (name, bottom): (&str, f64), marks: &[[f64; 2]]) -> Bounds {
-    const CLEAR: f64 = 16.0;
+/// Draws the least cost as a dashed line, with its name over the frame, where no mark is.
+fn floor(drawing: &mut Drawing, x: f64, name: &str) {
     let style = format!("stroke=\"{INK}\" stroke-width=\"2.2\" stroke-dasharray=\"10 7\"");
-    drawing.line([x, 0.0], [x, SIZE[1]], &style);
-    let words = Type { anchor: Anchor::Start, ..DETAIL };
-    let length = words.width(name);
-    let bounds = |left: f64, top: f64| [left, top, left + words.size + 6.0, top + length];
-    let sides = [x - words.size - 12.0, x + 6.0].into_iter().filter(|left| *left > 2.0);
-    let mut spots = sides.flat_map(|left| [8.0, bottom - length - 8.0].map(|top| bounds(left, top)));
-    let is_clear = |[left, top, right, bottom]: &Bounds| {
-        let is_inside =
-            |[x, y]: &[f64; 2]| (left - CLEAR..right + CLEAR).contains(x) && (top - CLEAR..bottom + CLEAR).contains(y);
-        !marks.iter().any(is_inside)
-    };
-    let spot = spots.find(is_clear).unwrap_or_else(|| bounds(x + 6.0, 8.0));
-    drawing.text_upward(spot[0] + 0.85 * words.size, spot[3], words, name);
-    spot
+    drawing.line([x, -5.0], [x, SIZE[1]], &style);
+    let half = DETAIL.width(name) / 2.0;
+    let middle = x.min(SIZE[0] - half).max(half);
+    drawing.text(middle, -15.0, Type { color: INK, anchor: Anchor::Middle, ..DETAIL }, name);
 }
 
 /// Draws the break of the axis at both sides of the frame.

@@ -1,8 +1,8 @@
-//! The signed bias of each contestant in a row of its own, which is the legend of their marks, too.
+//! The signed bias of each contestant in a row of its own, which is the legend of their marks and numbers, too.
 
 use super::colors::{INK, MUTED};
 use super::furniture::{self, Block, DETAIL};
-use super::lettering::{Anchor, Type, number};
+use super::lettering::{Anchor, Type, Weight, number};
 use super::line_look::{LineLook, LineStyle};
 use super::plot_axis::{Direction, Span};
 use super::plot_frame;
@@ -18,7 +18,7 @@ const NUMBERS: f64 = 124.0;
 /// A contestant.
 #[derive(Clone, Copy, Debug)]
 pub struct TradeoffPoint<'a> {
-    /// Its name beside its mark and in its row.
+    /// Its name, in its row.
     pub label: &'a str,
     /// What its family is called.
     pub family: &'a str,
@@ -39,19 +39,20 @@ pub(crate) fn mark(look: usize) -> LineStyle {
 #[derive(Clone, Copy, Debug)]
 enum Row<'a> {
     Family(&'a str),
-    Point(&'a TradeoffPoint<'a>),
+    /// With its number.
+    Point(usize, &'a TradeoffPoint<'a>),
 }
 
 /// Draws the rows within `height` \[px\].
 pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -> Block {
     let mut rows: Vec<Row<'_>> = Vec::new();
     let mut family = "";
-    for point in points {
+    for (k, point) in points.iter().enumerate() {
         if point.family != family {
             family = point.family;
             rows.push(Row::Family(family));
         }
-        rows.push(Row::Point(point));
+        rows.push(Row::Point(k + 1, point));
     }
     let step = (height / rows.len().max(1) as f64).min(ROW);
     let size = DETAIL.size.min(0.72 * step);
@@ -59,7 +60,7 @@ pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -
     let heading = Type { color: MUTED, ..words };
     let width_of = |row: &Row<'_>| match row {
         Row::Family(name) => heading.width(name),
-        Row::Point(point) => 42.0 + words.width(point.label),
+        Row::Point(_, point) => 84.0 + words.width(point.label),
     };
     let left = (rows.iter().map(width_of).fold(0.0, f64::max) + 22.0).ceil();
     let reach = points.iter().filter_map(|p| p.bias).map(f64::abs).fold(0.0, f64::max).max(1e-3) * 1.12;
@@ -79,12 +80,14 @@ pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -
                 framed.text(-left, baseline, heading, name);
                 framed.line([-left, middle + step / 2.0], [0.0, middle + step / 2.0], &furniture::hairline());
             }
-            Row::Point(point) => {
+            Row::Point(number, point) => {
                 let style = mark(point.look);
-                style.draw_marker(&mut framed, [-left + 14.0, middle]);
-                framed.text(-left + 34.0, baseline, words, point.label);
-                let right = WIDTH + NUMBERS - 4.0;
                 let number_type = Type { anchor: Anchor::End, ..words };
+                let of_mark = Type { color: style.color, weight: Weight::SemiBold, ..number_type };
+                framed.text(-left + 34.0, baseline, of_mark, &number.to_string());
+                style.draw_marker(&mut framed, [-left + 56.0, middle]);
+                framed.text(-left + 76.0, baseline, words, point.label);
+                let right = WIDTH + NUMBERS - 4.0;
                 let Some(bias) = point.bias else {
                     framed.text(right, baseline, Type { color: MUTED, ..number_type }, "no answer");
                     continue;
