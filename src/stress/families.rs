@@ -95,12 +95,14 @@ fn picture(report: &StressReport, format: Format, look: &Look) -> Result<Vec<u8>
         .iter()
         .map(|method| RateColumn { name: &method.name, group: if method.is_exact() { "exact" } else { "approximate" } })
         .collect();
-    let rows: Vec<&str> = report.scores.iter().map(|score| score.family).collect();
+    let happens = |name: &str| Family::named(name).map_or("", |family| family.happens);
+    let rows: Vec<[&str; 2]> = report.scores.iter().map(|score| [happens(score.family), score.family]).collect();
     let rates: Vec<Option<[u64; 2]>> =
         report.scores.iter().flat_map(|score| (0..columns.len()).map(|k| StressReport::rate(score, k))).collect();
     let title = look.title_or(|| "Where methods fail".into());
     let caption = caption(report);
-    let sheet = RateSheet { title: &title, caption: &caption, rows: &rows, columns: &columns, rates: &rates };
+    let blank = "the method does not take such scenes";
+    let sheet = RateSheet { title: &title, caption: &caption, rows: &rows, columns: &columns, rates: &rates, blank };
     let provenance = picture_provenance(&report.document(None));
     written(render::draw_rate_sheet(&sheet), &look.form(format), &provenance)
 }

@@ -247,6 +247,8 @@ fn table_document_and_picture_hold_the_same_numbers() {
         "zeros of the picture"
     );
     assert!(svg.contains(">Where methods fail<") && svg.contains("seed 4"), "{svg}");
+    let is_told = |f: &Family| [f.name, f.happens].iter().all(|words| svg.contains(&format!(">{words}<")));
+    assert!(FAMILIES.iter().all(is_told) && svg.contains(">Blank: the method does not take such scenes<"), "{svg}");
     // The same run gives the same bytes; the table goes to standard output where no file does.
     let again = folder.type_in("stress --scenes 3 --seed 4").done();
     assert_eq!(again.out, folder.text("s.csv"));

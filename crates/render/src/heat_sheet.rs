@@ -241,7 +241,7 @@ impl<'a> Plot<'a> {
 }
 
 /// Draws stripes in a box, on the same lines in all boxes.
-pub(super) fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4], ink: &str) {
+fn hatch(drawing: &mut Drawing, [left, top, width, height]: [f64; 4], ink: &str) {
     const STEP: f64 = 14.0;
     let (right, bottom) = (left + width, top + height);
     // Stripes are where x + y is a multiple of the step.

@@ -1,12 +1,11 @@
 //! Failure rates as a table of colored squares: what is tried down, who tries it across.
 //!
 //! Each square has its rate in percent as a number, and a color by its power of ten: the darker the worse. Exactly none
-//! is white, so that it cannot be taken for few; what cannot be decided is hatched.
+//! is white, so that it cannot be taken for few; what cannot be decided is left blank.
 
 use super::check;
-use super::colors::{self, HATCH, INK, Rgb, TURNS, WHITE};
+use super::colors::{self, INK, Rgb, TURNS, WHITE};
 use super::furniture::{self, Block, DETAIL, NAME, Swatch};
-use super::heat_sheet::hatch;
 use super::lettering::{Anchor, Type, number};
 use super::page::page;
 use super::sheet::{Drawing, Sheet};
@@ -18,12 +17,14 @@ pub struct RateSheet<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// Names of the rows, from the top.
-    pub rows: &'a [&'a str],
+    /// The rows, from the top: what each is in plain words, and its name.
+    pub rows: &'a [[&'a str; 2]],
     /// The columns, from the left; neighbors of one group share its name.
     pub columns: &'a [RateColumn<'a>],
     /// Failures and trials, `[n_rows, n_columns]`, columns running fastest; nothing where none can be made.
     pub rates: &'a [Option<[u64; 2]>],
+    /// What a blank in their place means.
+    pub blank: &'a str,
 }
 
 /// A column of rates.
@@ -85,19 +86,19 @@ pub fn draw_rate_sheet(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
     let table = table(sheet);
     let mut keys: Vec<Block> = vec![furniture::legend_entry(Swatch::Flat(WHITE), "none", "")];
     keys.extend(DECADES.iter().map(|(_, color, words)| furniture::legend_entry(Swatch::Flat(*color), words, "")));
-    if sheet.rates.iter().any(Option::is_none) {
-        keys.push(furniture::legend_entry(Swatch::Hatched, "not applicable", ""));
-    }
     let legend = furniture::flow(&keys, table.width, [34.0, 10.0]);
-    let body = furniture::stack(&[table, legend], 24.0);
+    let has_blanks = sheet.rates.iter().any(Option::is_none);
+    let blank = has_blanks.then(|| furniture::paragraph(&format!("Blank: {}", sheet.blank), DETAIL, table.width));
+    let body = furniture::stack(&[table, legend].into_iter().chain(blank).collect::<Vec<_>>(), 24.0);
     Ok(page(sheet.title, &body, sheet.caption, [22.0, 20.0]))
 }
 
 /// The names, and the squares with their rates.
 fn table(sheet: &RateSheet<'_>) -> Block {
     let mut drawing = Drawing::default();
-    let widest = sheet.rows.iter().map(|row| DETAIL.width(row)).fold(0.0, f64::max);
-    let left = widest.ceil() + NAME_GAP;
+    let widest = |k: usize| sheet.rows.iter().map(|row| DETAIL.width(row[k])).fold(0.0, f64::max).ceil();
+    let names = widest(0) + 2.0 * NAME_GAP;
+    let left = names + widest(1) + NAME_GAP;
     let lefts = lefts(sheet.columns, left);
     let middle = Type { anchor: Anchor::Middle, color: INK, ..DETAIL };
     for (column, x) in sheet.columns.iter().zip(&lefts) {
@@ -107,18 +108,14 @@ fn table(sheet: &RateSheet<'_>) -> Block {
         drawing.text((from + to) / 2.0, 24.0, Type { anchor: Anchor::Middle, ..NAME }, group);
         drawing.line([from, 36.0], [to, 36.0], &furniture::hairline());
     }
-    let ink = format!("stroke=\"{}\" stroke-width=\"2.2\"", colors::hex(HATCH));
-    for (row, name) in sheet.rows.iter().enumerate() {
+    for (row, [words, name]) in sheet.rows.iter().enumerate() {
         let top = HEAD + CELL[1] * row as f64;
         let base = top + CELL[1] / 2.0 + 8.0;
-        drawing.text(left - NAME_GAP, base, Type { anchor: Anchor::End, color: INK, ..DETAIL }, name);
+        drawing.text(0.0, base, Type { color: INK, ..DETAIL }, words);
+        drawing.text(names, base, DETAIL, name);
         for (col, x) in lefts.iter().enumerate() {
             let square = [*x, top, CELL[0], CELL[1]];
-            let Some([wrong, of]) = sheet.rates[row * lefts.len() + col] else {
-                hatch(&mut drawing, square, &ink);
-                drawing.rect(square, &outline());
-                continue;
-            };
+            let Some([wrong, of]) = sheet.rates[row * lefts.len() + col] else { continue };
             let percent = 100.0 * wrong as f64 / of as f64;
             let fill = color(percent);
             drawing.rect(square, &format!("fill=\"{}\"", colors::hex(fill)));
@@ -168,14 +165,23 @@ mod tests {
     fn drawn(rates: &[Option<[u64; 2]>]) -> Result<Sheet, String> {
         let columns = [("ray", "exact"), ("sweep", "exact"), ("step:1", "approximate")];
         let columns = columns.map(|(name, group)| RateColumn { name, group });
-        draw_rate_sheet(&RateSheet { title: "", caption: &[], rows: &["slits", "walls"], columns: &columns, rates })
+        let rows = &[["narrow gaps", "slits"], ["rays along walls", "walls"]];
+        draw_rate_sheet(&RateSheet { title: "", caption: &[], rows, columns: &columns, rates, blank: "undecided" })
     }
 
     #[test]
     fn none_is_white_and_few_are_not() {
         let rates = [Some([0, 900]), Some([1, 100_000]), Some([3, 100]), None, Some([0, 5]), Some([5, 5])];
         let svg = drawn(&rates).expect("the sheet is valid").furniture.svg;
-        for (words, n) in [(">0<", 2), (">0.001<", 1), (">3<", 1), (">100<", 1), (">exact<", 1), (">step:1<", 1)] {
+        for (words, n) in [
+            (">0<", 2),
+            (">0.001<", 1),
+            (">3<", 1),
+            (">100<", 1),
+            (">exact<", 1),
+            (">step:1<", 1),
+            (">Blank: undecided<", 1),
+        ] {
             assert_eq!(svg.matches(words).count(), n, "{words}: {svg}");
         }
         assert_eq!([0.0, 0.001, 3.0].map(color), [WHITE, TURNS[1], TURNS[4]]);

@@ -12,6 +12,8 @@ use crate::quantity::LatticePoint;
 pub struct Family {
     /// Its name in words and tables; `cell-…` are boards of columns, `prism-…` footprints.
     pub name: &'static str,
+    /// What happens in its scenes, in plain words.
+    pub happens: &'static str,
     /// What it breaks, and why.
     pub breaks: &'static str,
     /// Which methods are at risk.
@@ -29,12 +31,22 @@ pub enum AtRisk {
     ExactOnly,
 }
 
-const fn cells(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
-    Family { name, breaks, at_risk: AtRisk::Approximate, make, is_mirrored: false }
+const fn cells(
+    name: &'static str,
+    happens: &'static str,
+    breaks: &'static str,
+    make: fn(&mut Draw) -> StressScene,
+) -> Family {
+    Family { name, happens, breaks, at_risk: AtRisk::Approximate, make, is_mirrored: false }
 }
 
-const fn prisms(name: &'static str, breaks: &'static str, make: fn(&mut Draw) -> StressScene) -> Family {
-    Family { name, breaks, at_risk: AtRisk::ExactOnly, make, is_mirrored: false }
+const fn prisms(
+    name: &'static str,
+    happens: &'static str,
+    breaks: &'static str,
+    make: fn(&mut Draw) -> StressScene,
+) -> Family {
+    Family { name, happens, breaks, at_risk: AtRisk::ExactOnly, make, is_mirrored: false }
 }
 
 /// The eight symmetries of scene after scene of a family.
@@ -46,99 +58,128 @@ const fn mirrored(family: Family) -> Family {
 pub const FAMILIES: [Family; 21] = [
     cells(
         "cell-grazing",
+        "rays just touch roofs, or miss by 1 mm",
         "slopes rounded to floats, and samples beside the far end of a roof: rays touch roofs exactly or miss by a step",
         cells_known::grazing,
     ),
     cells(
         "cell-borders",
+        "the UAV is over a border or corner of cells",
         "rules for ties on grid lines: the UAV is on a border or a corner, rays cross it at the flattest angles between \
          unequal columns (none runs along it, because receivers are in the middle of cells)",
         cells_drawn::borders,
     ),
     cells(
         "cell-diagonals",
+        "rays pass where towers touch at a corner",
         "walks that step over one index at a time: exact diagonals pass between towers that touch corner to corner",
         cells_known::diagonals,
     ),
     cells(
         "cell-slits",
+        "the only gap is a point where towers touch",
         "everything with a width: what is behind is seen through single points where towers touch",
         cells_known::slits,
     ),
-    cells("cell-needles", "sampling: a tower of one cell is cut by rays along less than a step", cells_drawn::needles),
+    cells(
+        "cell-needles",
+        "towers of a single cell",
+        "sampling: a tower of one cell is cut by rays along less than a step",
+        cells_drawn::needles,
+    ),
     cells(
         "cell-slots",
+        "openings of a single cell",
         "interpolation and shared rays: an opening of one cell is narrower than what is averaged",
         cells_drawn::slots,
     ),
     cells(
         "cell-cliffs",
+        "the UAV is just as high as a plateau",
         "own-cell rules: the UAV is exactly at the height of a plateau, over its edge or a step beside",
         cells_known::cliffs,
     ),
     cells(
         "cell-heights",
+        "UAVs 2 m to 20 km up",
         "steps in distance and slopes in floats: UAVs 2 m to 20 km up, rays almost level or almost upright",
         cells_drawn::heights,
     ),
     cells(
         "cell-utm",
+        "eastings in the millions, odd oblong cells",
         "floats of seven digits and formulas for square cells: eastings in the millions, odd and oblong cells",
         cells_drawn::utm,
     ),
     cells(
         "cell-magnitudes",
+        "heights of 1 mm beside 16 km, and holes",
         "slopes in floats: heights from 1/1024 m to 16 km beside each other, of either sign, with holes",
         cells_drawn::magnitudes,
     ),
     mirrored(cells(
         "cell-mirrors",
+        "a town and its mirror images",
         "a favored direction: the eight images of a town must have the eight images of the answer",
         cells_drawn::mirrored,
     )),
     prisms(
         "prism-grazing",
+        "rays just touch roofs and corners",
         "tests with an epsilon: roofs and corners touch rays exactly or reach into them by a step",
         prisms_known::grazing,
     ),
     prisms(
         "prism-walls",
+        "rays run along walls",
         "tests of one footprint at a time: rays run along walls that are free, shared, or free first on one side",
         prisms_known::walls,
     ),
     prisms(
         "prism-party-walls",
+        "houses share walls",
         "footprints shrunk or joined: houses of equal and unequal heights share walls in the middle of cells",
         prisms_drawn::shared_walls,
     ),
     prisms(
         "prism-slits",
+        "the only gap is a point where towers touch",
         "polygons with a tolerance: what is behind is seen through single points where towers touch",
         prisms_known::slits,
     ),
     prisms(
         "prism-slivers",
+        "slivers and spikes 1 mm wide",
         "triangulations: slivers and spikes a step wide, corners a step apart, holes and rings that touch themselves",
         prisms_drawn::slivers,
     ),
     prisms(
         "prism-needles",
+        "towers 1 mm to a hand wide",
         "rasterized footprints: towers from a step to a hand wide, some exactly in a row of receivers",
         prisms_drawn::needles,
     ),
     prisms(
         "prism-roof-height",
+        "the UAV is just as high as the roof below",
         "shadows projected from roofs: the UAV is exactly at the height of the roof below it",
         prisms_known::roof_height,
     ),
     prisms(
         "prism-magnitudes",
+        "roofs of 1 mm beside 16 km",
         "projections in floats: roofs from 1/1024 m to 16 km beside each other",
         prisms_drawn::magnitudes,
     ),
-    prisms("prism-utm", "floats of seven digits: eastings in the millions under odd, oblong cells", prisms_drawn::utm),
+    prisms(
+        "prism-utm",
+        "eastings in the millions, odd oblong cells",
+        "floats of seven digits: eastings in the millions under odd, oblong cells",
+        prisms_drawn::utm,
+    ),
     mirrored(prisms(
         "prism-mirrors",
+        "a town and its mirror images",
         "a favored direction: the eight images of a town must have the eight images of the answer",
         prisms_drawn::mirrored,
     )),
