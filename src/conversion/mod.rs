@@ -72,10 +72,27 @@ impl Conversion {
         let grid = self.scene.field.grid();
         let unit = grid.meters_per_unit();
         let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
-        match self.footprints {
-            Some(_) => format!("{} buildings on {} × {} m", self.scene.field.n_buildings(), tidy(width), tidy(height)),
+        match &self.footprints {
+            Some((footprints, _)) => {
+                let n = self.scene.field.n_buildings();
+                format!("{n} buildings on {} × {} m{}", tidy(width), tidy(height), self.rows_in_words(footprints))
+            }
             None => format!("{} × {} cells, {} × {} m", grid.n_cols(), grid.n_rows(), tidy(width), tidy(height)),
         }
+    }
+
+    /// Why a generated city has as many buildings as it has: rows begin at the south-west corner and end where the city does.
+    fn rows_in_words(&self, footprints: &[Footprint]) -> String {
+        let (Some(built_up), [first, .., last]) = (self.scene.built_up, footprints) else { return String::new() };
+        let width = |footprint: &Footprint| {
+            let xs = || footprint.polygons.iter().flatten().flatten().map(|[x, _]| *x);
+            xs().max().zip(xs().min()).map_or(0, |(east, west)| east - west)
+        };
+        let n_rows = footprints.len().isqrt();
+        // Ends are rounded to the lattice.
+        let cut = if width(last) + 1 < width(first) { "; the edge cuts the last" } else { "" };
+        let (period, beta) = (tidy((10.0 * built_up.period()).round() / 10.0), tidy(built_up.buildings_per_km2));
+        format!(": {n_rows} rows of {n_rows}, one each {period} m as {beta}/km² asks{cut}")
     }
 
     /// Where the city lies.

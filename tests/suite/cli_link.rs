@@ -149,6 +149,21 @@ fn a_generated_city_written_and_read_back_gives_the_same_map() {
 }
 
 #[test]
+fn a_generated_city_says_why_it_has_as_many_buildings() {
+    let folder = Folder::new();
+    for (city, words) in [
+        (
+            "itu:dense-urban",
+            "324 buildings on 1000 × 1000 m: 18 rows of 18, one each 57.7 m as 300/km² asks; the edge cuts the last",
+        ),
+        ("itu:urban", "484 buildings on 1000 × 1000 m: 22 rows of 22, one each 44.7 m as 500/km² asks\n"),
+    ] {
+        let said = folder.type_in(&format!("city {city}")).done().out;
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
 fn a_city_on_a_slope_keeps_tops_and_grounds() {
     let folder = Folder::new();
     let slope: Vec<String> =
