@@ -13,7 +13,7 @@ use crate::picture::{Look, program, written};
 use crate::quantity::{counted, tidy};
 use crate::render::{PictureForm, Tradeoff, TradeoffPoint, draw_tradeoff, grouped};
 use crate::scene::Scene;
-use crate::words::{title_of, unbreakable};
+use crate::words::unbreakable;
 
 /// A picture with its words.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ pub(super) fn of_scene(look: &Look, scene: &Scene, report: &ChartReport) -> Pict
 }
 
 fn title(look: &Look, name: &str, is_interrupted: bool) -> String {
-    let title = look.title_or(|| format!("Speed against accuracy: {}", title_of(name)));
+    let title = look.title_or(|| format!("Speed against accuracy: {name}"));
     unbreakable(&if is_interrupted { format!("{title} (interrupted)") } else { title })
 }
 

@@ -31,6 +31,7 @@ use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::grouped;
 use crate::scene::{Scene, SceneOptions, is_raster};
+use crate::words::capitalized;
 
 /// Formats of what a scene is; tiles have two more.
 pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];
@@ -113,7 +114,7 @@ impl Survey {
             })
         };
         let crs = grid.crs().map_or("none: local meters".to_string(), |c| format!("{}, {}", c.label(), c.name()));
-        let mut text = format!("{} ({})\n", self.scene.name, self.kind());
+        let mut text = format!("{} ({})\n", capitalized(&self.scene.name), self.kind());
         text += &format!(
             "grid       {} × {} cells of {} × {} m, {} × {} m\n",
             grid.n_cols(),

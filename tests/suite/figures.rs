@@ -100,6 +100,20 @@ fn least_heights_are_told_above_the_ground_and_written_above_the_datum() {
     assert!(high.contains("less 500 m, the ground below the UAV") && low.contains("less 0 m, the ground below"));
 }
 
+#[test]
+fn titles_name_the_place_that_a_file_names_or_the_file_as_it_is_called() {
+    let folder = town();
+    let town = folder.text("town.geojson");
+    for (name, title) in [("old town", "Old town"), ("town_2024", "the footprints in old_town.geojson")] {
+        folder.write("old_town.geojson", &town.replacen('{', &format!("{{\"name\": \"{name}\", "), 1));
+        let said = words(&drawn(&folder, &MAP.replace("town.geojson", "old_town.geojson")));
+        assert!(said.contains(&format!("What a UAV sees of {title} ")), "{said}");
+    }
+    folder.write("dsm_1m.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n0 0 5\n0 0 0\n");
+    let said = words(&drawn(&folder, "map dsm_1m.asc --ground 0 --uav 1,1,9"));
+    assert!(said.contains("What a UAV sees of the surface in dsm_1m.asc"), "{said}");
+}
+
 /// The attributes of the sample of a line in the legend.
 fn sample<'a>(svg: &'a str, label: &str) -> &'a str {
     let end = svg.find(&format!(">{label}<")).unwrap_or_else(|| panic!("{label}: {svg}"));

@@ -75,7 +75,7 @@ fn read(
         Some(crs) => Some(crs.clone()),
         None => std::mem::replace(&mut set.crs, Ok(None))?,
     };
-    let attribution = set.attribution.take();
+    let (attribution, name) = (set.attribution.take(), set.name.take());
     let mut log = FaultLog::new(listing);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
     let file_crs = match &options.project {
@@ -131,7 +131,7 @@ fn read(
     warn_if_nothing_meets_the_grid(input, &footprints, &grid, frame, warnings);
     let faults = log.counts;
     let scene = City {
-        name: name_of(input),
+        name: name.unwrap_or_else(|| name_of("footprints", input)),
         grid,
         solids: Solids::Vector { footprints, frame, ground, faults, data_area },
         built_up: None,

@@ -13,12 +13,10 @@ const HASH_LIMIT_BYTES: u64 = 64 << 20;
 /// Most tiles of a mosaic that are named one by one.
 const MAX_NAMED_TILES: usize = 1000;
 
-/// What a file is called in captions: its stem, spelled as words.
-pub(super) fn name_of(input: &Input) -> String {
-    let stem = input.as_path().file_stem();
-    let stem = stem.map_or_else(|| "scene".into(), |s| s.to_string_lossy().replace('_', " "));
-    let mut letters = stem.chars();
-    letters.next().map_or(stem.clone(), |first| first.to_uppercase().chain(letters).collect())
+/// What is called so in titles that a file holds, such as `the surface in dsm.tif`.
+pub(super) fn name_of(what: &str, input: &Input) -> String {
+    let file = input.as_path().file_name().unwrap_or(input.as_path().as_os_str());
+    format!("the {what} in {}", file.to_string_lossy())
 }
 
 /// The text of a table.

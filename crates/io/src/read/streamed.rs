@@ -75,7 +75,7 @@ impl StreamedSurface {
             }
         };
         let scene = StreamedSurface {
-            name: name_of(input),
+            name: name_of("surface", input),
             sources,
             grid,
             surface,

@@ -165,7 +165,7 @@ pub(super) fn scene_of(
     surface = Raster::new(georef.clone(), cells);
     let building_threshold = building_threshold(options)?;
     Ok(City {
-        name: name_of(input),
+        name: name_of("surface", input),
         grid: georef,
         solids: Solids::Raster { surface, ground, building_threshold, voids },
         built_up: None,

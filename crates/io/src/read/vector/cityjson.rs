@@ -56,7 +56,13 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         });
     }
     let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
-    Ok(FeatureSet { crs: crs_of(input, &reference_system(system)), attribution: None, name_limit: None, features })
+    Ok(FeatureSet {
+        crs: crs_of(input, &reference_system(system)),
+        name: None,
+        attribution: None,
+        name_limit: None,
+        features,
+    })
 }
 
 /// `https://www.opengis.net/def/crs/EPSG/0/7415` and `urn:ogc:def:crs:EPSG::7415` as `EPSG:7415`.

@@ -15,6 +15,8 @@ pub(in crate::read) type Polygon = Vec<Vec<[f64; 2]>>;
 pub(in crate::read) struct FeatureSet {
     /// The CRS that the file names; an error that counts only where no other CRS is given.
     pub(in crate::read) crs: Result<Option<Crs>>,
+    /// What the file calls the place, capitalized.
+    pub(in crate::read) name: Option<String>,
     /// Whom a picture must credit.
     pub(in crate::read) attribution: Option<String>,
     /// Most characters that the format keeps of a property's name.

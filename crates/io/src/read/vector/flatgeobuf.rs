@@ -85,7 +85,7 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
             }
         }
     }
-    Ok(FeatureSet { crs: crs(input, &header), attribution: None, name_limit: None, features })
+    Ok(FeatureSet { crs: crs(input, &header), name: None, attribution: None, name_limit: None, features })
 }
 
 /// The file, read from one place to the next.

@@ -74,7 +74,13 @@ pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Opti
 
 /// The features of a GeoJSON document.
 pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
-    let attribution = document.get("attribution").and_then(Value::as_str).map(str::to_string);
+    let text = |key: &str| document.get(key).and_then(Value::as_str).map(str::to_string);
+    // A name with an underscore is that of a table, not of a place.
+    let name = text("name").filter(|name| !name.contains('_')).and_then(|name| {
+        let mut letters = name.chars();
+        letters.next().map(|first| first.to_uppercase().chain(letters).collect())
+    });
+    let attribution = text("attribution");
     let crs = named_crs(input, &document);
     let mut found = Vec::new();
     for (number, value) in features(input, document)?.into_iter().enumerate() {
@@ -86,7 +92,7 @@ pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<Fea
             serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;
         found.push(feature_of(feature).map_err(refuse)?);
     }
-    Ok(FeatureSet { crs, attribution, name_limit: None, features: found })
+    Ok(FeatureSet { crs, name, attribution, name_limit: None, features: found })
 }
 
 /// A feature with its areas; the error says what is wrong with its positions.

@@ -46,7 +46,7 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     };
     let features = table.features(input, &database, length)?;
     let crs = crs(input, &database, table.srs);
-    Ok(FeatureSet { crs, attribution: None, name_limit: None, features })
+    Ok(FeatureSet { crs, name: None, attribution: None, name_limit: None, features })
 }
 
 /// The longest value that any file may hold \[bytes\].

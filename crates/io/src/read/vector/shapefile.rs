@@ -63,7 +63,7 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
         Some(prj) => prj.read().and_then(|bytes| crs_of(input, &String::from_utf8_lossy(&bytes))),
         None => Ok(None),
     };
-    Ok(FeatureSet { crs, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
+    Ok(FeatureSet { crs, name: None, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
 }
 
 fn missing(input: &Input, extension: &str, holds: &'static str) -> Error {
