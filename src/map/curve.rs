@@ -240,13 +240,15 @@ impl Curves {
             Receivers::Ground => "ground",
         };
         let range = sight.radius_m().map_or(String::new(), |r| format!(", range {} m", tidy(r)));
-        lines.push(format!(
+        let receivers = format!(
             "Receivers {} m above {stands}{range}; method {} (exact at every height); {}; {}",
             tidy(sight.rx_height_m()),
             self.report.facts.method_name(),
             crs_words(self.scene.grid()),
             program()
-        ));
+        );
+        // The first line stands out, which none of several UAVs does.
+        lines.insert(if self.report.sites.len() > 1 { 0 } else { lines.len() }, receivers);
         lines.extend(look.last_lines(&self.scene));
         lines
     }

@@ -298,6 +298,10 @@ impl MapDrawing<'_> {
         const MOST_SITES: usize = 4;
         for s in self.of.report.sites.iter().take(MOST_SITES) {
             lines.push(format!(
+        // The first line stands out, which none of several UAVs does.
+        if self.of.report.sites.len() > 1 {
+            lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
+        }
                 "UAV {}: {} at {}, {}",
                 s.id,
                 s.height_words(),
@@ -307,9 +311,6 @@ impl MapDrawing<'_> {
         }
         if self.of.report.sites.len() > MOST_SITES {
             lines.push(format!("and {} more UAVs", self.of.report.sites.len() - MOST_SITES));
-        }
-        if self.of.report.sites.len() > 1 {
-            lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
         lines.extend(self.reading(subject));
         if let (Layer::Stability, [SiteFacts { stability: Some(stability), .. }]) =

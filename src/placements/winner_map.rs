@@ -69,22 +69,13 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         }
         None => format!("P_LoS undefined: {}", tally.reason()),
     };
-    let mut caption: Vec<String> = facts
-        .iter()
-        .take(MOST_LINES)
-        .map(|site| {
-            format!(
-                "UAV {}: {} at {}, {}",
-                site.id,
-                site.height_words(),
-                site.position().in_words(),
-                share(&site.tally)
-            )
-        })
-        .collect();
-    if let Some(overlay) = &maps.overlay {
-        caption.push(format!("Seen by at least one: {}", share(&Tally::of_mask(overlay.union()))));
-    }
+    let of_site = |site: &SiteFacts| {
+        let (height, at) = (site.height_words(), site.position().in_words());
+        format!("UAV {}: {height} at {at}, {}", site.id, share(&site.tally))
+    };
+    // The first line stands out, which none of several UAVs does.
+    let of_all = maps.overlay.as_ref().map(|o| format!("Seen by at least one: {}", share(&Tally::of_mask(o.union()))));
+    let mut caption: Vec<String> = of_all.into_iter().chain(facts.iter().take(MOST_LINES).map(of_site)).collect();
     let how = if facts.len() > 1 { "chosen one by one among" } else { "the best of" };
     caption.push(format!("Goal {}: {how} {} candidates", job.report.goal.text, grouped(job.report.n_candidates)));
     caption.push(sight.in_words(grid, &job.scene, job.report.facts.method));

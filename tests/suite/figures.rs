@@ -114,6 +114,20 @@ fn titles_name_the_place_that_a_file_names_or_the_file_as_it_is_called() {
     assert!(said.contains("What a UAV sees of the surface in dsm_1m.asc"), "{said}");
 }
 
+#[test]
+fn the_uavs_of_a_caption_are_told_alike_and_nothing_is_quoted() {
+    let folder = town();
+    for line in [format!("{MAP} {SECOND} -o"), format!("{MAP} {SECOND} --height-curve")] {
+        let svg = picture_of(&folder, &line);
+        let before = |id: &str| &svg[..svg.rfind(&format!(">UAV {id}")).unwrap_or(0)];
+        let color = |id: &str| before(id).rsplit("fill=\"").next().map(|c| c[..7].to_string());
+        assert_eq!(color("1"), color("2"), "{line}: {svg}");
+    }
+    let link = "link town.geojson --extent 691600,5334750,691660,5334790 --uav 691605,5334755,25 --rx 691626,5334772";
+    let svg = drawn(&folder, link);
+    assert!(svg.contains("obstructed by building ") && !svg.contains('`'), "{svg}");
+}
+
 /// The attributes of the sample of a line in the legend.
 fn sample<'a>(svg: &'a str, label: &str) -> &'a str {
     let end = svg.find(&format!(">{label}<")).unwrap_or_else(|| panic!("{label}: {svg}"));

@@ -225,13 +225,11 @@ pub(crate) fn paragraph(text: &str, style: Type, max_width: f64) -> Block {
     Block { width, height: leading * lines.len() as f64, drawing }
 }
 
-/// Sets caption lines below each other, the first in ink, the others muted.
+/// Sets caption lines below each other, the first in ink, the others muted. The backticks of messages are left out.
 pub(crate) fn caption(lines: &[String], max_width: f64) -> Block {
-    let lines: Vec<Block> = lines
-        .iter()
-        .enumerate()
-        .map(|(i, line)| paragraph(line, Type { color: if i == 0 { INK } else { MUTED }, ..DETAIL }, max_width))
-        .collect();
+    let style = |i: usize| Type { color: if i == 0 { INK } else { MUTED }, ..DETAIL };
+    let lines = lines.iter().map(|line| line.replace('`', "")).enumerate();
+    let lines: Vec<Block> = lines.map(|(i, line)| paragraph(&line, style(i), max_width)).collect();
     stack(&lines, 5.0)
 }
 
