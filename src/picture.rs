@@ -3,10 +3,12 @@
 use serde_json::Value;
 
 use crate::answer::version;
+use crate::coverage::class;
 use crate::error::{Error, Result};
 use crate::export::Format;
+use crate::height_field::HeightField;
 use crate::raster::{CellWindow, Crs, GeoRef};
-use crate::render::{Mark, PictureForm, PictureFormat, Sheet};
+use crate::render::{Mark, OPEN_GROUND, PictureForm, PictureFormat, Sheet};
 use crate::scene::Scene;
 
 /// How files look, where their extension leaves that open.
@@ -70,6 +72,42 @@ pub(crate) fn crs_words(grid: &GeoRef) -> String {
 pub(crate) fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
     let rows = cells.chunks_exact(n_cols).skip(window.row).take(window.n_rows);
     rows.map(|row| &row[window.col..window.col + window.n_cols]).collect::<Vec<_>>().concat()
+}
+
+/// The classes of a mask in a window as pictures show them: open ground that holds no receiver is no building.
+pub(crate) fn shown_classes(mask: &[u8], field: &HeightField, window: CellWindow) -> Vec<u8> {
+    let mut classes = crop(mask, field.grid().n_cols(), window);
+    let open = &field.cells().open;
+    for (k, class) in classes.iter_mut().enumerate().filter(|(_, class)| **class == class::NOT_A_RECEIVER) {
+        if open.contains(window.row + k / window.n_cols, window.col + k % window.n_cols) {
+            *class = OPEN_GROUND;
+        }
+    }
+    classes
+}
+
+/// The cells that some boxes, of west, south, east and north, reach; all of the grid where they reach none.
+pub(crate) fn window_of(grid: &GeoRef, boxes: impl Iterator<Item = [f64; 4]>) -> CellWindow {
+    // Rows count from the north, positions from the south.
+    let span = |low: f64, high: f64, n: usize| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
+        let (low, high) = (low.floor().clamp(0.0, n as f64) as usize, high.ceil().clamp(0.0, n as f64) as usize);
+        (low < high).then_some([low, high])
+    };
+    let of_box = |[west, south, east, north]: [f64; 4]| {
+        let (west, south) = grid.cells_from_world(west, south);
+        let (east, north) = grid.cells_from_world(east, north);
+        let height = grid.n_rows() as f64;
+        span(west, east, grid.n_cols()).zip(span(height - north, height - south, grid.n_rows()))
+    };
+    let join = |a: [usize; 2], b: [usize; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let found = boxes.filter_map(of_box).reduce(|a, b| (join(a.0, b.0), join(a.1, b.1)));
+    found.map_or(grid.window(), |([west, east], [north, south])| CellWindow {
+        row: north,
+        col: west,
+        n_rows: south - north,
+        n_cols: east - west,
+    })
 }
 
 /// The mark of a UAV at a place, on a map of a grid.

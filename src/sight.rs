@@ -76,14 +76,14 @@ impl Receivers {
         Ok(())
     }
 
-    /// What receivers, and the cells that hold none, are called in the plural.
+    /// What receivers, and the cells of a picture that hold none and have no class of their own there, are called in the plural.
     pub(crate) fn cell_names(self, field: &HeightField) -> (&'static str, &'static str) {
         match self {
             _ if field.is_surface_only() => ("surface cells", "Nodata"),
             Receivers::Ground => ("open-ground cells", "Buildings"),
-            Receivers::Street => ("street cells", "Other cells"),
-            Receivers::Crossroad => ("crossroad cells", "Other cells"),
-            Receivers::Courtyard => ("courtyard cells", "Other cells"),
+            Receivers::Street => ("street cells", "Buildings"),
+            Receivers::Crossroad => ("crossroad cells", "Buildings"),
+            Receivers::Courtyard => ("courtyard cells", "Buildings"),
             Receivers::Roof => ("roof cells", "Open ground"),
             Receivers::All => ("cells", "Nodata"),
         }

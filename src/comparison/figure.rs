@@ -7,7 +7,7 @@ use super::outcome::Comparison;
 use super::report::{CompareReport, signed};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::class;
-use crate::picture::{Look, crop, mark};
+use crate::picture::{Look, crop, mark, shown_classes};
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::{
@@ -61,7 +61,7 @@ impl<'a> Figure<'a> {
         let grid = scene.field.grid();
         let window = window_of_receivers(grid, self.of.overlay.union());
         let shown = grid.part(window);
-        let masks: Vec<Vec<u8>> = self.of.masks.iter().map(|mask| crop(mask, grid.n_cols(), window)).collect();
+        let masks: Vec<Vec<u8>> = self.of.masks.iter().map(|mask| shown_classes(mask, &scene.field, window)).collect();
         let surface = crop(&scene.field.above_ground_m(), grid.n_cols(), window);
         let details: Vec<String> = report
             .placements

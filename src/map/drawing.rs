@@ -7,7 +7,7 @@ use super::tolerance::in_words as tolerance_in_words;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::{Format, Layer};
-use crate::picture::{Look, crop, mark, written};
+use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
@@ -71,7 +71,7 @@ impl MapDrawing<'_> {
         // What is out of range is not drawn.
         let window = self.window_in_range();
         let n_cols = grid.n_cols();
-        let union = crop(self.of.overlay.as_ref().map_or(&[], Overlay::union), n_cols, window);
+        let union = self.classes(self.of.overlay.as_ref().map_or(&[], Overlay::union), window);
         let count = crop(self.of.overlay.as_ref().map_or(&[], Overlay::count), n_cols, window);
         let subject = self.subject();
         let n_drawn = match subject {
@@ -182,31 +182,16 @@ impl MapDrawing<'_> {
         let Some(radius) = self.of.report.sight.radius_on(grid).map(|r| r * 1.1) else {
             return grid.window();
         };
-        // Rows count from the north, positions from the south.
-        let span = |low: f64, high: f64, n: usize| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
-            let (low, high) = (low.floor().clamp(0.0, n as f64) as usize, high.ceil().clamp(0.0, n as f64) as usize);
-            (low < high).then_some(low..high)
-        };
-        let union = |a: Option<std::ops::Range<usize>>, b: std::ops::Range<usize>| match a {
-            Some(a) => a.start.min(b.start)..a.end.max(b.end),
-            None => b,
-        };
-        let (mut cols, mut rows) = (None, None);
-        for site in &self.of.report.sites {
-            let (west, south) = grid.cells_from_world(site.x - radius, site.y - radius);
-            let (east, north) = grid.cells_from_world(site.x + radius, site.y + radius);
-            let height = grid.n_rows() as f64;
-            let found = span(west, east, grid.n_cols()).zip(span(height - north, height - south, grid.n_rows()));
-            if let Some((c, r)) = found {
-                (cols, rows) = (Some(union(cols, c)), Some(union(rows, r)));
-            }
-        }
-        match (cols, rows) {
-            (Some(c), Some(r)) => {
-                CellWindow { row: r.start, col: c.start, n_rows: r.end - r.start, n_cols: c.end - c.start }
-            }
-            _ => grid.window(),
+        let around = |s: &SiteFacts| [s.x - radius, s.y - radius, s.x + radius, s.y + radius];
+        window_of(grid, self.of.report.sites.iter().map(around))
+    }
+
+    /// The classes of a mask in a window, as they are drawn; of a map drawn smaller than it is, as they are counted.
+    fn classes(&self, mask: &[u8], window: CellWindow) -> Vec<u8> {
+        let field = &self.of.scene.field;
+        match self.counts {
+            Some(_) => crop(mask, field.grid().n_cols(), window),
+            None => shown_classes(mask, field, window),
         }
     }
 
@@ -216,7 +201,7 @@ impl MapDrawing<'_> {
         let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
         SiteCoverage {
             uav: site.uav.clone(),
-            mask: crop(&site.mask, n_cols, window).into(),
+            mask: self.classes(&site.mask, window).into(),
             margin: part(&site.margin),
             least_receiver_height: part(&site.least_receiver_height),
             least_height: part(&site.least_height),

@@ -10,7 +10,7 @@ use crate::error::{PlacesError, Result};
 use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
 use crate::formats::TiffLayout;
 use crate::map::SiteFacts;
-use crate::picture::{Look, mark, picture_provenance, written};
+use crate::picture::{Look, mark, picture_provenance, shown_classes, written};
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::words::unbreakable;
 
@@ -49,17 +49,18 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         .collect();
     let sight = &job.report.sight;
     let (receivers_name, others_name) = match job.report.goal.whom {
-        Whom::Area => ("cells of the area", "Other cells"),
+        Whom::Area => ("cells of the area", "Buildings"),
         _ => sight.receivers().cell_names(&job.scene.field),
     };
     let n_sites = u32::try_from(facts.len()).unwrap_or(u32::MAX);
-    let layer = match (&maps.overlay, maps.sites.as_slice()) {
-        (None, [only]) => render::Layer::Los(&only.mask),
-        (overlay, _) => render::Layer::Count {
-            count: overlay.as_ref().map_or(&[], Overlay::count),
-            mask: overlay.as_ref().map_or(&[], Overlay::union),
-            n_sites,
-        },
+    let mask = match (&maps.overlay, maps.sites.as_slice()) {
+        (None, [only]) => only.mask.as_slice(),
+        (overlay, _) => overlay.as_ref().map_or(&[][..], Overlay::union),
+    };
+    let mask = &*shown_classes(mask, &job.scene.field, grid.window());
+    let layer = match &maps.overlay {
+        None => render::Layer::Los(mask),
+        Some(overlay) => render::Layer::Count { count: overlay.count(), mask, n_sites },
     };
     let in_range = if sight.radius_m().is_some() { " in range" } else { "" };
     let share = |tally: &Tally| match tally.p_los() {

@@ -115,6 +115,24 @@ fn titles_name_the_place_that_a_file_names_or_the_file_as_it_is_called() {
 }
 
 #[test]
+fn open_ground_without_receivers_is_no_building() {
+    let folder = Folder::new();
+    let number = |said: &str, name: &str| {
+        let after = said.split(&format!("{name} ")).nth(1).unwrap_or_default().replace(' ', "");
+        after.split("cells").next().and_then(|n| n.parse::<u64>().ok())
+    };
+    let said = |receivers: &str| {
+        let line = format!("map itu:urban --size 100 --uav 50,50,60 --receivers {receivers}");
+        words(&drawn(&folder, &line))
+    };
+    let [ground, street] = ["ground", "street"].map(said);
+    assert!(number(&ground, "Buildings").is_some_and(|n| n > 0), "{ground}");
+    assert_eq!(number(&ground, "Buildings"), number(&street, "Buildings"), "{street}");
+    let open = "Open ground without receivers";
+    assert!(number(&street, open).is_some_and(|n| n > 0) && !ground.contains(open), "{street}");
+}
+
+#[test]
 fn the_uavs_of_a_caption_are_told_alike_and_nothing_is_quoted() {
     let folder = town();
     for line in [format!("{MAP} {SECOND} -o"), format!("{MAP} {SECOND} --height-curve")] {

@@ -49,7 +49,7 @@ pub struct CompareMap<'a> {
     pub title: &'a str,
     /// A line below that, such as its P_LoS with interval.
     pub detail: &'a str,
-    /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
+    /// Classes as of [`MapPicture`](super::MapPicture).
     pub mask: &'a [u8],
     /// Where the UAV is, if that is known.
     pub mark: Option<Mark<'a>>,
@@ -93,7 +93,7 @@ pub fn draw_compare_sheet(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
         sheet,
         maps,
         counts_palette: counts_palette(sheet.maps.len()),
-        classes: vec![0; 5],
+        classes: vec![0; 6],
         pairs: vec![0; 4],
         counts: vec![0; sheet.maps.len() + 1],
     };
@@ -129,7 +129,7 @@ struct Painter<'a> {
     sheet: &'a CompareSheet<'a>,
     maps: Maps<'a>,
     counts_palette: Vec<Rgb>,
-    /// NLoS, LoS, not a receiver, out of range, nodata.
+    /// NLoS, LoS, not a receiver, out of range, nodata, open ground.
     classes: Vec<u64>,
     /// Neither, only the first, only the second, both.
     pairs: Vec<u64>,

@@ -77,7 +77,7 @@ pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
 pub use lettering::{grouped, percent};
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_link_profile};
-pub use map_layers::{Layer, MapClass};
+pub use map_layers::{Layer, MapClass, OPEN_GROUND};
 pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
 pub use map_picture::{MapPicture, draw_map};
 pub use marks::Mark;

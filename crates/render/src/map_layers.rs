@@ -6,6 +6,9 @@ use super::paint::{Canvas, Painted};
 use super::sheet::Drawing;
 use super::value_range::ValueRange;
 
+/// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
+pub const OPEN_GROUND: u8 = 4;
+
 /// What a map shows.
 #[derive(Clone, Copy, Debug)]
 pub enum Layer<'a> {
@@ -15,7 +18,7 @@ pub enum Layer<'a> {
     Count {
         /// The number, where the mask is 0 or 1.
         count: &'a [u32],
-        /// Classes 2, 3 and 255 apply.
+        /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
         /// Number of UAVs.
         n_sites: u32,
@@ -26,14 +29,14 @@ pub enum Layer<'a> {
         index: &'a [u8],
         /// Colors, names and the unit of their counts, such as `cells`.
         palette: &'a [MapClass<'a>],
-        /// Classes 2, 3 and 255 apply.
+        /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
     },
     /// How many of eight moves by one lattice step turn the answer.
     Stability {
         /// The number, 0 to 8, where the mask is 0 or 1.
         turns: &'a [f32],
-        /// Classes 2, 3 and 255 apply.
+        /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
     },
     /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
@@ -44,7 +47,7 @@ pub enum Layer<'a> {
         name: &'a str,
         /// Its unit, such as `m`; may be empty.
         unit: &'a str,
-        /// Classes 2, 3 and 255 apply.
+        /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
     },
     /// A quantity of places in the air, over the outlines of the city below.

@@ -118,7 +118,8 @@ pub(crate) fn special_legend<'a>(
     let [low, high] = [0.0, 1.0].map(|t| Ramp::BuildingTone.at(t));
     let building = if has_surface { Swatch::Range(low, high) } else { Swatch::Flat(colors::BUILDING) };
     let out_of_range = Swatch::Flat(colors::OUT_OF_RANGE);
-    let special = [(building, others_name), (out_of_range, "Out of range"), (Swatch::Hatched, "No data")];
+    let open = (Swatch::Flat(colors::WHITE), "Open ground without receivers");
+    let special = [(building, others_name), (out_of_range, "Out of range"), (Swatch::Hatched, "No data"), open];
     special.into_iter().zip(numbers).filter(|(_, n)| **n > 0).map(|((swatch, name), n)| (swatch, name, *n)).collect()
 }
 

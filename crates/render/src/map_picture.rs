@@ -19,7 +19,7 @@ const SMALLEST_BODY: f64 = 900.0;
 
 /// A map to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
 ///
-/// Mask classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
+/// Mask classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 4 [`OPEN_GROUND`](super::OPEN_GROUND), 255 nodata.
 #[derive(Clone, Copy, Debug)]
 pub struct MapPicture<'a> {
     /// Title, such as `What a UAV sees of Munich`.
@@ -94,7 +94,7 @@ fn legend(picture: &MapPicture<'_>, mut histogram: Vec<u64>, range: Option<&Valu
     let MapPicture { layer, n_cols, n_rows, receivers_name, others_name, .. } = *picture;
     if let (Layer::Los(_), Some(tally)) = (layer, picture.counts) {
         let nlos = tally.receivers - tally.los;
-        histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata];
+        histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata, 0];
     }
     let words = LegendWords { receivers_name, others_name, has_counts: true, has_rings: layer.has_rings() };
     let mut legend = map_legend::entries(layer, &histogram, range, picture.surface_m.is_some(), words);
@@ -143,6 +143,7 @@ mod tests {
             n_cols,
             n_rows,
             cell_m: (1.0, 1.0),
+    use crate::map_layers::OPEN_GROUND;
             layer,
             surface_m: None,
             uavs: &[],
@@ -154,10 +155,12 @@ mod tests {
 
     #[test]
     fn the_pixel_of_a_cell_has_its_class_color() {
-        let sheet = draw_map(&picture(Layer::Los(&[0, 1, 2, 3, 255, 1]), 3, 2)).expect("the picture is valid");
+        let mask = [0, 1, OPEN_GROUND, 3, 255, 1];
+        let sheet = draw_map(&picture(Layer::Los(&mask), 3, 2)).expect("the picture is valid");
         let map = &sheet.images[0].2;
         assert_eq!(map.dimensions(), (960, 640));
-        for (x, y, color) in [(100, 100, colors::NLOS), (480, 100, colors::LOS), (800, 500, colors::LOS)] {
+        let of_classes = [(100, 100, colors::NLOS), (480, 100, colors::LOS), (800, 100, colors::WHITE)];
+        for (x, y, color) in of_classes.into_iter().chain([(800, 500, colors::LOS)]) {
             assert_eq!(map.get_pixel(x, y).0[..3], color);
         }
     }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::check;
 use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 use super::hillshade::Surface;
+use super::map_layers::OPEN_GROUND;
 
 /// The longer side of a map with a picture of its own \[px\], and up to how many cells a side are not reduced.
 pub(crate) const LARGE: (f64, f64) = (1400.0, 2000.0);
@@ -62,7 +63,7 @@ pub(crate) struct Canvas<'a> {
 pub(crate) struct Painted {
     /// The map, without furniture.
     pub(crate) image: RgbaImage,
-    /// Cells per color, then not receivers, out of range, nodata.
+    /// Cells per color, then not receivers, out of range, nodata, open ground.
     pub(crate) histogram: Vec<u64>,
 }
 
@@ -72,6 +73,7 @@ pub(crate) fn special(class: u8, n_colors: usize) -> Option<usize> {
         0 | 1 => None,
         2 => Some(n_colors),
         3 => Some(n_colors + 1),
+        OPEN_GROUND => Some(n_colors + 3),
         _ => Some(n_colors + 2),
     }
 }
@@ -195,11 +197,12 @@ const RUN: usize = 512;
 
 /// Colors and what follows them as three 21-bit lanes per word, so that one addition sums three numbers.
 fn packed(colors: &[Rgb]) -> Vec<[u64; 2]> {
-    let flat = colors.iter().map(|color| {
+    let flat = |color: &Rgb| {
         let [r, g, b] = Light::tables().linear(*color).map(u64::from);
         [r | g << 21 | b << 42, 0]
-    });
-    flat.chain([[0, 1], [0, 1 << 21], [0, 1 << 42]]).collect()
+    };
+    let special = [[0, 1], [0, 1 << 21], [0, 1 << 42], flat(&colors::WHITE)];
+    colors.iter().map(flat).chain(special).collect()
 }
 
 fn lanes(word: u64) -> [u64; 3] {
@@ -401,7 +404,7 @@ mod tests {
         {
             assert_eq!(map.image.get_pixel(x, y).0[..3], color);
         }
-        assert_eq!(map.histogram, [2, 2, 0, 0, 0]);
+        assert_eq!(map.histogram, [2, 2, 0, 0, 0, 0]);
     }
 
     #[test]
@@ -415,7 +418,7 @@ mod tests {
         assert_eq!(map.image.get_pixel(700, 700).0[..3], colors::NLOS);
         let half = map.image.get_pixel(700, 50).0;
         assert!(half[0] > 150 && half[0] < 180 && half[2] > 110 && half[2] < 145, "{half:?}");
-        assert_eq!(map.histogram, [3000 * 1500 - 450_000, 3000 * 1500 + 450_000, 0, 0, 0]);
+        assert_eq!(map.histogram, [3000 * 1500 - 450_000, 3000 * 1500 + 450_000, 0, 0, 0, 0]);
     }
 
     #[test]
