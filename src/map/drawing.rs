@@ -10,7 +10,7 @@ use crate::export::{Format, Layer};
 use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
-use crate::render::{self, MOST_MAP_PANELS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
+use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
 use crate::words::unbreakable;
 
 /// A map to draw.
@@ -80,23 +80,13 @@ impl MapDrawing<'_> {
             Subject::One | Subject::Each => self.of.sites.len().min(MOST_MAP_PANELS),
         };
         let sites: Vec<SiteCoverage> = self.of.sites[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
-        let shown: Vec<Shown<'_>> = match subject {
-            Subject::Count => {
-                let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
-                vec![Shown::Layer(render::Layer::Count { count: &count, mask: &union, n_sites })]
-            }
-            Subject::Who => {
-                let named: Vec<(&str, &[u8])> = sites.iter().map(|s| (s.uav.id.as_str(), s.mask.as_slice())).collect();
-                vec![Shown::Classes(who_sees(&named, &count, &union), &union)]
-            }
-            Subject::One | Subject::Each => sites.iter().map(|site| self.shown_of(site, &count, &union)).collect(),
-        };
+        let shown = self.shown(subject, &sites, &count, &union);
         let palettes: Vec<Vec<MapClass<'_>>> = shown.iter().map(Shown::palette).collect();
         let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
 
         let part = grid.part(window);
         let heights: Vec<String> = self.of.report.sites.iter().map(SiteFacts::height_words).collect();
-        let labels: Vec<String> = self.of.report.sites.iter().map(|s| format!("UAV {}", s.id)).collect();
+        let labels = self.labels(subject);
         let words = heights.iter().zip(&labels);
         let marks: Vec<Mark<'_>> = self
             .of
@@ -148,6 +138,34 @@ impl MapDrawing<'_> {
             counts: self.counts,
         };
         written(render::draw_map(&picture), &form, provenance)
+    }
+
+    /// What the maps show.
+    fn shown<'b>(
+        &self,
+        subject: Subject,
+        sites: &'b [SiteCoverage],
+        count: &'b [u32],
+        union: &'b [u8],
+    ) -> Vec<Shown<'b>> {
+        match subject {
+            Subject::Count => {
+                let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
+                vec![Shown::Layer(render::Layer::Count { count, mask: union, n_sites })]
+            }
+            Subject::Who => {
+                let named: Vec<(&str, &[u8])> = sites.iter().map(|s| (s.uav.id.as_str(), s.mask.as_slice())).collect();
+                vec![Shown::Classes(who_sees(&named, count, union), union)]
+            }
+            Subject::One | Subject::Each => sites.iter().map(|site| self.shown_of(site, count, union)).collect(),
+        }
+    }
+
+    /// What marks are called, in a crowd by their ids alone.
+    fn labels(&self, subject: Subject) -> Vec<String> {
+        let is_crowd = subject != Subject::Each && self.of.sites.len() > MOST_WITH_HEIGHTS;
+        let label = |s: &SiteFacts| if is_crowd { s.id.clone() } else { format!("UAV {}", s.id) };
+        self.of.report.sites.iter().map(label).collect()
     }
 
     /// The layer that is drawn: the first that was asked for.
@@ -280,13 +298,13 @@ impl MapDrawing<'_> {
             None => format!("P_LoS undefined: {}", t.reason()),
         };
         let mut lines: Vec<String> = Vec::new();
-        const MOST_SITES: usize = 4;
-        for s in self.of.report.sites.iter().take(MOST_SITES) {
-            lines.push(format!(
         // The first line stands out, which none of several UAVs does.
         if self.of.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
+        const MOST_SITES: usize = 4;
+        for s in self.of.report.sites.iter().take(MOST_SITES) {
+            lines.push(format!(
                 "UAV {}: {} at {}, {}",
                 s.id,
                 s.height_words(),

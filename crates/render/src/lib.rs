@@ -80,7 +80,7 @@ pub use link_profile::{LinkProfile, Obstruction, ProfileStep, StepKind, draw_lin
 pub use map_layers::{Layer, MapClass, OPEN_GROUND};
 pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
 pub use map_picture::{MapPicture, draw_map};
-pub use marks::Mark;
+pub use marks::{MOST_WITH_HEIGHTS, Mark};
 pub use overlay_legend::draw_overlay_legend;
 pub use picture_form::{PictureForm, PictureFormat};
 pub use png::{draw_bare, draw_bare_count};

@@ -8,7 +8,7 @@ use skyshed_core::coverage::Tally;
 use super::furniture::{self, Block, Swatch};
 use super::map_layers::{self, Layer};
 use super::map_legend::{self, LegendWords};
-use super::marks::{self, Mark, draw_marks};
+use super::marks::{self, MOST_WITH_HEIGHTS, Mark, draw_marks};
 use super::page::{MARGIN, Page};
 use super::paint::{Canvas, LARGE};
 use super::sheet::{Drawing, Sheet};
@@ -59,9 +59,10 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     layer.check([n_cols, n_rows])?;
     let range = map_layers::range_of(&[layer]);
     let painted = map_layers::painted(layer, &canvas, range.as_ref());
-    let legend = legend(picture, painted.histogram, range.as_ref());
     let size = canvas.size();
     let ([map_w, map_h], px_per_cell) = (size, canvas.px_per_cell());
+    let (marks, n_labels) = draw_marks(picture.uavs, size, px_per_cell, cell_m);
+    let legend = legend(picture, painted.histogram, range.as_ref(), n_labels);
     let orientation = furniture::orientation(px_per_cell[0] / cell_m.0, (0.2 * map_w).clamp(160.0, 320.0));
 
     let narrow = map_w < 620.0 || map_w < 0.55 * map_h;
@@ -74,7 +75,7 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
     furniture.place(&cell_borders([n_cols, n_rows], size), left, top);
     furniture.place(&layer.rings(n_cols, px_per_cell), left, top);
-    furniture.place(&draw_marks(picture.uavs, size, px_per_cell, cell_m), left, top);
+    furniture.place(&marks, left, top);
     let bottom = top + map_h;
     page.bottom = if narrow {
         furniture.place(&column.drawing, left + map_w + 40.0, top);
@@ -89,8 +90,9 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     Ok(page.finish(0.0, picture.caption))
 }
 
-/// The entries of the layer, and one for the UAVs.
-fn legend(picture: &MapPicture<'_>, mut histogram: Vec<u64>, range: Option<&ValueRange>) -> Vec<Block> {
+/// The entries of the layer, of which so many cells have each color, and one for the UAVs, so many of which have labels.
+fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRange>, n_labels: usize) -> Vec<Block> {
+    let mut histogram = of_colors;
     let MapPicture { layer, n_cols, n_rows, receivers_name, others_name, .. } = *picture;
     if let (Layer::Los(_), Some(tally)) = (layer, picture.counts) {
         let nlos = tally.receivers - tally.los;
@@ -106,7 +108,13 @@ fn legend(picture: &MapPicture<'_>, mut histogram: Vec<u64>, range: Option<&Valu
                 if is_named { uav.label.to_string() } else { format!("UAV {}", uav.label).trim_end().to_string() };
             Some((name, marks::detail(uav, [n_cols, n_rows].map(|n| n as f64), picture.cell_m)))
         }
-        uavs => Some((format!("{} UAVs", uavs.len()), "id and height".to_string())),
+        uavs => Some((
+            format!("{} UAVs", uavs.len()),
+            match uavs.len() {
+                n if n_labels < n => format!("labels of {n_labels} of {n}; the table has all"),
+                n => if n > MOST_WITH_HEIGHTS { "id" } else { "id and height" }.to_string(),
+            },
+        )),
     };
     legend.extend(uavs.map(|(name, detail)| furniture::legend_entry(Swatch::Uav, &name, &detail)));
     legend
@@ -135,6 +143,7 @@ fn cell_borders([n_cols, n_rows]: [usize; 2], [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::colors;
+    use crate::map_layers::OPEN_GROUND;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -143,7 +152,6 @@ mod tests {
             n_cols,
             n_rows,
             cell_m: (1.0, 1.0),
-    use crate::map_layers::OPEN_GROUND;
             layer,
             surface_m: None,
             uavs: &[],

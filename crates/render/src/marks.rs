@@ -41,20 +41,31 @@ struct Placed {
     words: [String; 2],
 }
 
-/// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis.
+/// More UAVs than this have labels without heights, beside their marks or nowhere.
+pub const MOST_WITH_HEIGHTS: usize = 60;
+/// More UAVs than this have no labels.
+const MOST_WITH_LABELS: usize = 400;
+
+/// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis, and says how many labels found
+/// a place.
 ///
 /// A UAV outside the grid becomes an arrow at the border and its distance from there. Of UAVs at one place each is drawn
 /// below the one before it, with a line to the place. Labels that find no free place are shortened, then left out, later
-/// marks first; beyond 60 UAVs there are no labels.
-pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Drawing {
+/// marks first.
+pub(crate) fn draw_marks(
+    uavs: &[Mark<'_>],
+    size: [f64; 2],
+    px_per_cell: [f64; 2],
+    cell_m: (f64, f64),
+) -> (Drawing, usize) {
     let radius = match uavs.len() {
         0..=12 => 23.0,
-        13..=60 => 16.0,
-        61..=400 => 10.0,
+        13..=MOST_WITH_HEIGHTS => 16.0,
+        61..=MOST_WITH_LABELS => 10.0,
         _ => 6.0,
     };
     let mut placed: Vec<Placed> = uavs.iter().map(|uav| place(uav, size, px_per_cell, cell_m)).collect();
-    if uavs.len() <= 60 {
+    if uavs.len() <= MOST_WITH_HEIGHTS {
         set_apart(&mut placed, radius, size);
     }
     let mut drawing = Drawing::default();
@@ -71,35 +82,43 @@ pub(crate) fn draw_marks(uavs: &[Mark<'_>], size: [f64; 2], px_per_cell: [f64; 2
             None => furniture::uav_symbol(&mut drawing, mark.at, radius),
         }
     }
-    if uavs.len() > 60 {
-        return drawing;
-    }
+    let n_labels = if uavs.len() <= MOST_WITH_LABELS { draw_labels(&mut drawing, &placed, radius, size) } else { 0 };
+    (drawing, n_labels)
+}
+
+/// Draws the labels that find a place on a map of a size, and counts them.
+fn draw_labels(drawing: &mut Drawing, placed: &[Placed], radius: f64, size: [f64; 2]) -> usize {
     let map = [6.0, 6.0, size[0] - 6.0, size[1] - 6.0];
     let mut taken: Vec<Bounds> = placed.iter().map(|mark| symbol_bounds(mark, radius)).collect();
-    for mark in &placed {
-        let font_size = if radius > 20.0 { 25.0 } else { 20.0 };
+    let is_crowd = placed.len() > MOST_WITH_HEIGHTS;
+    for mark in placed {
+        let font_size = if radius > 20.0 { 25.0 } else { (radius + 7.0).min(20.0) };
         // Where the whole label finds no place, the id alone may, or its beginning.
         let beginning = |most: usize| {
             let id = &mark.words[0];
             if id.chars().count() <= most { id.clone() } else { id.chars().take(most - 1).chain(['…']).collect() }
         };
         let ids = [mark.words[0].clone(), beginning(20), beginning(12), beginning(6)].map(|id| [id, String::new()]);
-        for words in std::iter::once(mark.words.clone()).chain(ids) {
+        let whole = std::iter::once(mark.words.clone()).chain(ids);
+        for words in whole.skip(usize::from(is_crowd)).take(if is_crowd { 1 } else { 5 }) {
             let label = Label::new(&words, font_size);
-            let spot = candidates(mark, radius, [label.width, label.height]).find_map(|[x, y]| {
+            // In a crowd a label that is not beside its mark would be taken for that of another.
+            let spots =
+                candidates(mark, radius, [label.width, label.height]).take(if is_crowd { 8 } else { usize::MAX });
+            let bounds = spots.map(|[x, y]| {
                 let x = x.min(map[2] - label.width).max(map[0]);
                 let y = y.min(map[3] - label.height).max(map[1]);
-                let bounds = [x, y, x + label.width, y + label.height];
-                (within(&bounds, &map) && !taken.iter().any(|other| overlap(&bounds, other))).then_some(bounds)
+                [x, y, x + label.width, y + label.height]
             });
-            if let Some(bounds) = spot {
+            let is_free = |b: &Bounds| within(b, &map) && !taken.iter().any(|other| overlap(b, other));
+            if let Some(bounds) = bounds.into_iter().find(is_free) {
                 taken.push(bounds);
-                label.draw(&mut drawing, bounds[0], bounds[1]);
+                label.draw(drawing, bounds[0], bounds[1]);
                 break;
             }
         }
     }
-    drawing
+    taken.len() - placed.len()
 }
 
 fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Placed {
@@ -255,7 +274,7 @@ mod tests {
     #[test]
     fn labels_of_crowded_marks_do_not_overlap_and_stay_on_the_map() {
         let uavs: Vec<Mark<'_>> = (0..10).map(|k| mark("UAV", 500.0 + 12.0 * f64::from(k), 500.0)).collect();
-        let drawing = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        let drawing = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).0;
         let plates = plates(&drawing.svg);
         assert!(plates.len() >= 6, "{} labels", plates.len());
         for (i, a) in plates.iter().enumerate() {
@@ -266,10 +285,10 @@ mod tests {
 
     #[test]
     fn a_uav_outside_becomes_an_arrow_with_its_distance() {
-        let drawing = draw_marks(&[mark("1", 1340.0, 300.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        let drawing = draw_marks(&[mark("1", 1340.0, 300.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).0;
         assert!(drawing.svg.contains("60 m · 340 m outside"));
         assert!(drawing.svg.contains("<polygon") && !drawing.svg.contains("<circle"));
-        let inside = draw_marks(&[mark("1", 1000.0, 0.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0));
+        let inside = draw_marks(&[mark("1", 1000.0, 0.0)], [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).0;
         assert!(inside.svg.contains("<circle") && !inside.svg.contains("outside"));
     }
 
@@ -277,7 +296,7 @@ mod tests {
     fn uavs_at_one_place_are_all_seen_and_named() {
         for row in [300.0, 990.0] {
             let uavs = ["low", "middle", "high"].map(|label| mark(label, 500.0, row));
-            let svg = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).svg;
+            let svg = draw_marks(&uavs, [1000.0, 1000.0], [1.0, 1.0], (1.0, 1.0)).0.svg;
             assert!(["low", "middle", "high"].iter().all(|label| svg.contains(&format!(">{label}<"))), "{svg}");
             // The body of each symbol, the largest circle but for rotors, has a center of its own.
             let centers: std::collections::BTreeSet<&str> =
@@ -291,13 +310,16 @@ mod tests {
     #[test]
     fn a_name_that_finds_no_place_is_shortened() {
         let name = "The tower beyond the old market hall";
-        let svg = draw_marks(&[mark(name, 150.0, 100.0)], [300.0, 200.0], [1.0, 1.0], (1.0, 1.0)).svg;
+        let svg = draw_marks(&[mark(name, 150.0, 100.0)], [300.0, 200.0], [1.0, 1.0], (1.0, 1.0)).0.svg;
         assert!(!svg.contains(name) && svg.contains("The tower b…"), "{svg}");
     }
 
     #[test]
-    fn many_marks_have_no_labels() {
-        let uavs: Vec<Mark<'_>> = (0..100).map(|k| mark("1", f64::from(k), 5.0)).collect();
-        assert!(!draw_marks(&uavs, [1000.0, 100.0], [10.0, 10.0], (1.0, 1.0)).svg.contains("<text"));
+    fn of_many_marks_those_with_room_have_labels() {
+        let uavs = |n: u32| (0..n).map(|k| mark("17", f64::from(k), 5.0)).collect::<Vec<_>>();
+        let (drawing, n_labels) = draw_marks(&uavs(100), [1000.0, 100.0], [10.0, 10.0], (1.0, 1.0));
+        assert_eq!(drawing.svg.matches(">17<").count(), n_labels);
+        assert!((10..100).contains(&n_labels) && !drawing.svg.contains("60 m"), "{n_labels}");
+        assert_eq!(draw_marks(&uavs(401), [1000.0, 100.0], [2.0, 10.0], (1.0, 1.0)).1, 0);
     }
 }

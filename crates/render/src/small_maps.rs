@@ -61,7 +61,7 @@ impl<'a> Maps<'a> {
         let title = NAME.shortened(title, 2.0 * self.width());
         let words =
             [(&*title, NAME), (detail, DETAIL)].map(|(text, kind)| furniture::paragraph(text, kind, self.width()));
-        let over = draw_marks(marks, self.canvas.size(), self.canvas.px_per_cell(), self.canvas.cell_m);
+        let (over, _) = draw_marks(marks, self.canvas.size(), self.canvas.px_per_cell(), self.canvas.cell_m);
         Panel { words: furniture::stack(&words, 2.0), image, over }
     }
 
