@@ -86,7 +86,9 @@ fn tables_pictures_and_words_agree() {
     assert!(table.starts_with("along_m,x,y,vertex,height_amsl_m,state,margin_m,distance_m,elevation_deg"));
     assert_eq!(table.lines().count() - 1, folder.json("t.json")["points"].as_array().unwrap().len());
     let svg = folder.text("t.svg");
-    for words in ["No line of sight", "Distance along the track [m]", "Least height in line of sight"] {
+    for words in
+        ["No line of sight", "Distance along the track [m]", "Least height in line of sight", ">UAV<", "<image "]
+    {
         assert!(svg.contains(words), "{words}");
     }
     // A line of GeoJSON is the same track.

@@ -86,6 +86,6 @@ pub use picture_form::{PictureForm, PictureFormat};
 pub use png::{draw_bare, draw_bare_count};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
 pub use sheet::Sheet;
-pub use track_profile::{TrackProfile, TrackStretch, draw_track_profile};
+pub use track_profile::{TrackPlan, TrackProfile, TrackStretch, draw_track_profile};
 pub use tradeoff::{Tradeoff, draw_tradeoff};
 pub use tradeoff_rows::TradeoffPoint;

@@ -1,10 +1,14 @@
-//! What a user sees along a track: a strip of line of sight, and above it the height that would be enough.
+//! What a user sees along a track: on a plan of the city, as a strip of line of sight, and above it the height that would be
+//! enough.
 
+use super::check;
 use super::colors::{self, INK, Rgb};
 use super::furniture::{self, Block, DETAIL, Swatch};
 use super::lettering::length as length_words;
 use super::lettering::{Anchor, Type};
-use super::page::page;
+use super::marks::{Mark, draw_marks};
+use super::page::{MARGIN, Page};
+use super::paint::Canvas;
 use super::plot_axis::{Axis, Direction, Span};
 use super::plot_frame;
 use super::sheet::{Drawing, Sheet};
@@ -16,7 +20,9 @@ const AXIS: f64 = 104.0;
 const STRIP: f64 = 40.0;
 const GAP: f64 = 14.0;
 /// Where a track runs through buildings.
-const NO_RECEIVER: Rgb = [0xC3, 0xC6, 0xC9];
+const NO_RECEIVER: Rgb = [0x84, 0x5E, 0x8C];
+/// The longer side that a plan aims at, and up to how many cells a side are not reduced \[px\].
+const PLAN: (f64, f64) = (700.0, 950.0);
 
 /// A picture of a track. Lengths in meters.
 #[derive(Debug, Clone, Copy)]
@@ -28,49 +34,116 @@ pub struct TrackProfile<'a> {
     /// Length of the track \[m\].
     pub length_m: f64,
     /// Parts of the track, in order, that are all of it.
-    pub stretches: &'a [TrackStretch],
+    pub stretches: &'a [TrackStretch<'a>],
     /// Distances along the track \[m\], ascending, with the least height above ground in line of sight there \[m\]; `None` where
     /// there is no receiver or no height is enough.
     pub enough: &'a [(f64, Option<f64>)],
     /// Height of the user above ground \[m\].
     pub user_m: f64,
+    /// The city around it.
+    pub plan: TrackPlan<'a>,
+}
+
+/// The city around a track from above. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackPlan<'a> {
+    /// Columns.
+    pub n_cols: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// Cell size along columns and along rows \[m\].
+    pub cell_m: (f64, f64),
+    /// Classes: 2 buildings, 4 open ground, 255 nodata.
+    pub mask: &'a [u8],
+    /// Heights above ground, for gray tones of buildings \[m\]; not finite where unknown.
+    pub surface_m: &'a [f32],
+    /// Where the UAV is.
+    pub uav: Mark<'a>,
 }
 
 /// A part of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrackStretch {
+pub struct TrackStretch<'a> {
     /// Where it begins and ends along the track \[m\].
     pub along_m: [f64; 2],
     /// Whether the user has line of sight; `None` where there is no receiver.
     pub los: Option<bool>,
+    /// Where it begins, turns and ends on the plan: columns and rows.
+    pub path: &'a [[f64; 2]],
 }
 
 /// Draws a track.
 ///
 /// # Errors
-/// A length that is not above 0 or a value that is not finite.
+/// A length that is not above 0, a value that is not finite, or a plan of another shape.
 pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     let finite = track.enough.iter().all(|(at, h)| at.is_finite() && h.is_none_or(f64::is_finite));
     let ends = track.stretches.iter().all(|s| s.along_m.iter().all(|m| m.is_finite()));
     if !(track.length_m > 0.0 && track.length_m.is_finite() && track.user_m.is_finite() && finite && ends) {
         return Err("cannot draw a track: its lengths and heights must be finite, and its length above 0".into());
     }
+    let TrackPlan { n_cols, n_rows, cell_m, mask, surface_m, .. } = track.plan;
+    check::shape("mask", mask.len(), [n_cols, n_rows])?;
+    let canvas = Canvas::new([n_cols, n_rows], cell_m, Some(surface_m), PLAN)?;
+    let [width, height] = canvas.size();
+    let px_per_cell = canvas.px_per_cell();
+
+    let mut page = Page::new(track.title, AXIS + WIDTH + 30.0, 24.0);
+    let [left, top] = [MARGIN + AXIS, page.bottom.round()];
+    page.image([left, top], canvas.paint_receivers(&[], mask, |_| 0).image);
+    page.furniture.rect([left, top, width, height], &furniture::frame());
+    page.furniture.place(&walked(track, px_per_cell), left, top);
+    let (mark, _) = draw_marks(&[track.plan.uav], [width, height], px_per_cell, cell_m);
+    page.furniture.place(&mark, left, top);
+    let beside = furniture::stack(&[legend(track), furniture::orientation(px_per_cell[0] / cell_m.0, 240.0)], 34.0);
+    page.furniture.place(&beside.drawing, left + width + 44.0, top);
+    let top = top + height.max(beside.height) + 34.0;
+
+    let along = Span { ends: [0.0, track.length_m], is_log: false };
+    let x_axis = along.axis("Distance along the track [m]", Direction::Across, WIDTH);
+    page.furniture.place(&heights(track, along, &x_axis), left, top);
+    page.furniture.place(&strip(track, along, x_axis), left, top + HEIGHT + GAP);
+    page.bottom = top + HEIGHT + GAP + STRIP + 92.0;
+    Ok(page.finish(0.0, track.caption))
+}
+
+/// The color of a stretch.
+fn color(los: Option<bool>) -> Rgb {
+    match los {
+        Some(true) => colors::LOS,
+        Some(false) => colors::NLOS,
+        None => NO_RECEIVER,
+    }
+}
+
+/// The track on the plan, in the colors of its stretches, with a dot where it begins.
+fn walked(track: &TrackProfile<'_>, px_per_cell: [f64; 2]) -> Drawing {
+    let mut drawing = Drawing::default();
+    let px = |place: &[f64; 2]| [0, 1].map(|k| place[k] * px_per_cell[k]);
+    for is_core in [false, true] {
+        for stretch in track.stretches {
+            let (ink, width) = if is_core { (colors::hex(color(stretch.los)), 7) } else { (INK.to_string(), 11) };
+            let stroke = format!("stroke=\"{ink}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
+            drawing.polyline(&stretch.path.iter().map(px).collect::<Vec<_>>(), &stroke);
+        }
+    }
+    if let Some(start) = track.stretches.first().and_then(|stretch| stretch.path.first()) {
+        drawing.circle(px(start), 9.0, &format!("fill=\"#FFFFFF\" stroke=\"{INK}\" stroke-width=\"3\""));
+    }
+    drawing
+}
+
+/// The heights that would be enough, above the height of the user.
+fn heights(track: &TrackProfile<'_>, along: Span, x_axis: &Axis) -> Drawing {
     let highest = track.enough.iter().filter_map(|p| p.1).fold(track.user_m, f64::max);
-    let (along, heights) = (
-        Span { ends: [0.0, track.length_m], is_log: false },
-        Span { ends: [0.0, 1.05 * highest.max(1.0)], is_log: false },
-    );
+    let heights = Span { ends: [0.0, 1.05 * highest.max(1.0)], is_log: false };
     let x = |m: f64| along.share(m).clamp(0.0, 1.0) * WIDTH;
     let y = |m: f64| (1.0 - heights.share(m)) * HEIGHT;
-
-    let mut framed = Drawing::default();
     // The names of the axis along stand below the strip.
-    let x_axis = along.axis("Distance along the track [m]", Direction::Across, WIDTH);
-    let below = Axis { has_grid: false, ..x_axis.clone() };
-    let empty =
-        Axis { name: String::new(), ticks: x_axis.ticks.iter().map(|t| (t.0, String::new())).collect(), ..x_axis };
+    let ticks = x_axis.ticks.iter().map(|tick| (tick.0, String::new())).collect();
+    let empty = Axis { name: String::new(), ticks, ..x_axis.clone() };
     let y_axis = heights.axis("Height above ground [m]", Direction::Up, HEIGHT);
-    framed.place(&plot_frame::axes([WIDTH, HEIGHT], &empty, &Axis { name_at: 72.0, ..y_axis }), 0.0, 0.0);
+    let mut framed = plot_frame::axes([WIDTH, HEIGHT], &empty, &Axis { name_at: 72.0, ..y_axis });
     for piece in track.enough.chunk_by(|a, b| a.1.is_some() == b.1.is_some()) {
         let points: Vec<[f64; 2]> = piece.iter().filter_map(|(at, h)| Some([x(*at), y((*h)?)])).collect();
         let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
@@ -82,53 +155,41 @@ pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
         framed.polyline(&line, "stroke=\"#9A5B00\" stroke-width=\"3.4\" stroke-linejoin=\"round\"");
     }
     let user = y(track.user_m);
-    framed.line(
-        [0.0, user],
-        [WIDTH, user],
-        &format!("stroke=\"{INK}\" stroke-width=\"2.4\" stroke-dasharray=\"10 7\""),
-    );
+    let dashed = format!("stroke=\"{INK}\" stroke-width=\"2.4\" stroke-dasharray=\"10 7\"");
+    framed.line([0.0, user], [WIDTH, user], &dashed);
     let words = format!("user at {}", length_words(track.user_m));
     framed.text(WIDTH - 10.0, user - 10.0, Type { anchor: Anchor::End, color: INK, ..DETAIL }, &words);
     plot_frame::frame(&mut framed, [WIDTH, HEIGHT]);
+    framed
+}
 
+/// The stretches side by side.
+fn strip(track: &TrackProfile<'_>, along: Span, x_axis: Axis) -> Drawing {
     let mut strip = Drawing::default();
     for stretch in track.stretches {
-        let [from, to] = stretch.along_m.map(x);
-        let color = match stretch.los {
-            Some(true) => colors::LOS,
-            Some(false) => colors::NLOS,
-            None => NO_RECEIVER,
-        };
-        strip.rect([from, 0.0, (to - from).max(0.5), STRIP], &format!("fill=\"{}\"", colors::hex(color)));
+        let [from, to] = stretch.along_m.map(|m| along.share(m).clamp(0.0, 1.0) * WIDTH);
+        let fill = format!("fill=\"{}\"", colors::hex(color(stretch.los)));
+        strip.rect([from, 0.0, (to - from).max(0.5), STRIP], &fill);
     }
+    let below = Axis { has_grid: false, ..x_axis };
     strip.place(&plot_frame::axes([WIDTH, STRIP], &below, &no_axis()), 0.0, 0.0);
     plot_frame::frame(&mut strip, [WIDTH, STRIP]);
+    strip
+}
 
+/// The entries of the legend below each other.
+fn legend(track: &TrackProfile<'_>) -> Block {
     let sum = |los: Option<bool>| -> f64 {
         track.stretches.iter().filter(|s| s.los == los).map(|s| s.along_m[1] - s.along_m[0]).sum()
     };
-    let entry = |swatch, name, m: f64| furniture::legend_entry(swatch, name, &length_words(m));
-    let mut keys = vec![
-        entry(Swatch::Flat(colors::LOS), "Line of sight", sum(Some(true))),
-        entry(Swatch::Flat(colors::NLOS), "No line of sight", sum(Some(false))),
-    ];
-    if sum(None) > 0.0 {
-        keys.push(entry(Swatch::Flat(NO_RECEIVER), "No receiver", sum(None)));
-    }
-    keys.push(furniture::legend_entry(
-        Swatch::Flat(colors::mix(colors::NLOS, [255; 3], 0.72)),
-        "Least height in line of sight",
-        "a user up there would see the UAV",
-    ));
-    let legend = furniture::flow(&keys, WIDTH, [44.0, 14.0]);
-
-    let mut drawing = Drawing::default();
-    drawing.place(&legend.drawing, AXIS, 0.0);
-    let top = legend.height + 26.0;
-    drawing.place(&framed, AXIS, top);
-    drawing.place(&strip, AXIS, top + HEIGHT + GAP);
-    let body = Block { width: AXIS + WIDTH + 30.0, height: top + HEIGHT + GAP + STRIP + 92.0, drawing };
-    Ok(page(track.title, &body, track.caption, [24.0, 0.0]))
+    let entry = |(los, name)| furniture::legend_entry(Swatch::Flat(color(los)), name, &length_words(sum(los)));
+    let states = [(Some(true), "Line of sight"), (Some(false), "No line of sight"), (None, "No receiver")];
+    let is_there = |(los, _): &(Option<bool>, &str)| los.is_some() || sum(*los) > 0.0;
+    let mut keys: Vec<Block> = states.into_iter().filter(is_there).map(entry).collect();
+    let pale = Swatch::Flat(colors::mix(colors::NLOS, colors::WHITE, 0.72));
+    keys.push(furniture::legend_entry(pale, "Least height in line of sight", "a user up there would see the UAV"));
+    keys.push(furniture::legend_entry(Swatch::Uav, "UAV", "the track begins at the white dot"));
+    furniture::stack(&keys, 14.0)
 }
 
 /// An axis without ticks and name.
@@ -140,9 +201,19 @@ fn no_axis() -> Axis {
 mod tests {
     use super::*;
 
+    const PLAN: TrackPlan<'_> = TrackPlan {
+        n_cols: 2,
+        n_rows: 1,
+        cell_m: (50.0, 50.0),
+        mask: &[4, 2],
+        surface_m: &[0.0, 9.0],
+        uav: Mark { label: "UAV", height: "60 m", col: 0.5, row: 0.5 },
+    };
+
     #[test]
     fn the_strip_shows_every_stretch_at_its_place_and_bad_numbers_are_refused() {
-        let stretch = |from, to, los| TrackStretch { along_m: [from, to], los };
+        let path = &[[0.5, 0.5], [1.0, 0.5]];
+        let stretch = |from, to, los| TrackStretch { along_m: [from, to], los, path };
         let track = TrackProfile {
             title: "A walk",
             caption: &[],
@@ -150,12 +221,15 @@ mod tests {
             stretches: &[stretch(0.0, 25.0, Some(true)), stretch(25.0, 50.0, Some(false)), stretch(50.0, 100.0, None)],
             enough: &[(0.0, Some(0.5)), (25.0, Some(2.0)), (49.0, Some(9.0)), (60.0, None)],
             user_m: 1.5,
+            plan: PLAN,
         };
         let svg = draw_track_profile(&track).expect("the track is valid").furniture.svg;
         // 25 m of 100 are a quarter of the width.
         for words in ["No receiver", "50 m", "25 m", "user at 1.5 m", "width=\"375\" height=\"40\" fill=\"#E69F00\""] {
             assert!(svg.contains(words), "{words}: {svg}");
         }
+        // On the plan too, over cells of 320 px.
+        assert!(svg.contains("<polyline points=\"160,160 320,160\" fill=\"none\" stroke=\"#E69F00\""), "{svg}");
         assert!(draw_track_profile(&TrackProfile { length_m: 0.0, ..track }).is_err());
         assert!(draw_track_profile(&TrackProfile { enough: &[(f64::NAN, None)], ..track }).is_err());
     }

@@ -1,5 +1,7 @@
 //! Line of sight along a user's track.
 
+mod figure;
+
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -13,16 +15,15 @@ use crate::error::{Error, LimitError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::link::{EndFacts, check_extent};
 use crate::los::Method;
-use crate::picture::{Look, picture_provenance, program, written};
+use crate::picture::Look;
 use crate::quantity::{counted, meters, tidy};
 use crate::read::{read_track, source_of};
-use crate::render::{self, TrackProfile, TrackStretch};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::Sight;
 use crate::uav::bad_rows;
-use crate::words::{p_los_words, title_of};
+use crate::words::p_los_words;
 
 /// Formats of a track.
 pub(crate) const FORMATS: [Format; 6] =
@@ -264,43 +265,6 @@ impl TrackWalk {
             warnings: warnings_of(&self.facts.warnings),
         })
     }
-
-    /// Where the user has line of sight, and how high would be enough elsewhere.
-    fn picture(&self, format: Format, look: &Look) -> Result<Vec<u8>> {
-        let unit = self.facts.unit_m();
-        let stretch = |s: &Stretch| TrackStretch {
-            along_m: s.along.map(|along| along * unit),
-            los: match s.state {
-                TrackState::Los => Some(true),
-                TrackState::Nlos => Some(false),
-                TrackState::NoReceiver => None,
-            },
-        };
-        let stretches: Vec<TrackStretch> = self.track.stretches.iter().map(stretch).collect();
-        let enough = |p: &TrackPoint| (p.along * unit, p.margin_m.map(|m| self.rx_height_m - m));
-        let enough: Vec<(f64, Option<f64>)> = self.track.points.iter().map(enough).collect();
-        let title = look.title_or(|| title_of(&format!("{}: line of sight along a track", self.scene.name)));
-        let mut caption: Vec<String> = self.text(look)?.lines().map(str::to_string).collect();
-        caption.push(format!(
-            "UAV at ({}, {}), {} m above the datum; user {} m above ground; decided every {} m; {}",
-            tidy(self.uav.x),
-            tidy(self.uav.y),
-            tidy(self.uav.height_amsl_m),
-            tidy(self.rx_height_m),
-            tidy(self.every_m),
-            program()
-        ));
-        caption.extend(look.last_lines(&self.scene));
-        let profile = TrackProfile {
-            title: &title,
-            caption: &caption,
-            length_m: self.track.points.last().map_or(0.0, |p| p.along * unit),
-            stretches: &stretches,
-            enough: &enough,
-            user_m: self.rx_height_m,
-        };
-        written(render::draw_track_profile(&profile), &look.form(format), &picture_provenance(&self.provenance()))
-    }
 }
 
 impl Answer for TrackWalk {
@@ -345,6 +309,6 @@ impl Answer for TrackWalk {
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        Ok(batch.add(path, &self.picture(format, look)?)?)
+        Ok(batch.add(path, &figure::draw(self, format, look)?)?)
     }
 }
