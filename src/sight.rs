@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
-use crate::error::{Error, RequestError, Result, Warning};
+use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::height_field::HeightField;
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
@@ -244,7 +244,7 @@ impl Sight {
 /// W202 for each UAV that has no receiver.
 pub(crate) fn warn_of_no_receivers(coverages: &[SiteCoverage], warnings: &mut Vec<Warning>) {
     for site in coverages.iter().filter(|site| site.tally.receivers == 0) {
-        let text = format!("UAV `{}` has no receiver: {}; P_LoS is undefined", site.uav.id, site.tally.reason());
-        warnings.push(Warning::new(202, text));
+        let (id, why) = (site.uav.id.clone(), site.tally.reason());
+        warnings.push(OddRun::NoReceiver { what: "UAV", id, why }.into());
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 use crate::city::{GivenSite, Site, Source};
-use crate::error::{PlacesError, Result, Warning};
+use crate::error::{PlacesError, Result, Warning, warned};
 use crate::quantity::Height;
 use crate::raster::GeoRef;
 use crate::read::{BadRows, read_sites, source_of};
@@ -122,7 +122,8 @@ impl UavsAsked {
         let mut found = UavsFound { sites: typed.collect(), ..UavsFound::default() };
         if let Some(path) = &self.table {
             let first = found.sites.len() + 1;
-            found.sites.extend(read_sites(path, grid, first, bad_rows(self.skips_bad, &mut found.warnings))?);
+            let read = |odd: &mut _| read_sites(path, grid, first, bad_rows(self.skips_bad, odd));
+            found.sites.extend(warned(&mut found.warnings, read)?);
             found.sources.push(source_of(path, self.hash)?);
         }
         found.checked()
@@ -130,6 +131,6 @@ impl UavsAsked {
 }
 
 /// What becomes of bad rows of a table.
-pub(crate) fn bad_rows(skips: bool, warnings: &mut Vec<Warning>) -> BadRows<'_> {
+pub(crate) fn bad_rows(skips: bool, warnings: &mut Vec<skyshed_io::Warning>) -> BadRows<'_> {
     if skips { BadRows::LeaveOut(warnings) } else { BadRows::Refuse }
 }

@@ -155,7 +155,7 @@ pub(crate) struct WarningFacts {
 
 /// Warnings as documents tell them.
 pub(crate) fn warnings_of(warnings: &[Warning]) -> Vec<WarningFacts> {
-    warnings.iter().map(|w| WarningFacts { code: w.code(), text: w.text().to_string() }).collect()
+    warnings.iter().map(|w| WarningFacts { code: w.code(), text: w.to_string() }).collect()
 }
 
 /// A document that says no more than where something is from.

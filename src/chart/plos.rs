@@ -5,7 +5,7 @@ use super::plos_report::{PlosChartReport, PlosChartRow};
 use super::{Chart, Contest, in_turns};
 use crate::accuracy::plos_cost::{PlosWay, reference};
 use crate::city::BuiltUp;
-use crate::error::{Result, Warning};
+use crate::error::{OddRun, Result};
 use crate::los_probability::setting::{Placement, Setting, Users};
 use crate::progress::Progress;
 
@@ -61,8 +61,7 @@ impl PlosChartPlan {
             rows
         })?;
         let silent = rows.iter().filter_map(|row| Some((row.way, row.result.as_ref().err()?)));
-        let left_out =
-            |(way, reason): (PlosWay, &String)| Warning::new(210, format!("`{}` is left out: {reason}", way.method()));
+        let left_out = |(way, why): (PlosWay, &String)| OddRun::LeftOut(way.method().into(), why.clone()).into();
         let warnings = silent.map(left_out).collect();
         let report = PlosChartReport {
             command,

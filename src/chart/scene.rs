@@ -7,7 +7,7 @@ use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
 use crate::answer::RunFacts;
 use crate::coverage::{MapOptions, Uav};
-use crate::error::{RequestError, Result, Warning};
+use crate::error::{OddRun, RequestError, Result};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
@@ -43,7 +43,7 @@ impl ChartPlan {
         let contestants = Contestant::all(&scene.field, self.sight.method())?;
         let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;
         if truth.receivers() == 0 {
-            scene.warnings.push(Warning::new(202, "no UAV has a receiver in range; shares and P_LoS are undefined"));
+            scene.warnings.push(OddRun::NoReceivers.into());
         }
         let planned = contestants.len() + usize::from(self.peers);
         let all = counted(truth.receivers(), "receiver", "receivers");

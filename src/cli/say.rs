@@ -99,11 +99,14 @@ pub(super) fn failure(failure: &Failure) {
 
 /// Prints warnings, one line each.
 pub(super) fn warnings(warnings: &[Warning]) {
+    warnings.iter().for_each(|warning| say_warning(warning, ""));
+}
+
+/// Prints a warning, what to do about it, and what it concerns.
+fn say_warning(warning: &Warning, context: &str) {
     const YELLOW: u8 = 33;
-    for warning in warnings {
-        let flag = hints::core::flag(warning).map_or_else(String::new, |flag| format!(" (`{flag}`)"));
-        say_labelled(&format!("warning[{}]", warning.code()), YELLOW, &format!("{warning}{flag}"));
-    }
+    let hint = hints::of_warning(warning).map_or_else(String::new, |hint| format!(" ({hint})"));
+    say_labelled(&format!("warning[{}]", warning.code()), YELLOW, &format!("{warning}{hint}{context}"));
 }
 
 /// Warnings of the runs of a batch, each to be said once.
@@ -117,7 +120,7 @@ impl WarningsOfRuns {
     /// Adds those of the run of a UAV. What differs in numbers alone is the same warning.
     pub(super) fn add(&mut self, uav: &str, warnings: &[Warning]) {
         let words = |warning: &Warning| {
-            let words: String = warning.text().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+            let words: String = warning.to_string().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
             (warning.code(), words)
         };
         for warning in warnings {
@@ -131,24 +134,23 @@ impl WarningsOfRuns {
         }
     }
 
-    /// Each warning as it was given first, with the UAVs that it concerns.
-    fn told(&self) -> Vec<Warning> {
+    /// Each warning as it was given first, and the words that name the UAVs that it concerns.
+    fn told(&self) -> impl Iterator<Item = (&Warning, String)> {
         /// UAVs that are named.
         const MOST_NAMED: usize = 5;
-        let told = |(warning, uavs): &(Warning, Vec<String>)| {
+        self.groups.iter().map(|(warning, uavs)| {
             if uavs.len() == 1 {
-                return warning.clone();
+                return (warning, String::new());
             }
             let more = if uavs.len() > MOST_NAMED { " …" } else { "" };
             let named = uavs.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", ");
-            warning.clone().within(format!("for {} UAVs: {named}{more}", uavs.len()))
-        };
-        self.groups.iter().map(told).collect()
+            (warning, format!(" (for {} UAVs: {named}{more})", uavs.len()))
+        })
     }
 
     /// Prints them.
     pub(super) fn say(&self) {
-        warnings(&self.told());
+        self.told().for_each(|(warning, uavs)| say_warning(warning, &uavs));
     }
 }
 
@@ -230,25 +232,26 @@ pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, work: impl FnOn
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::OddRun;
 
     #[test]
     fn warnings_of_a_batch_are_said_once_and_those_of_one_run_stay_apart() {
         let mut batch = WarningsOfRuns::default();
-        let flat =
-            |m: u32| Warning::new(201, format!("the earth is taken as flat; at {m} m it drops by {}.5 m", m / 1000));
+        let flat = |m: u32| OddRun::FlatEarth { farthest_m: m.into(), drop_m: f64::from(m / 1000) + 0.5 }.into();
         for k in 1..=7 {
-            let voids = |year: u32| Warning::new(340, format!("{year}.tif has voids"));
-            batch.add(&k.to_string(), &[flat(10_000 + k), voids(2019), voids(2020)]);
+            let results = |year: u32| OddRun::Results { path: format!("{year}.tif"), schema: "map".into() }.into();
+            batch.add(&k.to_string(), &[flat(10_000 + k), results(2019), results(2020)]);
         }
-        batch.add("8", &[Warning::new(202, "UAV `8` has no receiver")]);
-        let told: Vec<String> = batch.told().iter().map(|w| w.text().to_string()).collect();
+        batch.add("8", &[OddRun::NoReceivers.into()]);
+        let told: Vec<String> = batch.told().map(|(warning, uavs)| format!("{warning}{uavs}")).collect();
+        let of_results = "it holds results of this program (map), not heights; its values are read as heights";
         assert_eq!(
             told,
             [
-                "the earth is taken as flat; at 10001 m it drops by 10.5 m (for 7 UAVs: 1, 2, 3, 4, 5 …)",
-                "2019.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
-                "2020.tif has voids (for 7 UAVs: 1, 2, 3, 4, 5 …)",
-                "UAV `8` has no receiver"
+                "the earth is taken as flat; at 10001 m, the farthest receiver, it drops by 10.5 m (for 7 UAVs: 1, 2, 3, 4, 5 …)",
+                &format!("2019.tif: {of_results} (for 7 UAVs: 1, 2, 3, 4, 5 …)"),
+                &format!("2020.tif: {of_results} (for 7 UAVs: 1, 2, 3, 4, 5 …)"),
+                "no UAV has a receiver in range; shares and P_LoS are undefined"
             ]
         );
     }

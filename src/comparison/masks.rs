@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::answer::Position;
 use crate::coverage::class;
-use crate::error::{InputError, Result, Warning};
+use crate::error::{InputError, OddRun, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::raster::{GeoRef, LargeVec};
 use crate::read::refuse_two_crs;
@@ -43,7 +43,7 @@ pub(super) struct Setting<'a> {
 /// (E302).
 pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
     let Setting { scene, grid, .. } = *setting;
-    let file = RasterFile::open(path, warnings)?;
+    let file = warned(warnings, |odd| RasterFile::open(path, odd))?;
     refuse_two_crs((scene.display(), grid.crs()), (path.display(), file.georef().crs()), Pair::SceneMap)?;
     if !file.georef().same_grid(grid) {
         let mask = format!("{} ({})", path.display(), file.georef().description());
@@ -55,7 +55,7 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
     let shown = path.display().to_string();
     let RasterFile::GeoTiff(tiff) = &file else {
         let mut classes = Classes::default();
-        let mask = file.read(grid.window(), warnings, |value| classes.of(value))?.into_cells();
+        let mask = warned(warnings, |odd| file.read(grid.window(), odd, |value| classes.of(value)))?.into_cells();
         classes.check(path, grid, "")?;
         return Ok(vec![SavedMask { id: stem, path: shown, mask, place: None }]);
     };
@@ -84,7 +84,8 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
     let mut nth = 0;
     let mut read = |(band, id): (usize, String)| {
         let mut classes = Classes::default();
-        let mask = tiff.read_band(band, grid.window(), warnings, |value| classes.of(value))?.into_cells();
+        let read = |odd: &mut _| tiff.read_band(band, grid.window(), odd, |value| classes.of(value));
+        let mask = warned(warnings, read)?.into_cells();
         classes.check(path, grid, &format!("band {}, ", band + 1))?;
         nth += 1;
         // Bands of one layer follow each other in the order of the sites.
@@ -95,15 +96,15 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
 
 /// Warns where a map was made for other receivers than those of this run, as far as its file tells.
 fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>, warnings: &mut Vec<Warning>) {
-    let own: [(&str, Value); 3] = [
+    let own: [(&'static str, Value); 3] = [
         ("rx_height_m", setting.sight.rx_height_m().into()),
         ("receivers", setting.sight.receivers().name().into()),
         ("radius_m", setting.sight.radius_m().into()),
     ];
-    for (key, own) in own {
-        if let Some(found) = document.get(key).filter(|found| **found != own) {
-            let text = format!("{} was made with {key} {found}, this run has {own}: compared as it is", path.display());
-            warnings.push(Warning::new(215, text));
+    for (setting, own) in own {
+        if let Some(found) = document.get(setting).filter(|found| **found != own) {
+            let (path, found, own) = (path.display().to_string(), found.to_string(), own.to_string());
+            warnings.push(OddRun::OtherSetting { path, setting, found, own }.into());
         }
     }
 }

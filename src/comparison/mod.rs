@@ -23,7 +23,7 @@ use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, count_sets};
-use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
+use crate::error::{Error, LimitError, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
@@ -134,8 +134,8 @@ impl ComparisonPlan {
         check_number(placed.len())?;
         check_ids(&placed)?;
         for p in placed.iter().filter(|p| p.tally.receivers == 0) {
-            let text = format!("placement `{}` has no receiver: {}; P_LoS is undefined", p.id, p.tally.reason());
-            scene.warnings.push(Warning::new(202, text));
+            let (id, why) = (p.id.clone(), p.tally.reason());
+            scene.warnings.push(OddRun::NoReceiver { what: "placement", id, why }.into());
         }
         let facts = RunFacts { command, ..scene.facts(method) };
         let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_ref());

@@ -1,16 +1,19 @@
-//! The error of the program and of its library: those of the crates below, and its own by what they are about.
+//! The error and the warning of the program and of its library: those of the crates below, and its own by what they are about.
 
 mod input;
 mod limit;
 mod places;
 mod request;
+mod warning;
 
 pub use input::InputError;
 pub use limit::LimitError;
 pub use places::PlacesError;
 pub use request::{OfGenerated, RequestError};
-pub use skyshed_core::error::{ErrorClass, Warning};
+pub use skyshed_core::error::ErrorClass;
 pub(crate) use skyshed_core::error::{MOST_FOUND, escaped, io_words, is_text, one_line, shortened};
+pub(crate) use warning::warned;
+pub use warning::{Caution, OddRun, Warning};
 
 /// The error of every fallible function of this crate.
 ///
@@ -20,7 +23,7 @@ pub(crate) use skyshed_core::error::{MOST_FOUND, escaped, io_words, is_text, one
 pub enum Error {
     /// Of scenes, UAVs and engines.
     #[error(transparent)]
-    Core(#[from] skyshed_core::Error),
+    Core(skyshed_core::Error),
     /// Of P_LoS, placement and comparisons.
     #[error(transparent)]
     Study(skyshed_study::Error),
@@ -98,11 +101,18 @@ impl Error {
     }
 }
 
+impl From<skyshed_core::Error> for Error {
+    /// What passed through the core is of the crate above it.
+    fn from(error: skyshed_core::Error) -> Self {
+        skyshed_io::Error::from(error).into()
+    }
+}
+
 impl From<skyshed_study::Error> for Error {
     /// What a study only passes on is of the crate below it.
     fn from(error: skyshed_study::Error) -> Self {
         match error {
-            skyshed_study::Error::Core(error) => Error::Core(error),
+            skyshed_study::Error::Core(error) => error.into(),
             error => Error::Study(error),
         }
     }

@@ -9,7 +9,7 @@ use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::HeightCurve;
-use crate::error::{RequestError, Result, Warning};
+use crate::error::{OddRun, RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::progress::Progress;
@@ -100,12 +100,8 @@ impl CurvePlan {
                 heights.drain(..n_below);
             } else if n_below > 0 {
                 let lowest = above_base(&curve, curve.lowest_height());
-                let text = format!(
-                    "UAV `{}` cannot be below {lowest}: lower heights of its curve, {n_below} of {}, have no P_LoS",
-                    site.id,
-                    heights.len()
-                );
-                warnings.push(Warning::new(203, text));
+                let (id, n, of) = (site.id.clone(), n_below, heights.len());
+                warnings.push(OddRun::LowHeights { id, lowest, n, of }.into());
             }
             sites.push(CurveFacts { site: site.clone(), curve, heights });
         }

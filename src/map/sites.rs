@@ -16,7 +16,7 @@ use super::strips::{check_strips, on_disk, reason_for_strips};
 use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
-use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning};
+use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning, warned};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
@@ -271,7 +271,7 @@ impl<'a> SiteRuns<'a> {
         let scene = match stored {
             None => {
                 let options = SurfaceOptions { around: Some(around), ..job.scene.of_raster()? };
-                let scene = read_surface(job.path(), &options, &mut warnings)?;
+                let scene = warned(&mut warnings, |odd| read_surface(job.path(), &options, odd))?;
                 job.scene.warn_of_raster(job.path(), &mut warnings)?;
                 scene
             }

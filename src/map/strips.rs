@@ -10,7 +10,7 @@ use super::report::{MapReport, MaskDigest, SiteFacts};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
-use crate::error::{LimitError, RequestError, Result, Warning};
+use crate::error::{LimitError, RequestError, Result, Warning, warned};
 use crate::export::{Batch, Format, Layer, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
@@ -93,7 +93,7 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
     let (on_disk, folder) = (memory_words(on_disk), scratch.display());
     let why = reason_for_strips(job).unwrap_or_else(|| "parts of it cannot be read alone".into());
     (progress.note)(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
-    let scene = StreamedSurface::read(job.path(), &options, &scratch, warnings)?;
+    let scene = warned(warnings, |odd| StreamedSurface::read(job.path(), &options, &scratch, odd))?;
     job.scene.warn_of_raster(job.path(), warnings)?;
     Ok(scene)
 }

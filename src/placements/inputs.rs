@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::goal::Whom;
 use super::plan::{CandidatesFrom, SearchPlan};
 use crate::city::{Area, GivenSite, Source};
-use crate::error::{InputError, LimitError, PlacesError, Result, Warning};
+use crate::error::{InputError, LimitError, PlacesError, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::height_field::HeightField;
 use crate::placement::{CandidateRules, Candidates, PlaceGrid, Spot, Weights};
@@ -46,7 +46,7 @@ impl Inputs {
         let mut sites: Vec<GivenSite> = Vec::new();
         let (places, spots) = match &plan.from {
             CandidatesFrom::File { path, skips_bad } => {
-                sites = read_sites(path, grid, 1, bad_rows(*skips_bad, warnings))?;
+                sites = warned(warnings, |odd| read_sites(path, grid, 1, bad_rows(*skips_bad, odd)))?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,
@@ -80,7 +80,7 @@ impl Inputs {
             sites,
             heights,
             area: area(&plan.area)?,
-            weights: read_weights.map(|path| weights(path, grid, warnings)).transpose()?,
+            weights: read_weights.map(|path| warned(warnings, |odd| weights(path, grid, odd))).transpose()?,
             sources: plan.files().map(|path| Ok(source_of(path, plan.hash)?)).collect::<Result<_>>()?,
             spots,
             within: area(&plan.within)?,
@@ -113,10 +113,10 @@ impl Inputs {
 }
 
 /// What each receiver counts: the value of the cell of a raster that holds it; 0 outside and where there is none.
-fn weights(path: &std::path::Path, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<Weights> {
-    let file = RasterFile::open(path, warnings)?;
+fn weights(path: &std::path::Path, grid: &GeoRef, odd: &mut Vec<skyshed_io::Warning>) -> Result<Weights> {
+    let file = RasterFile::open(path, odd)?;
     refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), Pair::WeightsScene)?;
-    let raster = file.read(file.georef().window(), warnings, |v| v)?;
+    let raster = file.read(file.georef().window(), odd, |v| v)?;
     if let Some(at) = raster.cells().iter().position(|w| *w < 0.0) {
         let (n_cols, value) = (raster.georef().n_cols(), raster.cells()[at]);
         let (row, col) = (at / n_cols + 1, at % n_cols + 1);

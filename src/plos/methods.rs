@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::curve_file::read_curve;
 use super::document::MethodFacts;
 use super::plan::PlosPlan;
-use crate::error::{Error, RequestError, Result, Warning};
+use crate::error::{Error, RequestError, Result, Warning, warned};
 use crate::los::MethodChoice;
 use crate::los_probability::models::{Model, UserCurve};
 use crate::los_probability::study::Estimator;
@@ -106,7 +106,8 @@ pub(crate) fn read_curves(
             return Err(RequestError::CurveNameTaken(name.to_string()).into());
         }
         let text = read_text(&path)?;
-        curves.push((read_curve(name, &text, bad_rows(skips_bad, warnings))?, path));
+        let curve = warned(warnings, |odd| read_curve(name, &text, bad_rows(skips_bad, odd)))?;
+        curves.push((curve, path));
     }
     Ok(curves)
 }

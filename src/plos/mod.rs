@@ -31,7 +31,7 @@ pub(crate) use sweep::{Far, Sweeps};
 use crate::accuracy::CONFIDENCE;
 use crate::answer::{Answer, Rows, Spent};
 use crate::city::BuiltUp;
-use crate::error::{OfGenerated, RequestError, Result, Warning};
+use crate::error::{Caution, OddRun, OfGenerated, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::formats::{NpyArray, write_npz};
 use crate::los_probability::estimate::student_quantile;
@@ -129,8 +129,8 @@ impl PlosPlan {
                 Ok(rows)
             }
             (_, _, None) if leave_out || self.methods == ["auto"] => {
-                let text = format!("method `{}` is left out over {word}: {UNKNOWN_CITY}", way.id());
-                report.warnings.push(Warning::new(210, text));
+                let (method, city) = (way.id().to_string(), word.to_string());
+                report.warnings.push(OddRun::MethodLeftOut { method, city, why: UNKNOWN_CITY }.into());
                 Ok(Vec::new())
             }
             (_, _, None) => {
@@ -278,36 +278,32 @@ fn model_rows(
         if !leave_out {
             return Err(RequestError::OutsideModel { id: id.to_string(), word: word.to_string(), reason }.into());
         }
-        cautions.add(210, format!("model `{id}` is left out: {reason}"), word);
+        cautions.add(id, Caution::LeftOut(reason), word);
         return Ok(Vec::new());
     }
     if let Some(reason) = reasons.first() {
-        cautions.add(211, format!("model `{id}` has no value for {} of {}: {reason}", reasons.len(), rows.len()), word);
+        cautions.add(id, Caution::NoValue { n: reasons.len(), of: rows.len(), why: reason.clone() }, word);
     }
     if let Some(care) = cares.first() {
-        let more = match cares.len() - 1 {
-            0 => String::new(),
-            n => format!(" (and {} more)", counted(n as u64, "caution", "cautions")),
-        };
-        cautions.add(212, format!("model `{id}`: {care}{more}"), word);
+        cautions.add(id, Caution::Care { care: care.clone(), n_more: cares.len() - 1 }, word);
     }
     Ok(rows)
 }
 
 /// What is to be said of models, each once for all cities.
 #[derive(Debug, Default)]
-struct Cautions(Vec<(u16, String, Vec<String>)>);
+struct Cautions(Vec<(String, Caution, Vec<String>)>);
 
 impl Cautions {
-    fn add(&mut self, code: u16, text: String, city: &str) {
-        match self.0.iter_mut().find(|(c, t, _)| *c == code && *t == text) {
+    fn add(&mut self, id: &str, caution: Caution, city: &str) {
+        match self.0.iter_mut().find(|(of, known, _)| of == id && *known == caution) {
             Some((_, _, cities)) => cities.push(city.to_string()),
-            None => self.0.push((code, text, vec![city.to_string()])),
+            None => self.0.push((id.to_string(), caution, vec![city.to_string()])),
         }
     }
 
     fn warnings(self) -> impl Iterator<Item = Warning> {
-        self.0.into_iter().map(|(code, text, cities)| Warning::new(code, format!("{text}; over {}", cities.join(", "))))
+        self.0.into_iter().map(|(id, caution, cities)| OddRun::Model { id, caution, cities }.into())
     }
 }
 
@@ -337,29 +333,19 @@ fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow
 /// Says where intervals are missing, or wider than was asked for.
 fn warn_of_intervals(plan: &PlosPlan, report: &mut PlosReport) {
     let estimates = || report.rows.iter().filter_map(PlosRow::estimate).filter(|e| e.p_los.is_some());
-    let have = |n: usize, one: &str, many: &str| counted(n as u64, one, many);
-    let n_missing = estimates().filter(|e| e.interval.is_none()).count();
-    let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count();
+    let n_missing = estimates().filter(|e| e.interval.is_none()).count() as u64;
+    let n_empty = report.rows.iter().filter(|r| r.estimate().is_some_and(|e| e.p_los.is_none())).count() as u64;
     let until = plan.until.or_else(|| half_width_within(plan).filter(|_| report.real_cities.is_empty()));
     let until = until.unwrap_or(f64::INFINITY);
-    let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count();
+    let n_wide = estimates().filter(|e| e.half_width().is_some_and(|reach| reach > until)).count() as u64;
     if n_missing > 0 {
-        let text = format!(
-            "{} no interval: it needs at least 10 clusters (cities, positions, blocks)",
-            have(n_missing, "value has", "values have")
-        );
-        report.warnings.push(Warning::new(213, text));
+        report.warnings.push(OddRun::NoIntervals(n_missing).into());
     }
     if n_wide > 0 {
-        let text = format!(
-            "{} wider than ±{until}: the effort was spent before",
-            have(n_wide, "interval is", "intervals are")
-        );
-        report.warnings.push(Warning::new(214, text));
+        report.warnings.push(OddRun::WideIntervals { n: n_wide, until }.into());
     }
     if n_empty > 0 {
-        let text = format!("{} no P_LoS: no user of the kind is there", have(n_empty, "value has", "values have"));
-        report.warnings.push(Warning::new(202, text));
+        report.warnings.push(OddRun::NoValues { n: n_empty, why: "no user of the kind is there".into() }.into());
     }
 }
 

@@ -16,7 +16,7 @@ use report::{SampledReport, SampledRow};
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
 use crate::coverage::{Mapper, Uav};
-use crate::error::{Error, PlacesError, RequestError, Result, Warning};
+use crate::error::{Error, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::los::Method;
 use crate::los_probability::estimate::{Count, Estimate};
@@ -144,9 +144,8 @@ impl SamplePlan {
         };
         let without = || report.rows.iter().filter(|row| row.estimate.p_los.is_none());
         if let Some(row) = without().next() {
-            let values = counted(without().count() as u64, "value has", "values have");
-            let text = format!("{values} no P_LoS: {}", row.reason().unwrap_or_default());
-            report.facts.warnings.push(Warning::new(202, text));
+            let (n, why) = (without().count() as u64, row.reason().unwrap_or_default());
+            report.facts.warnings.push(OddRun::NoValues { n, why }.into());
         }
         let n_mapped = cities.iter().flat_map(|city| city.of.iter().map(|c| c.n_placements)).sum();
         Ok(Sample { scene: first, report, n_mapped })

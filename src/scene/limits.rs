@@ -2,12 +2,9 @@
 
 use crate::city::HeightGap;
 use crate::coverage::Uav;
-use crate::error::Warning;
+use crate::error::{OddRun, Warning};
 use crate::height_field::HeightField;
 use crate::raster::GeoRef;
-
-/// The code of the warning of a flat earth.
-const FLAT_EARTH: &str = "W201";
 
 /// Mean radius of the Earth \[m\].
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
@@ -27,7 +24,7 @@ pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warn
     if field.is_surface_only() {
         limits.push("a surface model alone: receivers stand on roofs and trees too".into());
     }
-    if warnings.iter().any(|warning| warning.code() == FLAT_EARTH) {
+    if warnings.iter().any(|warning| matches!(warning, Warning::Run(OddRun::FlatEarth { .. }))) {
         limits.push("the earth is taken as flat".into());
     }
     (!limits.is_empty()).then(|| crate::words::title_of(&limits.join("; ")))
@@ -56,12 +53,9 @@ pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, warnings: &mut Vec
 }
 
 /// Warns likewise of receivers up to so far away \[m\].
-pub(crate) fn warn_of_drop(farthest: f64, warnings: &mut Vec<Warning>) {
-    let drop = farthest * farthest / (2.0 * EARTH_RADIUS_M);
-    if drop > 1.0 {
-        warnings.push(Warning::new(
-            201,
-            format!("the earth is taken as flat; at {farthest:.0} m, the farthest receiver, it drops by {drop:.1} m"),
-        ));
+pub(crate) fn warn_of_drop(farthest_m: f64, warnings: &mut Vec<Warning>) {
+    let drop_m = farthest_m * farthest_m / (2.0 * EARTH_RADIUS_M);
+    if drop_m > 1.0 {
+        warnings.push(OddRun::FlatEarth { farthest_m, drop_m }.into());
     }
 }

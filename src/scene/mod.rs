@@ -81,7 +81,7 @@ impl Scene {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
-        warnings.extend(odd);
+        warnings.extend(odd.into_iter().map(Warning::Core));
         let build = start.elapsed().as_secs_f64() - read_s;
         Ok(Scene {
             word: word.display().to_string(),

@@ -9,7 +9,7 @@ use super::Scene;
 use super::results::results_in;
 use crate::answer::RunFacts;
 use crate::city::{BuiltUp, BuiltUpCity, NodataAs};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, OddRun, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
@@ -186,7 +186,7 @@ impl SceneOptions {
             check_bytes(&word.display(), &cells_of(&grid), bytes.saturating_add(ANY_WORK))?;
         }
         let path = Path::new(word);
-        let read = self.read_file(path, warnings)?;
+        let read = warned(warnings, |odd| self.read_file(path, odd))?;
         self.warn_of_raster(path, warnings)?;
         Ok(read)
     }
@@ -229,25 +229,25 @@ impl SceneOptions {
     }
 
     /// Reads the scene of a file.
-    fn read_file(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<crate::city::City> {
+    fn read_file(&self, path: &Path, odd: &mut Vec<skyshed_io::Warning>) -> Result<crate::city::City> {
         let extension = extension_of(path);
         let Some(format) = VectorFormat::of_extension(&extension) else {
             if is_raster(path) {
-                return Ok(read_surface(path, &self.of_raster()?, warnings)?);
+                return Ok(read_surface(path, &self.of_raster()?, odd)?);
             }
             self.refuse("a mesh", &[("size_m", self.size_m.is_some()), ("project", self.project.is_some())])?;
             self.refuse("a mesh", &self.of_footprints())?;
             let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
-            return Ok(read_mesh(path, &options, warnings)?);
+            return Ok(read_mesh(path, &options, odd)?);
         };
         if format != VectorFormat::GeoPackage {
             self.refuse("a file that is no GeoPackage", &[("layer", self.layer.is_some())])?;
         }
         let options = self.of_vector()?;
-        let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, warnings)?) };
-        let (scene, repairs) = read_footprints_and_repairs(path, &options, warnings)?;
+        let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, odd)?) };
+        let (scene, repairs) = read_footprints_and_repairs(path, &options, odd)?;
         // A scene that is read twice is the same.
-        let _ = list.set(FoundRepairs { repairs, facts: facts_of(&scene, warnings) });
+        let _ = list.set(FoundRepairs { repairs, facts: facts_of(&scene, odd) });
         Ok(scene)
     }
 
@@ -257,22 +257,13 @@ impl SceneOptions {
             return Ok(());
         }
         if let Some(schema) = results_in(path) {
-            let text = format!(
-                "{}: it holds results of this program ({schema}), not heights; its values are read as heights (`skyshed \
-                 info` tells what it is)",
-                path.display()
-            );
-            warnings.push(Warning::new(373, text));
+            warnings.push(OddRun::Results { path: path.display().to_string(), schema }.into());
         }
         let Some(terrain) = &self.terrain else { return Ok(()) };
         let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
         let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
-        Ok(compare_vertical(
-            (path.display(), of_scene.as_ref()),
-            (terrain.display(), of_terrain.as_ref()),
-            said,
-            warnings,
-        )?)
+        let (a, b) = ((path.display(), of_scene.as_ref()), (terrain.display(), of_terrain.as_ref()));
+        Ok(warned(warnings, |odd| compare_vertical(a, b, said, odd))?)
     }
 
     /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header.
@@ -398,7 +389,7 @@ pub(crate) struct FoundRepairs {
 }
 
 /// What documents say of a scene that was read, whatever is done with it.
-fn facts_of(scene: &crate::city::City, warnings: &[Warning]) -> RunFacts {
+fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts {
     RunFacts {
         command: Vec::new(),
         method: None,
@@ -406,7 +397,7 @@ fn facts_of(scene: &crate::city::City, warnings: &[Warning]) -> RunFacts {
         grid: scene.grid.clone(),
         sources: scene.sources.clone(),
         seed: None,
-        warnings: warnings.to_vec(),
+        warnings: odd.iter().cloned().map(Warning::Io).collect(),
         unit: None,
     }
 }

@@ -6,7 +6,7 @@ use super::Scene;
 use super::limits::warn_of_flat_earth;
 use crate::city::Site;
 use crate::coverage::Uav;
-use crate::error::{Result, Warning};
+use crate::error::{OddRun, Result, Warning};
 use crate::height_field::HeightField;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
@@ -34,24 +34,11 @@ impl Scene {
 
 /// Says how far outside the grid UAVs are, and in which direction.
 pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, warnings: &mut Vec<Warning>) {
-    /// UAVs that are told one by one.
-    const MOST_TOLD: usize = 5;
-    let outside: Vec<(&str, String)> = sites
-        .iter()
-        .map(Borrow::borrow)
-        .filter_map(|site| Some((site.id.as_str(), way_outside(site, grid)?)))
-        .collect();
-    let text = match &outside[..] {
-        [] => return,
-        [(id, way)] => format!("UAV `{id}` is {way} of the grid"),
-        several => {
-            let told: Vec<String> = several.iter().take(MOST_TOLD).map(|(id, way)| format!("`{id}` {way}")).collect();
-            let n_more = several.len().saturating_sub(MOST_TOLD);
-            let more = if n_more > 0 { format!(", and {n_more} more") } else { String::new() };
-            format!("{} UAVs are outside the grid: {}{more}", several.len(), told.join(", "))
-        }
-    };
-    warnings.push(Warning::new(204, text));
+    let sites = sites.iter().map(Borrow::borrow);
+    let outside: Vec<_> = sites.filter_map(|site| Some((site.id.clone(), way_outside(site, grid)?))).collect();
+    if !outside.is_empty() {
+        warnings.push(OddRun::OutsideGrid(outside).into());
+    }
 }
 
 /// Places a UAV; what is wrong outside the grid is told with how far outside.
@@ -99,7 +86,7 @@ mod tests {
             let mut warnings = Vec::new();
             let sites: Vec<Site> = places.iter().enumerate().map(site).collect();
             warn_of_uavs_outside(&sites, &grid, &mut warnings);
-            warnings.iter().map(|w| w.text().to_string()).collect::<Vec<_>>()
+            warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         // The corners and edges of the grid belong to it.
         assert_eq!(told(&[[100.0, 150.0], [150.0, 200.0], [120.0, 170.0]]), Vec::<String>::new());

@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Site;
 use crate::coverage::{Stretch, Track, TrackPoint, TrackState, along_track};
-use crate::error::{Error, LimitError, Result, Warning};
+use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
 use crate::export::{Batch, Format};
 use crate::link::{EndFacts, check_extent};
 use crate::los::Method;
@@ -67,8 +67,9 @@ impl TrackPlan {
         self.check()?;
         let site = &self.uav;
         warn_of_uavs_outside(std::slice::from_ref(site), scene.field.grid(), &mut scene.warnings);
-        let bad = bad_rows(self.skips_bad, &mut scene.warnings);
-        let places = read_track(&self.file, scene.field.grid().crs(), bad)?;
+        let crs = scene.field.grid().crs();
+        let read = |odd: &mut _| read_track(&self.file, crs, bad_rows(self.skips_bad, odd));
+        let places = warned(&mut scene.warnings, read)?;
         scene.sources.push(source_of(&self.file, self.hash)?);
         let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
         let unit = scene.grid().meters_per_unit();
@@ -86,10 +87,8 @@ impl TrackPlan {
         let track = along_track(&scene.field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
         let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
         if n_outside > 0 {
-            let (places, all) = (counted(n_outside as u64, "place", "places"), track.points.len());
-            let text =
-                format!("{places} of {all} on the track hold no receiver: inside a building, or without a ground");
-            scene.warnings.push(Warning::new(202, text));
+            let odd = OddRun::OffGround { n: n_outside as u64, of: track.points.len() };
+            scene.warnings.push(odd.into());
         }
         let place = &uav.station.place;
         Ok(TrackWalk {

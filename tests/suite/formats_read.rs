@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use skyshed_core::ErrorClass;
 use skyshed_core::raster::CellWindow;
-use skyshed_core::{ErrorClass, Warning};
-use skyshed_io::Error;
 use skyshed_io::formats::{AsciiGrid, GeoTiff, RasterFile, write_ascii_grid};
+use skyshed_io::{Error, Warning};
 
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
@@ -293,7 +293,7 @@ fn odd_cells_of_an_ascii_grid_are_void_with_a_warning() {
         read(&scratch.file("grid.asc", format!("{HEADER}NaN 2 inf\n-Infinity 5 -32768\n"))).expect("some heights");
     assert!(same(&read.heights, &[f64::NAN, 2.0, f64::NAN, f64::NAN, 5.0, -32768.0]), "{:?}", read.heights);
     assert_eq!(codes(&read.warnings), ["W325", "W320", "W320", "W328"]);
-    let text = read.warnings[2].text();
+    let text = read.warnings[2].to_string();
     assert!(text.contains("2 cells with an infinite height (rows 0 to 1, columns 0 to 2)"), "{text}");
 }
 

@@ -374,7 +374,7 @@ fn a_band_that_says_how_opaque_cells_are_hides_those_that_are_not() {
         let mut warnings = Vec::new();
         let file = GeoTiff::open(folder.join(name), &mut warnings).unwrap();
         let cells = file.read(file.georef().window(), &mut warnings, |height| height).unwrap().cells().to_vec();
-        (cells, warnings.iter().map(skyshed::Warning::code).collect::<Vec<_>>())
+        (cells, warnings.iter().map(skyshed_io::Warning::code).collect::<Vec<_>>())
     };
     let (cells, warnings) = read("bands.tif", &bytes);
     assert!(cells == heights.map(f64::from) && warnings.contains(&"W323".to_string()), "{cells:?} {warnings:?}");

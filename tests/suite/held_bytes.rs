@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use skyshed::Warning;
 use skyshed_core::city::{City, Ground, Solids};
 use skyshed_io::Input;
+use skyshed_io::Warning;
 use skyshed_io::read::{
     BadRows, FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_sites, read_surface,
     read_track,
@@ -45,7 +45,7 @@ fn told(read: skyshed_io::Result<City>, warnings: &[Warning], folder: &Path) -> 
         }
         Solids::Vector { footprints, ground, .. } => format!("{footprints:?} {ground:?}"),
     };
-    let warnings: Vec<_> = warnings.iter().map(|w| (w.code(), without(&w.text()))).collect();
+    let warnings: Vec<_> = warnings.iter().map(|w| (w.code(), without(&w.to_string()))).collect();
     format!("{} {:?} {:?} {cells} {warnings:?}", city.name, city.grid, city.sources)
 }
 

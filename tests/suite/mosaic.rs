@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use skyshed::{Error, Warning};
+use skyshed::Error;
 use skyshed_core::raster::CellWindow;
+use skyshed_io::Warning;
 use skyshed_io::formats::RasterFile;
 
 use crate::plain_tiff::{Cells, PlainTiff};
@@ -167,7 +168,7 @@ fn a_folder_of_tiles_is_one_raster() {
             let differ = |(a, b): (&f64, &f64)| !a.is_nan() && !b.is_nan() && a.to_bits() != b.to_bits();
             n_differing += below.iter().zip(&above).filter(|pair| differ(*pair)).count();
         }
-        let told = warnings.iter().find(|w| w.code() == "W336").map(|w| w.text().to_string());
+        let told = warnings.iter().find(|w| w.code() == "W336").map(ToString::to_string);
         assert_eq!(told.is_some(), n_differing > 0, "seed {seed}");
         n_differing_seen += n_differing;
         assert!(told.is_none_or(|text| text.contains(&format!("differ: {n_differing} height"))), "seed {seed}");

@@ -3,10 +3,11 @@
 
 use std::process::Command;
 
+use skyshed_core::Result;
 use skyshed_core::city::{City, Ground, Solids};
 use skyshed_core::quantity::{VOID, meters};
 use skyshed_core::raster::{Crs, GeoRef, Raster};
-use skyshed_core::{Result, Warning};
+use skyshed_io::Warning;
 use skyshed_io::crs;
 use skyshed_io::crs::Transformation;
 use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
@@ -90,8 +91,7 @@ fn each_cell_takes_the_height_under_its_center() {
                 }
             }
         }
-        let told =
-            |code: &str| warnings.iter().find(|w| w.code() == code).map(Warning::text).unwrap_or_default().to_string();
+        let told = |code: &str| warnings.iter().find(|w| w.code() == code).map(Warning::to_string).unwrap_or_default();
         let text = told("W339");
         // Half the diagonal of 2.233 m × 3.335 m.
         for part in [
@@ -179,7 +179,7 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
             if wanted < 0.0 { VOID } else { skyshed_core::quantity::height_steps(f64::from(wanted)).unwrap() }
         );
     }
-    let text = warnings.iter().find(|w| w.code() == "W346").map(Warning::text).unwrap_or_default();
+    let text = warnings.iter().find(|w| w.code() == "W346").map(Warning::to_string).unwrap_or_default();
     assert!(text.contains("in EPSG:4326") && text.contains("takes the terrain that holds its center"), "{warnings:?}");
     // Without leave it is refused, and what would help is said first.
     let answer = folder.type_in("info utm.tif --terrain ground.tif");

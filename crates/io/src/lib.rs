@@ -8,7 +8,7 @@ pub mod formats;
 mod input;
 pub mod read;
 
-pub use error::{Error, Result};
+pub use error::{Error, Result, Warning};
 pub use input::{Input, cannot_read};
 
 use skyshed_core::{city, coverage, height_field, outlines, overlay, quantity, raster, zones};

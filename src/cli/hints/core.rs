@@ -1,7 +1,7 @@
 //! Remedies for the errors of scenes, UAVs and maps.
 
 use skyshed_core::Error;
-use skyshed_core::error::{CityError, MapError, UavAttempt, UavError, Warning};
+use skyshed_core::error::{CityError, MapError, UavAttempt, UavError};
 
 use crate::quantity::{Height, tidy};
 
@@ -11,7 +11,7 @@ pub(in crate::cli) fn hint(error: &Error) -> Option<String> {
         Error::City(error) => of_city(error),
         Error::Uav { attempt: UavAttempt::Place { x, y, height, .. }, why } => of_uav((*x, *y), *height, why),
         Error::Map(error) => of_map(error),
-        error => error.hint().map(str::to_string),
+        _ => None,
     }
 }
 
@@ -92,15 +92,5 @@ fn in_words(lowest_m: f64, ground_m: Option<f64>) -> String {
     match ground_m {
         None => format!("`{}amsl`", centimeters(lowest_m)),
         Some(ground_m) => format!("`{}agl`", centimeters(lowest_m - ground_m)),
-    }
-}
-
-/// The flag that a warning is about.
-pub(in crate::cli) fn flag(warning: &Warning) -> Option<&'static str> {
-    match warning {
-        Warning::UnknownGround { .. } => Some("--nodata-as"),
-        Warning::LittleOpenGround => Some("--data-area auto|all|FILE"),
-        Warning::Within { warning, .. } => flag(warning),
-        _ => None,
     }
 }

@@ -16,7 +16,7 @@ use crate::quantity::tidy;
 /// The remedy for an error about files, where one is known.
 pub(super) fn hint(error: &Error) -> Option<String> {
     match error {
-        Error::Core(error) => error.hint().map(str::to_string),
+        Error::Core(error) => super::core::hint(error),
         Error::Within(error, _) => hint(error),
         Error::Read(error) => of_cause(error).or_else(|| of_fault(error)),
         Error::Combine(error) => Some(of_two(error)),

@@ -1,9 +1,12 @@
-//! Remedies for errors, in the words of the command line.
+//! Remedies for errors and warnings, in the words of the command line.
 
-pub(in crate::cli) mod core;
+mod core;
 mod io;
 mod own;
 mod study;
+mod warning;
+
+pub(in crate::cli) use warning::of_warning;
 
 use crate::error::Error;
 

@@ -24,7 +24,7 @@
 //! | E603 | a chart: two exact engines differ |
 //! | W201–W204 | flat earth, no receiver, heights at which a UAV cannot be, UAVs outside the grid |
 //! | W210–W214 | P_LoS: a model left out, without values, used with caution; intervals missing, or wider than asked for |
-//! | W320–W334 | rasters, listed at the module of GeoTIFF |
+//! | W320–W334 | rasters: `OddRaster` of the crate of files |
 //! | W335, W339 | footprints and rasters brought into another CRS |
 //! | W336–W338 | mosaics: tiles that differ where they overlap, cells in no source, too many tiles to name |
 //! | W340–W346 | scenes from rasters, triangulation, resampled terrain |
@@ -44,6 +44,7 @@ mod warning;
 mod words;
 
 use std::fmt;
+use std::sync::Arc;
 
 pub use city::CityError;
 pub use class::ErrorClass;
@@ -75,9 +76,25 @@ pub enum Error {
     /// An error, and the larger thing that it happened in.
     #[error("{}", one_line(&format!("{error} ({context})")))]
     Within { error: Box<Error>, context: String },
-    /// An error that is text alone: class, code, one line, and a remedy where one is known.
-    #[error("{text}")]
-    Told { class: ErrorClass, code: u16, text: String, hint: Option<String> },
+    /// An error of whoever hands out a scene window by window, or takes its map.
+    #[error(transparent)]
+    Passed(PassedError),
+}
+
+/// An error of a crate above this one, which passes through as it is: one line of text, the class, and the number in the code.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{error}")]
+#[expect(missing_docs, reason = "the docs of the type say what its fields are")]
+pub struct PassedError {
+    pub class: ErrorClass,
+    pub number: u16,
+    pub error: Arc<dyn std::error::Error + Send + Sync>,
+}
+
+impl PartialEq for PassedError {
+    fn eq(&self, other: &Self) -> bool {
+        (self.class, self.number) == (other.class, other.number) && self.to_string() == other.to_string()
+    }
 }
 
 /// What should have held whatever was asked.
@@ -96,46 +113,6 @@ pub enum Fault {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// An error that is text alone, with a stable code.
-    ///
-    /// Control characters in `text` (which may quote a file) are escaped, so that an error is always one line, and
-    /// passages in backticks are cut to 400 characters.
-    pub fn new(class: ErrorClass, code: u16, text: impl Into<String>) -> Self {
-        Error::Told { class, code, text: one_line(&text.into()), hint: None }
-    }
-
-    /// A usage error (E1xx).
-    pub fn usage(code: u16, text: impl Into<String>) -> Self {
-        Error::new(ErrorClass::Usage, code, text)
-    }
-
-    /// A bad site, zone or position (E2xx).
-    pub fn site(code: u16, text: impl Into<String>) -> Self {
-        Error::new(ErrorClass::Site, code, text)
-    }
-
-    /// A bad input file (E3xx), or an output file that cannot be written (E401).
-    pub fn file(code: u16, text: impl Into<String>) -> Self {
-        Error::new(ErrorClass::File, code, text)
-    }
-
-    /// A request over a limit (E5xx).
-    pub fn limit(code: u16, text: impl Into<String>) -> Self {
-        Error::new(ErrorClass::Limit, code, text)
-    }
-
-    /// A fault of the program (E402 and E403 for outputs, E9xx otherwise).
-    pub fn internal(code: u16, text: impl Into<String>) -> Self {
-        Error::new(ErrorClass::Internal, code, text)
-    }
-
-    /// The error as text, with a remedy.
-    #[must_use]
-    pub fn with_hint(self, hint: impl Into<String>) -> Self {
-        let (class, code) = self.class_and_code();
-        Error::Told { class, code, text: self.to_string(), hint: Some(one_line(&hint.into())) }
-    }
-
     /// The error in a larger thing, which its text names at the end, in parentheses.
     #[must_use]
     pub fn within(self, context: impl fmt::Display) -> Self {
@@ -158,7 +135,7 @@ impl Error {
             Error::Interrupted | Error::Within { .. } => (ErrorClass::Interrupted, 130),
             Error::Fault(Fault::CityGrid) => (ErrorClass::Internal, 901),
             Error::Fault(Fault::NoRaster) => (ErrorClass::Internal, 902),
-            Error::Told { class, code, .. } => (*class, *code),
+            Error::Passed(error) => (error.class, error.number),
         }
     }
 
@@ -176,14 +153,6 @@ impl Error {
     pub fn number(&self) -> u16 {
         self.class_and_code().1
     }
-
-    /// The remedy, where the error is text alone and has one.
-    pub fn hint(&self) -> Option<&str> {
-        match self.innermost() {
-            Error::Told { hint, .. } => hint.as_deref(),
-            _ => None,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -192,9 +161,9 @@ mod tests {
 
     #[test]
     fn an_error_in_a_larger_thing_keeps_its_class_and_its_code() {
-        let error = Error::file(301, "cannot read `a\nb`").with_hint("rename it").within("in t.vrt\n");
-        assert_eq!(error.to_string(), "cannot read `a\\nb` (in t.vrt\\n)");
-        assert_eq!((error.code().as_str(), error.class().exit_code()), ("E301", 3));
-        assert_eq!(error.hint(), Some("rename it"));
+        let error = Error::from(CityError::Word { word: "a\nb".into(), found: "a".into() }).within("in t.vrt\n");
+        let text = "cannot read scene `a\\nb`: found `a`, wanted a named environment or `α,β,γ` (in t.vrt\\n)";
+        assert_eq!(error.to_string(), text);
+        assert_eq!((error.code().as_str(), error.class().exit_code()), ("E111", 2));
     }
 }

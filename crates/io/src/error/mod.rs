@@ -1,18 +1,22 @@
-//! What can go wrong with files, as values: an [`Error`] by what it stopped, with the cause inside.
+//! What can go wrong with files, as values: an [`Error`] by what it stopped, with the cause inside, and a [`Warning`] by what
+//! is odd.
 //!
 //! Codes and classes are those of [`skyshed_core::error`]. Every text is one line without control characters, and passages in
-//! backticks are cut. No text names a flag: what to do about an error is said by whoever knows how it was asked for.
+//! backticks are cut. No text names a flag: what to do about it is said by whoever knows how it was asked for.
 
 mod read;
+mod warning;
 mod write;
 
 use std::fmt::Display;
+use std::sync::Arc;
 
 pub use read::{Cause, HeightOf, HeightsMissing, InputKind, Place, PlacesIn, ReadError, ReadFault, Wanted};
 
-use skyshed_core::error::one_line;
-pub use skyshed_core::error::{ErrorClass, MOST_FOUND, Warning, io_words, is_text, shortened};
+pub use skyshed_core::error::{ErrorClass, MOST_FOUND, io_words, is_text, shortened};
+use skyshed_core::error::{PassedError, one_line};
 use thiserror::Error as Words;
+pub use warning::{CellsFound, OddFile, OddPair, OddRaster, Oddity, Warning};
 pub use write::WriteFault;
 
 use crate::raster::Crs;
@@ -26,7 +30,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 pub enum Error {
     /// Of a stage below this crate.
     #[error(transparent)]
-    Core(#[from] skyshed_core::Error),
+    Core(skyshed_core::Error),
     /// A file that cannot be read, or not used for what it was given as.
     #[error("{}", one_line(&.0.to_string()))]
     Read(Box<ReadError>),
@@ -45,6 +49,24 @@ pub enum Error {
     /// An error within a larger thing.
     #[error("{}", one_line(&format!("{_0} ({_1})")))]
     Within(Box<Error>, String),
+    /// A fault of the program: what should have held.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+/// What should have held whatever was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Words)]
+#[non_exhaustive]
+pub enum Fault {
+    /// E902: several bands for a file of one.
+    #[error("a file of one band passed its check with several")]
+    SeveralBands,
+    /// E902: a map for a format of something else.
+    #[error("a raster format was asked for")]
+    NoRasterFormat,
+    /// E903: cells in degrees that are nowhere.
+    #[error("a grid in degrees has no extent")]
+    NoExtent,
 }
 
 /// Two files that do not belong together.
@@ -182,6 +204,7 @@ impl Error {
                 1 => ErrorClass::Usage,
                 2 => ErrorClass::Site,
                 5 => ErrorClass::Limit,
+                9 => ErrorClass::Internal,
                 _ => ErrorClass::File,
             },
         }
@@ -189,16 +212,13 @@ impl Error {
 
     /// The stable code, for example `E301`.
     pub fn code(&self) -> String {
-        match self {
-            Error::Core(error) => error.code(),
-            error => format!("E{:03}", error.number()),
-        }
+        format!("E{:03}", self.number())
     }
 
     /// The number of the code.
     fn number(&self) -> u16 {
         match self {
-            Error::Core(error) => error.code().trim_start_matches('E').parse().unwrap_or(900),
+            Error::Core(error) => error.number(),
             Error::Within(error, _) => error.number(),
             Error::Read(error) => error.fault.number(),
             Error::Combine(CombineError::TwoCrs { .. } | CombineError::TwoDatums(_)) => 311,
@@ -210,6 +230,8 @@ impl Error {
             Error::Option(OptionError::Extent(_)) => 114,
             Error::Option(OptionError::CellKept(_)) => 116,
             Error::Write(_, fault) => fault.number(),
+            Error::Fault(Fault::SeveralBands | Fault::NoRasterFormat) => 902,
+            Error::Fault(Fault::NoExtent) => 903,
         }
     }
 }
@@ -219,7 +241,21 @@ impl From<Error> for skyshed_core::Error {
     fn from(error: Error) -> skyshed_core::Error {
         match error {
             Error::Core(error) => error,
-            error => skyshed_core::Error::new(error.class(), error.number(), error.to_string()),
+            error => {
+                let (class, number) = (error.class(), error.number());
+                skyshed_core::Error::Passed(PassedError { class, number, error: Arc::new(error) })
+            }
         }
+    }
+}
+
+impl From<skyshed_core::Error> for Error {
+    /// What passed through the core is an error of this crate again.
+    fn from(error: skyshed_core::Error) -> Error {
+        let passed = match &error {
+            skyshed_core::Error::Passed(passed) => passed.error.downcast_ref::<Error>().cloned(),
+            _ => None,
+        };
+        passed.unwrap_or(Error::Core(error))
     }
 }

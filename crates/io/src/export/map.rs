@@ -10,7 +10,7 @@ use super::map_arrays::npz;
 use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite};
 use super::single_band::{ascii_grid, bil};
 use crate::coverage::class;
-use crate::error::{Error, Result, WriteFault};
+use crate::error::{Error, Fault, Result, WriteFault};
 use crate::formats::{
     Bands, ClassColor, ClassImage, ClassPyramid, ExrChannel, GeoTiffImage, pam_sidecar, write_exr, write_geotiff,
 };
@@ -60,7 +60,7 @@ pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: F
         Format::AsciiGrid => ascii_grid(result, path)?,
         Format::Bil => bil(result, path)?,
         Format::Npz => npz(result, path)?,
-        _ => return Err(skyshed_core::Error::internal(902, "a raster format was asked for").into()),
+        _ => return Err(Fault::NoRasterFormat.into()),
     };
     files.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
 }

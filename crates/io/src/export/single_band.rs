@@ -6,7 +6,7 @@ use super::files::with_suffix;
 use super::map_result::{Band, MapResult, NO_COUNT, NODATA, finite};
 use crate::coverage::class;
 use crate::crs::wkt_of;
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 use crate::formats::{BilValues, bil_header, write_ascii_grid};
 
 /// The layer as text, with its `.prj` and its provenance.
@@ -53,7 +53,7 @@ pub(super) fn bil(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
 fn only_band<'a>(result: &MapResult<'a>) -> Result<Band<'a>> {
     match <[_; 1]>::try_from(result.bands()) {
         Ok([(_, band)]) => Ok(band),
-        Err(_) => Err(skyshed_core::Error::internal(902, "a file of one band passed its check with several").into()),
+        Err(_) => Err(Fault::SeveralBands.into()),
     }
 }
 

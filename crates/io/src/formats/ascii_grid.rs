@@ -10,11 +10,11 @@
 use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 
-use super::oddity::{Odd, Oddity, warned};
+use super::oddity::warned;
 use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
-use crate::error::{Cause, Error, Place, ReadFault, Result, Warning};
+use crate::error::{Cause, Error, OddRaster, Oddity, Place, ReadFault, Result, Warning};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::{CellWindow, Crs, GeoRef, Raster};
 
@@ -72,7 +72,7 @@ impl AsciiGrid {
         }
         let crs = sidecar_crs(input, odd);
         if crs.is_none() {
-            odd.push(Oddity::new(input, Odd::NoPrj));
+            odd.push(Oddity::new(input, OddRaster::NoPrj));
         }
         let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
         Ok(AsciiGrid { input: input.clone(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
@@ -347,7 +347,7 @@ fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
     match parsed {
         Ok(crs) => Some(crs),
         Err(error) => {
-            odd.push(Oddity::new(sidecar, Odd::CrsIgnored(error)));
+            odd.push(Oddity::new(sidecar, OddRaster::CrsIgnored(error)));
             None
         }
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
-use super::oddity::{Oddity, warned};
+use super::oddity::warned;
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
-use crate::error::{Cause, Error, Result, Warning};
+use crate::error::{Cause, Error, Oddity, Result, Warning};
 use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
 

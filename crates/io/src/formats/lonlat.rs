@@ -4,7 +4,7 @@ use super::CellSources;
 use super::cell_sources::bounds_through;
 use crate::crs;
 use crate::crs::Transformation;
-use crate::error::Result;
+use crate::error::{Fault, Result};
 use crate::raster::{CrsKind, GeoRef};
 
 /// Length of a degree of latitude \[m\], to half a percent everywhere.
@@ -48,7 +48,7 @@ impl LonLatGrid {
         let shape = [rows, columns].map(|n| (n / shrink).ceil().clamp(1.0, LARGEST_SIDE) as usize);
         let step = ((east - west) / shape[1] as f64, (north - south) / shape[0] as f64);
         let georef = GeoRef::new((west, north), step, (shape[0], shape[1]), Some(wgs84));
-        let georef = georef.ok_or_else(|| skyshed_core::Error::internal(903, "a grid in degrees has no extent"))?;
+        let georef = georef.ok_or(Fault::NoExtent)?;
         let sources = CellSources::new(&georef, grid, &from_degrees)?;
         Ok(Some(LonLatGrid { georef, sources, to_degrees }))
     }

@@ -5,8 +5,7 @@
 
 use std::fmt::Display;
 
-use crate::error::{Cause, Error, ReadFault, Result, Warning};
-use crate::quantity::counted;
+use crate::error::{Cause, CellsFound, Error, OddRaster, Oddity, ReadFault, Result, Warning};
 
 /// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
 pub(super) const LOWEST_LIKELY: f64 = -9000.0;
@@ -30,16 +29,8 @@ pub(super) fn is_nodata(nodata: Option<f64>, number: f64) -> bool {
     nodata.is_some_and(|nodata| number == nodata || (number.is_nan() && nodata.is_nan()))
 }
 
-/// How many cells of one kind there were, and between which rows and columns.
-#[derive(Debug, Clone, Copy)]
-struct Found {
-    count: u64,
-    rows: (usize, usize),
-    cols: (usize, usize),
-}
-
-impl Found {
-    const NONE: Found = Found { count: 0, rows: (usize::MAX, 0), cols: (usize::MAX, 0) };
+impl CellsFound {
+    const NONE: CellsFound = CellsFound { count: 0, rows: (usize::MAX, 0), cols: (usize::MAX, 0) };
 
     #[cold]
     fn add(&mut self, row: usize, col: usize) {
@@ -59,9 +50,9 @@ pub(super) struct Voids {
     pub(super) n_nodata: u64,
     /// Cells of blocks that the file leaves out.
     pub(super) n_missing: u64,
-    nan: Found,
-    infinite: Found,
-    unlikely: Found,
+    nan: CellsFound,
+    infinite: CellsFound,
+    unlikely: CellsFound,
 }
 
 impl Voids {
@@ -72,9 +63,9 @@ impl Voids {
             n_heights: 0,
             n_nodata: 0,
             n_missing: 0,
-            nan: Found::NONE,
-            infinite: Found::NONE,
-            unlikely: Found::NONE,
+            nan: CellsFound::NONE,
+            infinite: CellsFound::NONE,
+            unlikely: CellsFound::NONE,
         }
     }
 
@@ -114,24 +105,14 @@ impl Voids {
             let read = ReadFault::AllVoid(n_voids, "read holds".into());
             return Err(Error::read(name, read).because(Cause::Nodata));
         }
-        let mut warn = |code, found: &Found, what: &str, done: &str| {
-            if found.count > 0 {
-                let ((top, bottom), (left, right)) = (found.rows, found.cols);
-                let place = format!("rows {top} to {bottom}, columns {left} to {right}");
-                let cells = counted(found.count, "cell", "cells");
-                let text = format!("`{name}` has {cells} with {what} ({place}): {done}");
-                warnings.push(Warning::new(code, text));
-            }
-        };
-        warn(320, &self.nan, "NaN", "read as void");
-        warn(320, &self.infinite, "an infinite height", "read as void");
-        let hint = "kept as heights; declare nodata with `gdal_edit.py -a_nodata VALUE` if they are none";
-        warn(328, &self.unlikely, "a height at or below -9000 or at or above 32000", hint);
-        if self.n_missing > 0 {
-            let cells = counted(self.n_missing, "cell", "cells");
-            let text = format!("`{name}` stores nothing for {cells} (sparse file): read as void");
-            warnings.push(Warning::new(321, text));
-        }
+        let found = |cells: CellsFound| (cells.count > 0).then_some(cells);
+        let odd = [
+            found(self.nan).map(OddRaster::NotNumbers),
+            found(self.infinite).map(OddRaster::Infinite),
+            found(self.unlikely).map(OddRaster::Unlikely),
+            (self.n_missing > 0).then_some(OddRaster::Sparse(self.n_missing)),
+        ];
+        warnings.extend(odd.into_iter().flatten().map(|odd| Oddity::new(name, odd).into()));
         Ok(())
     }
 }

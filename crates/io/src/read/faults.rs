@@ -2,9 +2,8 @@
 
 use super::footprint_options::{FootprintOptions, MissingHeight};
 use crate::city::{FootprintFault, FootprintFaults};
-use crate::error::Warning;
+use crate::error::{OddFile, Warning};
 use crate::input::Input;
-use crate::quantity::counted;
 
 /// How heights were looked for, in words.
 pub(super) struct HeightWords {
@@ -38,13 +37,12 @@ pub(super) fn warn_of_faults(
     missing_area_share: f64,
     warnings: &mut Vec<Warning>,
 ) {
-    let share =
-        format!("left out, {:.1} % of the footprint area (`--missing levels|median|fail`)", missing_area_share * 100.0);
-    let treated = if words.drops { share.as_str() } else { words.treated.as_str() };
     for fault in FootprintFault::ALL.into_iter().filter(|fault| faults.of(*fault) > 0) {
-        let done = if fault == FootprintFault::MissingHeight { treated } else { fault.done() };
-        let [one, many] = fault.names();
-        let what = counted(faults.of(fault) as u64, one, many);
-        warnings.push(Warning::new(fault.code(), format!("{}: {what}: {done}", input)));
+        let (n, left_out) = (faults.of(fault), words.drops.then_some(missing_area_share));
+        let odd = match fault {
+            FootprintFault::MissingHeight => OddFile::MissingHeights { n, treated: words.treated.clone(), left_out },
+            _ => OddFile::Fault(fault, n),
+        };
+        warnings.push(Warning::of(input, odd));
     }
 }

@@ -25,10 +25,10 @@ use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
 use crate::city::{FootprintFault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::Transformation;
-use crate::error::{Error, HeightOf, HeightsMissing, InputKind, Pair, ReadFault, Result, Warning};
+use crate::error::{Error, HeightOf, HeightsMissing, InputKind, OddFile, Pair, ReadFault, Result, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
-use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters, tidy};
+use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters};
 use crate::raster::{Crs, GeoRef, Raster};
 
 /// The largest share of the footprint area that may go without heights unless a policy was chosen.
@@ -103,10 +103,7 @@ fn read(
     };
     let crs = file_crs.or_else(|| terrain.as_ref().and_then(|t| t.georef().crs().cloned()));
     if crs.is_none() {
-        warnings.push(Warning::new(
-            325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
-        ));
+        warnings.push(Warning::of(input, OddFile::NoCrs));
     }
     if let Some(crs) = &crs {
         warn_of_units(input, crs, warnings);
@@ -149,8 +146,7 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
         (DataAreaChoice::Within(input), _) => read_area(input, grid).map(DataArea::Within),
         (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
         (DataAreaChoice::Auto, Some(_)) => {
-            let text = "all of `--extent` counts as known ground, also where no building is near (`--data-area auto|all|FILE`)";
-            warnings.push(Warning::new(378, text));
+            warnings.push(Warning::WholeExtent);
             Ok(DataArea::All)
         }
     }
@@ -222,8 +218,8 @@ fn project(
         *position = [x, y];
     }
     if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
-        let text = format!("{}: brought from {} to {} ({})", input, from.label(), to.label(), to.name());
-        warnings.push(Warning::new(335, text));
+        let (from, to, name) = (from.label(), to.label(), to.name().to_string());
+        warnings.push(Warning::of(input, OddFile::Projected { from, to, name }));
     }
     Ok(Some(to))
 }
@@ -258,16 +254,8 @@ fn warn_of_the_ground(input: &Input, raw: &Buildings, ground: &Ground, warnings:
     if (range.0..=range.1).contains(&meters(*z)) {
         return;
     }
-    let text = format!(
-        "{}: the ground is at {} m, but the buildings begin at {} to {} m above the datum (`--terrain FILE`, or `--ground \
-         {}`, the median)",
-        input,
-        tidy(meters(*z)),
-        tidy(range.0),
-        tidy(range.1),
-        tidy(middle)
-    );
-    warnings.push(Warning::new(366, text));
+    let odd = OddFile::OtherGround { ground_m: meters(*z), range_m: range, median_m: middle };
+    warnings.push(Warning::of(input, odd));
 }
 
 /// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
@@ -462,7 +450,7 @@ fn warn_if_nothing_meets_the_grid(
     warnings: &mut Vec<Warning>,
 ) {
     if footprints.is_empty() {
-        warnings.push(Warning::new(359, format!("{}: no building is left; every link is unobstructed", input)));
+        warnings.push(Warning::of(input, OddFile::NoBuilding));
         return;
     }
     let (x0, y0) = frame.lattice_from_world(grid.x_min(), grid.y_min());
@@ -476,17 +464,7 @@ fn warn_if_nothing_meets_the_grid(
     };
     let meets = |f: &Footprint| f.polygons.iter().flatten().flatten().any(inside) || encloses(f);
     if !footprints.iter().any(meets) {
-        warnings.push(Warning::new(
-            360,
-            format!(
-                "{}: none of {} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
-                input,
-                footprints.len(),
-                grid.x_min(),
-                grid.x_max(),
-                grid.y_min(),
-                grid.y_max()
-            ),
-        ));
+        let grid = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
+        warnings.push(Warning::of(input, OddFile::NoneMeets { n: footprints.len(), grid }));
     }
 }

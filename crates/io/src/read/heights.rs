@@ -6,8 +6,8 @@ use super::source::sources_of_raster;
 use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
-use crate::error::{Error, HeightOf, InputKind, ReadFault, Result, Warning};
-use crate::formats::{Odd, RasterFile, TileStore, TileStoreWriter};
+use crate::error::{Error, HeightOf, InputKind, OddFile, OddRaster, ReadFault, Result, Warning};
+use crate::formats::{RasterFile, TileStore, TileStoreWriter};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
@@ -55,12 +55,13 @@ impl<'a> HeightFile<'a> {
         let georef = match crs {
             None => {
                 // A system that is cut off may be one of feet: its cells are not taken for meters.
-                let said = odd.iter().find(|oddity| matches!(oddity.odd, Odd::CrsIgnored(_) | Odd::DamagedKeys(_)));
+                let said = odd
+                    .iter()
+                    .find(|oddity| matches!(oddity.odd, OddRaster::CrsIgnored(_) | OddRaster::DamagedKeys(_)));
                 if let (Some(said), None) = (said, georef.crs()) {
-                    return Err(Error::read(
-                        input,
-                        ReadFault::CrsNotUnderstood(said.text().trim_end_matches(": ignored").to_string()),
-                    ));
+                    let said = format!("`{}` {}", said.name, said.odd);
+                    let said = said.trim_end_matches(": ignored").to_string();
+                    return Err(Error::read(input, ReadFault::CrsNotUnderstood(said)));
                 }
                 georef
             }
@@ -188,14 +189,7 @@ pub(super) fn warn_of_units(input: &Input, crs: &Crs, warnings: &mut Vec<Warning
     if let CrsKind::Projected { meters_per_unit } = crs.kind()
         && (meters_per_unit - 1.0).abs() > 1e-9
     {
-        warnings.push(Warning::new(
-            343,
-            format!(
-                "{}: coordinates are in units of {meters_per_unit} m; lengths such as `--radius` and `--cell`, and heights, \
-                 are in meters",
-                input
-            ),
-        ));
+        warnings.push(Warning::of(input, OddFile::NotInMeters(meters_per_unit)));
     }
 }
 
@@ -205,10 +199,7 @@ pub(super) fn check_grid(input: &Input, georef: &GeoRef, warnings: &mut Vec<Warn
     refuse_degrees(input, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;
     warn_of_units(input, crs, warnings);
     if georef.n_cols().max(georef.n_rows()) as f64 > MAX_EXTENT_UNITS {
-        warnings.push(Warning::new(
-            344,
-            format!("{}: more than 65536 cells a side; give `--radius` so that one map fits", input),
-        ));
+        warnings.push(Warning::of(input, OddFile::ManyCells));
     }
     Ok(())
 }

@@ -7,10 +7,10 @@ use super::heights::{HeightFile, Heights, check_grid};
 use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use crate::crs::Transformation;
-use crate::error::{Cause, Error, ReadFault, Result, Warning};
+use crate::error::{Cause, Error, OddFile, ReadFault, Result, Warning};
 use crate::formats::{CellSources, bounds_through, half_diagonal_through, reserve_cells, suggested_grid};
 use crate::input::Input;
-use crate::quantity::{VOID, counted, tidy};
+use crate::quantity::VOID;
 use crate::raster::{Crs, CrsKind, GeoRef, Raster};
 
 /// A grid in the wanted system, and the cells of a file that lie below its own.
@@ -85,27 +85,20 @@ impl<'a> Reprojection<'a> {
             let over = ReadFault::AllVoid(n_void as u64, format!("in {} lies over", to.label()));
             return Err(Error::read(input, over).because(Cause::LargeCells));
         }
-        let outside = match sources.n_outside() as u64 {
-            0 => String::new(),
-            n => format!("; {} outside of it, nodata", counted(n, "cell lies", "cells lie")),
-        };
         let unit = match to.kind() {
             CrsKind::Projected { meters_per_unit } => meters_per_unit,
             CrsKind::Geographic | CrsKind::Other => 1.0,
         };
-        let text = format!(
-            "{}: brought from {} to {} ({}), onto {}×{} cells of {} m: each takes the height of the cell of the file that \
-             holds its center and whose own center is at most {} m away{outside}",
-            input,
-            from.label(),
-            to.label(),
-            to.name(),
-            grid.n_cols(),
-            grid.n_rows(),
-            tidy(grid.cell_width() * unit),
-            tidy(farthest * unit)
-        );
-        warnings.push(Warning::new(339, text));
+        let odd = OddFile::Resampled {
+            from: from.label(),
+            to: to.label(),
+            name: to.name().to_string(),
+            shape: [grid.n_cols(), grid.n_rows()],
+            cell_m: grid.cell_width() * unit,
+            farthest_m: farthest * unit,
+            n_outside: sources.n_outside() as u64,
+        };
+        warnings.push(Warning::of(input, odd));
         Ok(Heights { raster: Raster::new(grid, cells), n_void: n_void as u64, sources: heights.sources })
     }
 }

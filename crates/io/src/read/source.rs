@@ -4,7 +4,7 @@ use std::io::Read;
 
 use crate::city::Source;
 use crate::digest::Sha256;
-use crate::error::{Result, Warning};
+use crate::error::{OddFile, Result, Warning};
 use crate::formats::RasterFile;
 use crate::input::{Input, cannot_read};
 
@@ -74,9 +74,7 @@ pub(super) fn sources_of_raster(
     let own = if input.is_folder() { unhashed(input) } else { source_of(input, always_hash)? };
     let tiles: Vec<Input> = raster.tile_paths().into_iter().map(Input::path).collect();
     if tiles.len() > MAX_NAMED_TILES {
-        let text =
-            format!("{input}: {} tiles, of which documents name none (they name up to {MAX_NAMED_TILES})", tiles.len());
-        warnings.push(Warning::new(338, text));
+        warnings.push(Warning::of(input, OddFile::ManyTiles { n: tiles.len(), most: MAX_NAMED_TILES }));
         return Ok(vec![own]);
     }
     let hashes = always_hash || tiles.iter().map(Input::len).sum::<u64>() <= HASH_LIMIT_BYTES;

@@ -6,13 +6,13 @@ use super::heights::{HeightFile, StoredHeights};
 use super::source::name_of;
 use super::surface::{
     Empty, SurfaceOptions, building_threshold, ground_steps, raise, warning_of_high_ground, warning_of_high_terrain,
-    warning_of_surface_alone, warning_of_voids,
+    warning_of_voids,
 };
 use super::systems::refuse_two_crs;
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::city::{WindowedBase, WindowedSolids, row_bands};
-use crate::error::{Pair, Result, Warning};
+use crate::error::{OddFile, Pair, Result, Warning};
 use crate::formats::TileStore;
 use crate::input::Input;
 use crate::quantity::VOID;
@@ -70,7 +70,7 @@ impl StreamedSurface {
             }
             (None, Some(ground_m)) => StreamedGround::Flat(ground_steps(ground_m)?),
             (None, None) => {
-                warnings.push(warning_of_surface_alone(input));
+                warnings.push(Warning::of(input, OddFile::SurfaceAlone));
                 StreamedGround::Surface
             }
         };

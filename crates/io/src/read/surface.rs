@@ -8,9 +8,9 @@ use super::reprojected::Reprojection;
 use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
-use crate::error::{OptionError, Result, Warning};
+use crate::error::{OddFile, OptionError, Result, Warning};
 use crate::input::Input;
-use crate::quantity::{BLOCKS_ALL, VOID, counted, height_steps};
+use crate::quantity::{BLOCKS_ALL, VOID, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
 
 /// Fewest cells that are worth handing to a thread.
@@ -98,13 +98,7 @@ pub fn surface_grid(input: impl Into<Input>, options: &SurfaceOptions) -> Result
 
 /// What is said of cells without a height, if there are any.
 pub(super) fn warning_of_voids(input: &Input, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
-    let effect = match nodata_as {
-        NodataAs::Clear => "blocks nothing but by the ground known there",
-        NodataAs::Block => "blocks everything",
-    };
-    let cells = counted(n_void, "cell", "cells");
-    let text = format!("{input}: {cells} without a height: nodata {effect} and holds no receiver (`--nodata-as`)");
-    (n_void > 0).then(|| Warning::new(340, text))
+    (n_void > 0).then(|| Warning::of(input, OddFile::Voids { n: n_void, nodata_as }))
 }
 
 /// What the cells of a surface are that hold no height.
@@ -151,7 +145,7 @@ pub(super) fn scene_of(
             Ground::Flat(z)
         }
         (None, None) => {
-            warnings.push(warning_of_surface_alone(input));
+            warnings.push(Warning::of(input, OddFile::SurfaceAlone));
             Ground::Surface
         }
     };
@@ -177,31 +171,12 @@ pub(super) fn scene_of(
 
 /// What is said of a terrain that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_terrain(terrain: &Input, above: u64, n_cells: usize) -> Option<Warning> {
-    let text = format!(
-        "{terrain}: the terrain is above the surface in {above} of {n_cells} cells; the higher one is used there"
-    );
-    (above > 0).then(|| Warning::new(341, text))
+    (above > 0).then(|| Warning::of(terrain, OddFile::HighTerrain { n: above, of: n_cells }))
 }
 
 /// What is said of flat ground that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_ground(input: &Input, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
-    let text = format!(
-        "{input}: the ground at {ground_m} m is above the surface in {buried} of {n_cells} cells; the higher one is used \
-         there"
-    );
-    (buried > 0).then(|| Warning::new(341, text))
-}
-
-/// What is said where nothing but a surface is known.
-pub(super) fn warning_of_surface_alone(input: &Input) -> Warning {
-    Warning::new(
-        342,
-        format!(
-            "{}: a surface model alone, so receivers stand on the surface, roofs included; give `--terrain FILE` or \
-             `--ground Z` to put them on the ground",
-            input
-        ),
-    )
+    (buried > 0).then(|| Warning::of(input, OddFile::HighGround { ground_m, n: buried, of: n_cells }))
 }
 
 /// Raises surface cells to the ground below them, those without a height too, and returns the latter: what stands on them is

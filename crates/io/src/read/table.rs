@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::fmt::Display;
 
-use crate::error::{Warning, shortened};
+use crate::error::{OddFile, Warning, shortened};
 use crate::quantity::{Height, parse_meters, parse_number};
 
 /// What becomes of rows that cannot be read.
@@ -276,8 +276,7 @@ pub fn readable<T, E>(
     let told = told.join("; ") + &more;
     match bad {
         BadRows::LeaveOut(warnings) if !good.is_empty() => {
-            let were = if n_bad == 1 { "was" } else { "were" };
-            warnings.push(Warning::new(380, format!("{name}: {n_bad} of {n_rows} rows {were} left out: {told}")));
+            warnings.push(Warning::of(name, OddFile::BadRows { n: n_bad, of: n_rows, told }));
             return Ok(good);
         }
         _ => {}

@@ -2,7 +2,7 @@
 
 use super::systems::refuse_two_crs;
 use crate::crs::Transformation;
-use crate::error::{CombineError, Error, Pair, Result, Warning};
+use crate::error::{CombineError, Error, OddFile, OddPair, Pair, Result, Warning};
 use crate::formats::CellSources;
 use crate::input::Input;
 use crate::quantity::VOID;
@@ -46,12 +46,8 @@ pub(super) fn terrain_on_grid(
                 return Err(no_terrain_below((surface_path, grid), (terrain_path, from)));
             }
             if n_void > 0 {
-                let text = format!(
-                    "{}: {n_void} of {} cells of the terrain have no height and are no receivers",
-                    terrain_path,
-                    grid.n_cells()
-                );
-                warnings.push(Warning::new(340, text));
+                let odd = OddFile::TerrainVoids { n: n_void, of: grid.n_cells() };
+                warnings.push(Warning::of(terrain_path, odd));
             }
             return Ok(terrain);
         }
@@ -85,18 +81,10 @@ pub(super) fn warning_of_other_grid(
     (terrain, from, brought): (&Input, &GeoRef, &str),
     n_void: usize,
 ) -> Warning {
-    let grid = surface.on;
-    let without = match n_void {
-        0 => String::new(),
-        _ => format!("; {n_void} of {} cells have no terrain and are no receivers", grid.n_cells()),
-    };
-    let surface = surface.input;
-    let (on, to) = (from.description(), grid.description());
-    let text = format!(
-        "{terrain} ({on}{brought}) is not on the grid of {surface} ({to}): each cell takes the terrain that holds its \
-         center{without}"
-    );
-    Warning::new(346, text)
+    let of = surface.on.n_cells();
+    let terrain = format!("{terrain} ({}{brought})", from.description());
+    let surface = format!("{} ({})", surface.input, surface.on.description());
+    OddPair::OtherGrid { terrain, surface, n_void, of }.into()
 }
 
 /// The heights of a terrain in the same system at the centers of cells, [`VOID`] outside.

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use crate::crs::{VerticalCrs, VerticalDifference};
-use crate::error::{CombineError, Result, Warning};
+use crate::error::{CombineError, OddPair, Result, Warning};
 use crate::formats::RasterFile;
 use crate::input::Input;
 
@@ -35,9 +35,8 @@ pub fn compare_vertical(
     warnings: &mut Vec<Warning>,
 ) -> Result<()> {
     let mut unnamed = |without: &dyn Display, with: &dyn Display, known: &VerticalCrs| {
-        let taken = format!("{} is taken, as {with} says", known.in_words());
-        let text = format!("{without} does not say what its heights are above; {taken}");
-        warnings.push(Warning::new(370, text));
+        let [without, with] = [without, with].map(ToString::to_string);
+        warnings.push(OddPair::NoVertical { without, with, taken: known.in_words().to_string() }.into());
         Ok(())
     };
     let (a, b) = match (a, b) {
@@ -51,8 +50,7 @@ pub fn compare_vertical(
         (VerticalDifference::None, _) => Ok(()),
         (VerticalDifference::Ellipsoid, SystemSaid::ByFiles) => Err(CombineError::TwoDatums(both).into()),
         (VerticalDifference::Datum | VerticalDifference::Ellipsoid, _) => {
-            let text = format!("{both}: they are combined as they are; how far the two are apart is not known here");
-            warnings.push(Warning::new(371, text));
+            warnings.push(OddPair::TwoDatums(both).into());
             Ok(())
         }
     }

@@ -5,8 +5,8 @@ use super::metadata::Metadata;
 use super::placement::{Placement, meters_per_named_unit, read_placement};
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs::VerticalCrs;
-use crate::error::{Result, Warning};
-use crate::formats::oddity::{Odd, Oddity, warned};
+use crate::error::{OddRaster, Oddity, Result, Warning};
+use crate::formats::oddity::warned;
 use crate::formats::sample::Sample;
 use crate::input::Input;
 use crate::raster::GeoRef;
@@ -51,7 +51,7 @@ impl GeoTiff {
             Some(text) => {
                 let nodata = nodata_in(image.sample, &text);
                 if nodata.is_none() {
-                    odd.push(Oddity::new(input, Odd::Nodata(text)));
+                    odd.push(Oddity::new(input, OddRaster::Nodata(text)));
                 }
                 nodata
             }
@@ -72,19 +72,19 @@ impl GeoTiff {
     fn tell_of_encoding(&self, odd: &mut Vec<Oddity>) {
         let mut tell = |what| odd.push(Oddity::new(&self.input, what));
         if let Some(mask) = self.input.with_suffix(".msk") {
-            tell(Odd::Mask(mask.to_string()));
+            tell(OddRaster::Mask(mask.to_string()));
         }
         if self.image.codec == Codec::Jpeg {
-            tell(Odd::Jpeg);
+            tell(OddRaster::Jpeg);
         }
         let is_other = |a: f64, b: f64| (a - b).abs() > 1e-9;
         let of_band = self.metadata.unit.as_deref().and_then(meters_per_named_unit);
         match (of_band, self.placement.meters_per_height_unit) {
-            (Some(band), Some(system)) if is_other(band, system) => tell(Odd::TwoUnits(band, system)),
+            (Some(band), Some(system)) if is_other(band, system) => tell(OddRaster::TwoUnits(band, system)),
             _ => {}
         }
         if let Some(unit) = self.meters_per_height_unit().filter(|unit| is_other(*unit, 1.0)) {
-            tell(Odd::Unit(unit));
+            tell(OddRaster::Unit(unit));
         }
     }
 
@@ -186,8 +186,9 @@ fn find_mask(
 ) -> Option<Image> {
     const REDUCED: u64 = 1;
     const MASK: u64 = 4;
-    let mut warn =
-        |source: &TiffSource, text: &str| odd.push(Oddity::new(source.input(), Odd::LaterImage(text.to_string())));
+    let mut warn = |source: &TiffSource, text: &str| {
+        odd.push(Oddity::new(source.input(), OddRaster::LaterImage(text.to_string())))
+    };
     let mut seen = vec![first_at];
     let mut next = first.next;
     while next != 0 && seen.len() < MAX_DIRECTORIES {

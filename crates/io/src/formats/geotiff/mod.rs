@@ -10,8 +10,7 @@
 //! The first image directory is parsed ([`tags`]) and checked against the length of the file ([`header`]) before a decoder
 //! sees a byte, since a header may promise what no file can hold.
 //!
-//! What can be odd about a header is listed in [`super::oddity`]. Further warnings: W320 NaN or infinite cells, W321 missing
-//! blocks, W323 several bands, W328 heights that look like nodata, W333 scaled heights.
+//! What can be odd about it is listed in [`crate::error::OddRaster`].
 
 mod class_pyramid;
 mod geo_tags;

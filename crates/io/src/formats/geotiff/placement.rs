@@ -9,8 +9,7 @@ use std::io::Read;
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
-use crate::error::{Cause, Error, ReadFault, Result};
-use crate::formats::oddity::{Odd, Oddity};
+use crate::error::{Cause, Error, OddRaster, Oddity, ReadFault, Result};
 use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
@@ -57,7 +56,7 @@ pub(super) fn read_placement(
     let name = source.input().clone();
     let mut tell = |what| odd.push(Oddity::new(&name, what));
     let keys = GeoKeys::read(source, directory).unwrap_or_else(|error| {
-        tell(Odd::DamagedKeys(error.to_string()));
+        tell(OddRaster::DamagedKeys(error.to_string()));
         GeoKeys::default()
     });
     let mut affine = affine(source, directory, &mut tell)?;
@@ -67,7 +66,7 @@ pub(super) fn read_placement(
         affine.f -= 0.5 * (affine.d + affine.e);
     }
     let affine = affine.or_else(|| world_file(source.input())).unwrap_or_else(|| {
-        tell(Odd::NoPlace);
+        tell(OddRaster::NoPlace);
         Affine { a: 1.0, b: 0.0, c: 0.0, d: 0.0, e: -1.0, f: n_rows as f64 }
     });
     let Affine { a, b, c, d, e, f } = affine;
@@ -91,7 +90,7 @@ pub(super) fn read_placement(
     }
     let south_up = e > 0.0;
     if south_up {
-        tell(Odd::SouthUp);
+        tell(OddRaster::SouthUp);
     }
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
     let crs = crs(&keys, &mut tell);
@@ -104,14 +103,14 @@ pub(super) fn read_placement(
 }
 
 /// The affine map that the tags of the file give.
-fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(Odd)) -> Result<Option<Affine>> {
+fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(OddRaster)) -> Result<Option<Affine>> {
     let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
     let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
     let matrix = directory.floats(source, tag::MODEL_TRANSFORMATION)?;
     match (scale.as_deref(), tie_points.as_deref(), matrix.as_deref()) {
         (Some([width, height, ..]), Some([col, row, _, x, y, _, ..]), _) => {
             if *height < 0.0 {
-                tell(Odd::NegativeHeight);
+                tell(OddRaster::NegativeHeight);
             }
             let height = height.abs();
             Ok(Some(Affine { a: *width, b: 0.0, c: x - col * width, d: 0.0, e: -height, f: y + row * height }))
@@ -142,16 +141,16 @@ fn world_file(input: &Input) -> Option<Affine> {
 }
 
 /// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
-fn crs(keys: &GeoKeys, tell: &mut impl FnMut(Odd)) -> Option<Crs> {
+fn crs(keys: &GeoKeys, tell: &mut impl FnMut(OddRaster)) -> Option<Crs> {
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
         (Some(1), _, _) | (None, Some(_), _) => (3072, 3073, false),
         (None, None, None) => {
-            tell(Odd::NoCrs);
+            tell(OddRaster::NoCrs);
             return None;
         }
         (Some(model), _, _) => {
-            tell(Odd::ModelType(model));
+            tell(OddRaster::ModelType(model));
             return None;
         }
     };
@@ -162,7 +161,7 @@ fn crs(keys: &GeoKeys, tell: &mut impl FnMut(Odd)) -> Option<Crs> {
         Some(code) if code != USER_DEFINED && code != 0 => match crs::from_epsg(u32::from(code)) {
             Ok(crs) => Some(crs),
             Err(error) => {
-                tell(Odd::CrsByName(error.to_string()));
+                tell(OddRaster::CrsByName(error.to_string()));
                 named(&format!("EPSG:{code}"))
             }
         },
@@ -174,7 +173,7 @@ fn crs(keys: &GeoKeys, tell: &mut impl FnMut(Odd)) -> Option<Crs> {
         },
     };
     if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
-        tell(Odd::WebMercator);
+        tell(OddRaster::WebMercator);
     }
     crs
 }

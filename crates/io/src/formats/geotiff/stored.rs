@@ -3,8 +3,7 @@
 use super::geo_tiff::{GeoTiff, Mask};
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
-use crate::error::{Result, Warning};
-use crate::formats::oddity::{Odd, Oddity};
+use crate::error::{OddRaster, Oddity, Result, Warning};
 use crate::formats::reserve::{check_cells, reserve_cells};
 use crate::formats::voids::{Stored, Voids};
 use crate::raster::{CellWindow, Raster};
@@ -29,7 +28,7 @@ impl GeoTiff {
     ) -> Result<Raster<T>> {
         let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
         if (1..self.n_bands()).any(|band| !is_alpha(band)) {
-            let of_all = if self.is_picture { Odd::Colors } else { Odd::Bands };
+            let of_all = if self.is_picture { OddRaster::Colors } else { OddRaster::Bands };
             warnings.push(Oddity::new(&self.input, of_all(self.n_bands())).into());
         }
         self.read_band(0, window, warnings, convert)
@@ -64,7 +63,7 @@ impl GeoTiff {
             cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
         })?;
         if (scale, offset) != (1.0, 0.0) {
-            warnings.push(Oddity::new(&self.input, Odd::Scaled(scale, offset)).into());
+            warnings.push(Oddity::new(&self.input, OddRaster::Scaled(scale, offset)).into());
         }
         if self.placement.south_up {
             turn_over(&mut cells, window.n_cols);

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicUsize;
 use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
-use crate::error::{Cause, Error, Pair, ReadFault, Result, Wanted, two_crs};
-use crate::formats::oddity::{Odd, Oddity, each_once};
+use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
+use crate::formats::oddity::each_once;
 use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
@@ -167,9 +167,9 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
 fn tell_of_bands(folder: &Path, headers: &[Header], odd: &mut Vec<Oddity>) {
     let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
     if let Some(header) = headers.iter().find(|header| header.n_bands > 1) {
-        tell(Odd::TileBands(header.tile.path.display().to_string(), header.n_bands));
+        tell(OddRaster::TileBands(header.tile.path.display().to_string(), header.n_bands));
     }
     if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
-        tell(Odd::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));
+        tell(OddRaster::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));
     }
 }

@@ -8,8 +8,7 @@ use rayon::prelude::*;
 
 use super::numbers::{Rule, TileNumbers};
 use crate::crs::VerticalCrs;
-use crate::error::{Error, Result, Warning};
-use crate::formats::oddity::{Odd, Oddity};
+use crate::error::{Error, OddPair, OddRaster, Oddity, Result, Warning};
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};
@@ -225,30 +224,19 @@ impl Mosaic {
     fn warn(&self, odd: &Oddities, warnings: &mut Vec<Warning>) {
         let path = self.path.display();
         if let Kind::VirtualRaster { n_bands: n_bands @ 2.., .. } = self.kind {
-            warnings.push(Oddity::new(&path, Odd::Bands(n_bands)).into());
+            warnings.push(Oddity::new(&path, OddRaster::Bands(n_bands)).into());
         }
         if odd.n_differing > 0 {
-            let heights = counted(odd.n_differing, "height lies", "heights lie");
-            let text = format!(
-                "tiles of `{path}` overlap and differ: {heights} under another one of a later tile by name, which counts (a folder should hold one raster of each place)"
-            );
-            warnings.push(Warning::new(336, text));
+            warnings.push(OddPair::TilesDiffer { folder: path.to_string(), n: odd.n_differing }.into());
         }
         if odd.n_not_finite > 0 {
-            let cells = counted(odd.n_not_finite, "cell", "cells");
-            let text = format!("tiles of `{path}` have {cells} with NaN or an infinite height: read as void");
-            warnings.push(Warning::new(320, text));
+            warnings.push(OddPair::TilesNotFinite { folder: path.to_string(), n: odd.n_not_finite }.into());
         }
         if self.n_gaps > 0 && self.nodata.is_none() && self.kind != Kind::Folder {
-            let cells = counted(self.n_gaps, "cell", "cells");
-            let text = format!(
-                "`{path}` has {cells} in no source and declares no nodata value: they are {} there, as in GDAL; give it one with `gdalbuildvrt -vrtnodata -9999`",
-                self.empty
-            );
-            warnings.push(Warning::new(337, text));
+            warnings.push(Oddity::new(&path, OddRaster::Gaps { n: self.n_gaps, empty: self.empty }).into());
         }
         if self.scaling != (1.0, 0.0) {
-            warnings.push(Oddity::new(path, Odd::Scaled(self.scaling.0, self.scaling.1)).into());
+            warnings.push(Oddity::new(path, OddRaster::Scaled(self.scaling.0, self.scaling.1)).into());
         }
     }
 }

@@ -16,9 +16,9 @@ use super::vrt_source::Source;
 use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
 use crate::crs;
 use crate::crs::{contradicts, is_web_mercator};
-use crate::error::{Cause, Error, Pair, ReadFault, Result, two_crs};
+use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
-use crate::formats::oddity::{Odd, Oddity, each_once};
+use crate::formats::oddity::each_once;
 use crate::formats::sample::Sample;
 use crate::input::cannot_read;
 use crate::raster::GeoRef;
@@ -94,7 +94,7 @@ impl Mosaic {
         let of_tiles = || headers.iter().find_map(|header| header.meters_per_height_unit);
         let unit = described.meters_per_height_unit.or_else(of_tiles);
         if let Some(unit) = unit.filter(|unit| (unit - 1.0).abs() > 1e-9) {
-            odd.push(Oddity::new(path.display(), Odd::Unit(unit)));
+            odd.push(Oddity::new(path.display(), OddRaster::Unit(unit)));
         }
         let vertical = headers.iter().find_map(|header| header.vertical.clone());
         Ok(Mosaic {
@@ -204,21 +204,21 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<
     let mut tell = |what| odd.push(Oddity::new(vrt.path.display(), what));
     let crs = child(root, "SRS").map(|node| crs::parse(text_of(node))).transpose();
     let crs = crs.unwrap_or_else(|error| {
-        tell(Odd::CrsIgnored(error.to_string()));
+        tell(OddRaster::CrsIgnored(error.to_string()));
         None
     });
     if child(root, "SRS").is_none() {
-        tell(Odd::NoCrs);
+        tell(OddRaster::NoCrs);
     }
     if crs.as_ref().is_some_and(is_web_mercator) {
-        tell(Odd::WebMercator);
+        tell(OddRaster::WebMercator);
     }
     let Some(node) = child(root, "GeoTransform") else {
         if let Some(list) = child(root, "GCPList") {
             let what = "it is placed by ground control points, wanted a regular grid";
             return Err(vrt.error(list, ReadFault::Irregular(what.into())).because(Cause::ControlPoints));
         }
-        tell(Odd::NoPlace);
+        tell(OddRaster::NoPlace);
         return GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), crs)
             .ok_or_else(|| vrt.error(root, ReadFault::Irregular("its cells are no grid".into())));
     };

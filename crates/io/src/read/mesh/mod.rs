@@ -16,9 +16,9 @@ use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::systems::refuse_degrees;
 use crate::city::City;
-use crate::error::{Error, InputKind, ReadFault, Result, Wanted, Warning};
+use crate::error::{Error, InputKind, OddFile, ReadFault, Result, Wanted, Warning};
 use crate::input::Input;
-use crate::quantity::{VOID, counted};
+use crate::quantity::VOID;
 
 /// How a mesh is read.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -53,10 +53,7 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
             refuse_degrees(input, crs, bounds, InputKind::Vector)?;
             warn_of_units(input, crs, warnings);
         }
-        None => warnings.push(Warning::new(
-            325,
-            format!("{}: no coordinate reference system; local meters are assumed (`--crs EPSG:n`)", input),
-        )),
+        None => warnings.push(Warning::of(input, OddFile::NoCrs)),
     }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
     let grid = receivers_grid(input, request, None, Some(bounds), crs)?.with_crs(crs.cloned());
@@ -67,10 +64,7 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     }
     if n_empty > 0 {
         let is_known = options.surface.terrain.is_some() || options.surface.ground_m.is_some();
-        let done =
-            if is_known { "taken as bare ground" } else { "nodata; `--ground Z` or `--terrain FILE` fills them" };
-        let cells = counted(n_empty as u64, "cell", "cells");
-        warnings.push(Warning::new(367, format!("{}: {cells} without a face: {done}", input)));
+        warnings.push(Warning::of(input, OddFile::NoFace { n: n_empty as u64, is_known }));
     }
     let sources = vec![source_of(input, options.surface.always_hash)?];
     scene_of(input, (surface, Empty::Ground), sources, &options.surface, warnings)

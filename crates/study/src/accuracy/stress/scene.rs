@@ -210,7 +210,7 @@ impl StressScene {
         };
         let Built { field, warnings } = HeightField::build(&grid, solids);
         if let Some(warning) = warnings.first() {
-            return Err(fault(&warning.text()).into());
+            return Err(fault(&warning.to_string()).into());
         }
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);

@@ -1,0 +1,332 @@
+//! What is odd about files and stops nothing, as values.
+
+use std::fmt::Display;
+
+use skyshed_core::error::one_line;
+use thiserror::Error as Words;
+
+use crate::city::{FootprintFault, NodataAs};
+use crate::quantity::{counted, tidy};
+
+/// Something odd about files that did not stop the work: what was found and what was done instead, on one line.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A raster, whatever it is read for.
+    #[error("{}", one_line(&.0.to_string()))]
+    Raster(#[from] Oddity),
+    /// A file of a scene, or a table: its name, and what is odd about it.
+    #[error("{}", one_line(&format!("{_0}: {_1}")))]
+    File(String, OddFile),
+    /// Files that are taken together.
+    #[error("{}", one_line(&.0.to_string()))]
+    Combined(#[from] OddPair),
+    /// W378: the extent was said, and no data area.
+    #[error("all of the extent counts as known ground, also where no building is near")]
+    WholeExtent,
+}
+
+/// A raster and what is odd about it.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[error("`{name}` {odd}{}", likewise(*n_more))]
+pub struct Oddity {
+    /// The path, or the name of what was held.
+    pub name: String,
+    /// What is odd.
+    pub odd: OddRaster,
+    /// Other tiles with the same.
+    pub n_more: usize,
+}
+
+fn likewise(n_more: usize) -> String {
+    match n_more {
+        0 => String::new(),
+        1 => " (and likewise one more tile)".into(),
+        n => format!(" (and likewise {n} more tiles)"),
+    }
+}
+
+/// What is odd about a raster, and what is done.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the words of the variants say what they are")]
+pub enum OddRaster {
+    #[error("declares nodata as `{0}`, which is no number: ignored")]
+    Nodata(String),
+    #[error("has a mask `{0}` beside it, which is not read: declare nodata instead")]
+    Mask(String),
+    #[error("names no coordinate reference system: local coordinates in meters are assumed")]
+    NoCrs,
+    #[error("has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed")]
+    NoPrj,
+    #[error("has GeoTIFF model type `{0}`, neither projected nor geographic: local coordinates in meters are assumed")]
+    ModelType(u16),
+    #[error("has damaged GeoKeys, which are ignored: {0}")]
+    DamagedKeys(String),
+    #[error("names a coordinate reference system that is not known ({0}): used by its name only")]
+    CrsByName(String),
+    #[error("names a coordinate reference system that is not understood ({0}): ignored")]
+    CrsIgnored(String),
+    #[error("says nowhere where it lies: its cells are taken as 1 m wide, its south-west corner as 0, 0")]
+    NoPlace,
+    #[error("has a later image that cannot be read and is ignored: {0}")]
+    LaterImage(String),
+    #[error("has its southernmost row first: its rows are turned over")]
+    SouthUp,
+    #[error("has a negative cell height: read as positive, north up")]
+    NegativeHeight,
+    #[error("is in web Mercator, whose meters are stretched by 1/cos(latitude): distances and angles are off")]
+    WebMercator,
+    #[error("gives its heights in units of {0} m; scenes convert them")]
+    Unit(f64),
+    #[error("has {0} bands: the first is read as heights")]
+    Bands(usize),
+    #[error("is a color picture of {0} bands: the first is read as heights")]
+    Colors(usize),
+    #[error("stores its heights scaled: multiplied by {0}, then {1} added")]
+    Scaled(f64, f64),
+    #[error("is JPEG-compressed: its heights are off by up to several units, and are used as they are")]
+    Jpeg,
+    #[error("gives its heights in units of {0} m by its band, of {1} m by its vertical system: the band is believed")]
+    TwoUnits(f64, f64),
+    #[error("has tiles of several bands (`{0}` has {1}): the first is read as heights")]
+    TileBands(String, usize),
+    #[error("has tiles that store their heights scaled (`{0}`: multiplied by {scale}, then {offset} added)", scale = .1.0, offset = .1.1)]
+    TileScaling(String, (f64, f64)),
+    #[error("has {}: read as void", .0.with("NaN"))]
+    NotNumbers(CellsFound),
+    #[error("has {}: read as void", .0.with("an infinite height"))]
+    Infinite(CellsFound),
+    #[error("has {}: kept as heights", .0.with("a height at or below -9000 or at or above 32000"))]
+    Unlikely(CellsFound),
+    #[error("stores nothing for {} (sparse file): read as void", counted(*.0, "cell", "cells"))]
+    Sparse(u64),
+    #[error(
+        "has {} in no source and declares no nodata value: they are {empty} there, as in GDAL",
+        counted(*n, "cell", "cells")
+    )]
+    Gaps { n: u64, empty: f64 },
+}
+
+/// Cells of one kind: how many, and the first and last row and column among them, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the docs of the type say what its fields are")]
+pub struct CellsFound {
+    pub count: u64,
+    pub rows: (usize, usize),
+    pub cols: (usize, usize),
+}
+
+impl CellsFound {
+    fn with(&self, what: &str) -> String {
+        let ((top, bottom), (left, right)) = (self.rows, self.cols);
+        let cells = counted(self.count, "cell", "cells");
+        format!("{cells} with {what} (rows {top} to {bottom}, columns {left} to {right})")
+    }
+}
+
+/// What is odd about a file of a scene, or a table, and what is done.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum OddFile {
+    /// W325: it names no reference system.
+    #[error("no coordinate reference system; local meters are assumed")]
+    NoCrs,
+    /// W335: footprints were brought from one system into another, which has a name.
+    #[error("brought from {from} to {to} ({name})")]
+    Projected { from: String, to: String, name: String },
+    /// W338: more tiles than documents name.
+    #[error("{n} tiles, of which documents name none (they name up to {most})")]
+    ManyTiles { n: usize, most: usize },
+    /// W339: a raster was brought into another system: columns and rows, the edge of a cell, how far a cell of the file was at
+    /// most \[m\], and the cells outside of it.
+    #[error(
+        "brought from {from} to {to} ({name}), onto {}×{} cells of {} m: each takes the height of the cell of the file that \
+         holds its center and whose own center is at most {} m away{}",
+        shape[0], shape[1], tidy(*cell_m), tidy(*farthest_m), outside(*n_outside)
+    )]
+    Resampled {
+        from: String,
+        to: String,
+        name: String,
+        shape: [usize; 2],
+        cell_m: f64,
+        farthest_m: f64,
+        n_outside: u64,
+    },
+    /// W340: cells of a surface hold no height.
+    #[error("{} without a height: nodata {} and holds no receiver", counted(*n, "cell", "cells"), effect(*nodata_as))]
+    Voids { n: u64, nodata_as: NodataAs },
+    /// W340: cells of a terrain on the grid of the surface hold no height.
+    #[error("{n} of {of} cells of the terrain have no height and are no receivers")]
+    TerrainVoids { n: usize, of: usize },
+    /// W341: a terrain is above the surface in some cells.
+    #[error("the terrain is above the surface in {n} of {of} cells; the higher one is used there")]
+    HighTerrain { n: u64, of: usize },
+    /// W341: flat ground \[m above the datum\] is above the surface in some cells.
+    #[error("the ground at {ground_m} m is above the surface in {n} of {of} cells; the higher one is used there")]
+    HighGround { ground_m: f64, n: u64, of: usize },
+    /// W342: nothing is known but a surface.
+    #[error("a surface model alone, so receivers stand on the surface, roofs included")]
+    SurfaceAlone,
+    /// W343: coordinates are in units of so many meters.
+    #[error("coordinates are in units of {0} m; lengths and heights are in meters")]
+    NotInMeters(f64),
+    /// W344: more cells a side than one map has.
+    #[error("more than 65536 cells a side")]
+    ManyCells,
+    /// W350–W368: so many faults of footprints that are always treated alike.
+    #[error("{}: {}", fault_words(*.0, *.1), .0.done())]
+    Fault(FootprintFault, usize),
+    /// W354: footprints without a height, how they were treated, and their share of the area if they were left out.
+    #[error("{}: {treated}{}", fault_words(FootprintFault::MissingHeight, *n), of_area(*left_out))]
+    MissingHeights { n: usize, treated: String, left_out: Option<f64> },
+    /// W359: no building is left.
+    #[error("no building is left; every link is unobstructed")]
+    NoBuilding,
+    /// W360: none of so many footprints meets the grid; its west, south, east, north \[CRS units\].
+    #[error(
+        "none of {n} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
+        grid[0], grid[2], grid[1], grid[3]
+    )]
+    NoneMeets { n: usize, grid: [f64; 4] },
+    /// W366: solids begin, from the lowest to the highest and in the median, on another height than the ground \[m above the
+    /// datum\].
+    #[error(
+        "the ground is at {} m, but the buildings begin at {} to {} m above the datum",
+        tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
+    )]
+    OtherGround { ground_m: f64, range_m: (f64, f64), median_m: f64 },
+    /// W367: cells of a mesh without a face, below which the ground is known or not.
+    #[error("{} without a face: {}", counted(*n, "cell", "cells"), if *is_known { "taken as bare ground" } else { "nodata" })]
+    NoFace { n: u64, is_known: bool },
+    /// W380: rows of a table were left out, which are told.
+    #[error("{n} of {of} rows {} left out: {told}", if *n == 1 { "was" } else { "were" })]
+    BadRows { n: usize, of: usize, told: String },
+}
+
+fn outside(n: u64) -> String {
+    match n {
+        0 => String::new(),
+        n => format!("; {} outside of it, nodata", counted(n, "cell lies", "cells lie")),
+    }
+}
+
+fn effect(nodata_as: NodataAs) -> &'static str {
+    match nodata_as {
+        NodataAs::Clear => "blocks nothing but by the ground known there",
+        NodataAs::Block => "blocks everything",
+    }
+}
+
+fn fault_words(fault: FootprintFault, n: usize) -> String {
+    let [one, many] = fault.names();
+    counted(n as u64, one, many)
+}
+
+fn of_area(share: Option<f64>) -> String {
+    share.map_or_else(String::new, |share| format!(", {:.1} % of the footprint area", share * 100.0))
+}
+
+/// What is odd about files that are taken together, and what is done.
+#[derive(Debug, Clone, PartialEq, Words)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum OddPair {
+    /// W320: tiles of a folder hold numbers that are no heights.
+    #[error("tiles of `{folder}` have {} with NaN or an infinite height: read as void", counted(*n, "cell", "cells"))]
+    TilesNotFinite { folder: String, n: u64 },
+    /// W336: tiles of a folder differ where they overlap.
+    #[error(
+        "tiles of `{folder}` overlap and differ: {} under another one of a later tile by name, which counts (a folder should \
+         hold one raster of each place)",
+        counted(*n, "height lies", "heights lie")
+    )]
+    TilesDiffer { folder: String, n: u64 },
+    /// W346: a terrain on another grid than the surface; both with their grids.
+    #[error("{terrain} is not on the grid of {surface}: each cell takes the terrain that holds its center{}", without(*n_void, *of))]
+    OtherGrid { terrain: String, surface: String, n_void: usize, of: usize },
+    /// W370: only one of two files says what its heights are above.
+    #[error("{without} does not say what its heights are above; {taken} is taken, as {with} says")]
+    NoVertical { without: String, with: String, taken: String },
+    /// W371: heights above two datums.
+    #[error("{0}: they are combined as they are; how far the two are apart is not known here")]
+    TwoDatums(String),
+}
+
+fn without(n_void: usize, of: usize) -> String {
+    match n_void {
+        0 => String::new(),
+        n => format!("; {n} of {of} cells have no terrain and are no receivers"),
+    }
+}
+
+impl OddRaster {
+    pub(crate) fn number(&self) -> u16 {
+        match self {
+            OddRaster::NotNumbers(_) | OddRaster::Infinite(_) => 320,
+            OddRaster::Sparse(_) => 321,
+            OddRaster::Nodata(_) => 322,
+            OddRaster::Bands(_) | OddRaster::Colors(_) | OddRaster::TileBands(..) => 323,
+            OddRaster::Mask(_) => 324,
+            OddRaster::NoCrs | OddRaster::NoPrj | OddRaster::ModelType(_) => 325,
+            OddRaster::DamagedKeys(_) | OddRaster::CrsByName(_) | OddRaster::CrsIgnored(_) => 326,
+            OddRaster::NoPlace => 327,
+            OddRaster::Unlikely(_) => 328,
+            OddRaster::LaterImage(_) => 329,
+            OddRaster::SouthUp | OddRaster::NegativeHeight => 330,
+            OddRaster::WebMercator => 331,
+            OddRaster::Unit(_) => 332,
+            OddRaster::Scaled(..) | OddRaster::TileScaling(..) => 333,
+            OddRaster::Jpeg => 334,
+            OddRaster::Gaps { .. } => 337,
+            OddRaster::TwoUnits(..) => 372,
+        }
+    }
+}
+
+impl OddFile {
+    fn number(&self) -> u16 {
+        match self {
+            OddFile::NoCrs => 325,
+            OddFile::Projected { .. } => 335,
+            OddFile::ManyTiles { .. } => 338,
+            OddFile::Resampled { .. } => 339,
+            OddFile::Voids { .. } | OddFile::TerrainVoids { .. } => 340,
+            OddFile::HighTerrain { .. } | OddFile::HighGround { .. } => 341,
+            OddFile::SurfaceAlone => 342,
+            OddFile::NotInMeters(_) => 343,
+            OddFile::ManyCells => 344,
+            OddFile::Fault(fault, _) => fault.code(),
+            OddFile::MissingHeights { .. } => FootprintFault::MissingHeight.code(),
+            OddFile::NoBuilding => 359,
+            OddFile::NoneMeets { .. } => 360,
+            OddFile::OtherGround { .. } => 366,
+            OddFile::NoFace { .. } => 367,
+            OddFile::BadRows { .. } => 380,
+        }
+    }
+}
+
+impl Warning {
+    /// What is odd about a file of a scene, or a table.
+    pub(crate) fn of(name: impl Display, odd: OddFile) -> Warning {
+        Warning::File(name.to_string(), odd)
+    }
+
+    /// The stable code, for example `W320`.
+    pub fn code(&self) -> String {
+        let number = match self {
+            Warning::Raster(oddity) => oddity.odd.number(),
+            Warning::File(_, odd) => odd.number(),
+            Warning::Combined(OddPair::TilesNotFinite { .. }) => 320,
+            Warning::Combined(OddPair::TilesDiffer { .. }) => 336,
+            Warning::Combined(OddPair::OtherGrid { .. }) => 346,
+            Warning::Combined(OddPair::NoVertical { .. }) => 370,
+            Warning::Combined(OddPair::TwoDatums(_)) => 371,
+            Warning::WholeExtent => 378,
+        };
+        format!("W{number}")
+    }
+}

@@ -1,0 +1,138 @@
+//! What is odd about a run and stops nothing, over what is odd about scenes and files.
+
+use skyshed_core::error::one_line;
+
+use crate::quantity::counted;
+
+/// Something odd that did not stop the work: what was found and what was done instead, on one line.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// Of scenes.
+    #[error(transparent)]
+    Core(#[from] skyshed_core::Warning),
+    /// Of files.
+    #[error(transparent)]
+    Io(#[from] skyshed_io::Warning),
+    /// Of what is asked of them.
+    #[error("{}", one_line(&.0.to_string()))]
+    Run(#[from] OddRun),
+}
+
+/// What is odd about what is asked of scenes and files, and what is done.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum OddRun {
+    /// W201: the earth drops by so much below its tangent plane at the farthest receiver \[m\].
+    #[error("the earth is taken as flat; at {farthest_m:.0} m, the farthest receiver, it drops by {drop_m:.1} m")]
+    FlatEarth { farthest_m: f64, drop_m: f64 },
+    /// W202: a UAV or a placement, by its id, has no receiver.
+    #[error("{what} `{id}` has no receiver: {why}; P_LoS is undefined")]
+    NoReceiver { what: &'static str, id: String, why: &'static str },
+    /// W202: no UAV has any.
+    #[error("no UAV has a receiver in range; shares and P_LoS are undefined")]
+    NoReceivers,
+    /// W202: so many values are none.
+    #[error("{} no P_LoS: {why}", counted(*n, "value has", "values have"))]
+    NoValues { n: u64, why: String },
+    /// W202: places on a track hold no receiver.
+    #[error(
+        "{} of {of} on the track hold no receiver: inside a building, or without a ground",
+        counted(*n, "place", "places")
+    )]
+    OffGround { n: u64, of: usize },
+    /// W203: a UAV, by its id, cannot be at some heights of its curve, below the one that is told.
+    #[error("UAV `{id}` cannot be below {lowest}: lower heights of its curve, {n} of {of}, have no P_LoS")]
+    LowHeights { id: String, lowest: String, n: usize, of: usize },
+    /// W204: UAVs outside of the grid: their ids, and how far and in which direction.
+    #[error("{}", outside(.0))]
+    OutsideGrid(Vec<(String, String)>),
+    /// W210: a method that cannot be asked about a city.
+    #[error("method `{method}` is left out over {city}: {why}")]
+    MethodLeftOut { method: String, city: String, why: &'static str },
+    /// W210: a contestant without an answer.
+    #[error("`{0}` is left out: {1}")]
+    LeftOut(String, String),
+    /// W210–W212: a model that is used with caution, or not, over some cities.
+    #[error("model `{id}`{caution}; over {}", cities.join(", "))]
+    Model { id: String, caution: Caution, cities: Vec<String> },
+    /// W213: so many values have no interval.
+    #[error("{} no interval: it needs at least 10 clusters (cities, positions, blocks)", counted(*.0, "value has", "values have"))]
+    NoIntervals(u64),
+    /// W214: so many intervals are wider than was asked for.
+    #[error("{} wider than ±{until}: the effort was spent before", counted(*n, "interval is", "intervals are"))]
+    WideIntervals { n: u64, until: f64 },
+    /// W215: a map was made with another setting.
+    #[error("{path} was made with {setting} {found}, this run has {own}: compared as it is")]
+    OtherSetting { path: String, setting: &'static str, found: String, own: String },
+    /// W373: a raster is no surface but results, whose schema is told.
+    #[error("{path}: it holds results of this program ({schema}), not heights; its values are read as heights")]
+    Results { path: String, schema: String },
+}
+
+/// What is to be said of a model.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum Caution {
+    /// W210: it is left out, and why.
+    #[error(" is left out: {0}")]
+    LeftOut(String),
+    /// W211: it has no value for some settings.
+    #[error(" has no value for {n} of {of}: {why}")]
+    NoValue { n: usize, of: usize, why: String },
+    /// W212: how far it holds, and how many more such words there are.
+    #[error(": {care}{}", if *n_more > 0 { format!(" (and {} more)", counted(*n_more as u64, "caution", "cautions")) } else { String::new() })]
+    Care { care: String, n_more: usize },
+}
+
+fn outside(uavs: &[(String, String)]) -> String {
+    /// UAVs that are told one by one.
+    const MOST_TOLD: usize = 5;
+    if let [(id, way)] = uavs {
+        return format!("UAV `{id}` is {way} of the grid");
+    }
+    let told: Vec<String> = uavs.iter().take(MOST_TOLD).map(|(id, way)| format!("`{id}` {way}")).collect();
+    let n_more = uavs.len().saturating_sub(MOST_TOLD);
+    let more = if n_more > 0 { format!(", and {n_more} more") } else { String::new() };
+    format!("{} UAVs are outside the grid: {}{more}", uavs.len(), told.join(", "))
+}
+
+impl Warning {
+    /// The stable code, for example `W320`.
+    pub fn code(&self) -> String {
+        let number = match self {
+            Warning::Core(warning) => return warning.code(),
+            Warning::Io(warning) => return warning.code(),
+            Warning::Run(odd) => odd.number(),
+        };
+        format!("W{number}")
+    }
+}
+
+impl OddRun {
+    fn number(&self) -> u16 {
+        match self {
+            OddRun::FlatEarth { .. } => 201,
+            OddRun::NoReceiver { .. } | OddRun::NoReceivers | OddRun::NoValues { .. } | OddRun::OffGround { .. } => 202,
+            OddRun::LowHeights { .. } => 203,
+            OddRun::OutsideGrid(_) => 204,
+            OddRun::MethodLeftOut { .. } | OddRun::LeftOut(..) => 210,
+            OddRun::Model { caution: Caution::LeftOut(_), .. } => 210,
+            OddRun::Model { caution: Caution::NoValue { .. }, .. } => 211,
+            OddRun::Model { caution: Caution::Care { .. }, .. } => 212,
+            OddRun::NoIntervals(_) => 213,
+            OddRun::WideIntervals { .. } => 214,
+            OddRun::OtherSetting { .. } => 215,
+            OddRun::Results { .. } => 373,
+        }
+    }
+}
+
+/// Reads something; what is odd about its files joins the warnings of a run.
+pub(crate) fn warned<T>(warnings: &mut Vec<Warning>, read: impl FnOnce(&mut Vec<skyshed_io::Warning>) -> T) -> T {
+    let mut odd = Vec::new();
+    let found = read(&mut odd);
+    warnings.extend(odd.into_iter().map(Warning::Io));
+    found
+}
