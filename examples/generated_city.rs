@@ -1,4 +1,4 @@
-//! The same UAV over the four named environments: how much of the ground it sees, and at which elevation angles.
+//! One UAV over each of the four named environments: how much of the ground it sees, and at which elevation angles.
 //!
 //! `cargo run --release --example generated_city`
 

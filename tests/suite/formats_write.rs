@@ -1,6 +1,6 @@
 //! What the raster writers write is what the reading crates read: values, places, names, and the same bytes each time.
 //!
-//! The same files are compared with GDAL, rasterio, NumPy and OpenEXR by `check_gdal.py`.
+//! `cog` and `planning_tools` hold such files against GDAL and rasterio, where these are at hand.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 

@@ -197,7 +197,7 @@ fn least_height(stretches: &[Stretch], z: i64) -> Ceiling {
     least
 }
 
-/// The same stretches, with t counted from the other end.
+/// Stretches of a link with t counted from the other end.
 fn reversed(stretches: Vec<Stretch>) -> Vec<Stretch> {
     let turn = |t: Fraction| Fraction { num: &t.den - &t.num, den: t.den };
     stretches.into_iter().map(|s| Stretch { from: turn(s.to), to: turn(s.from), height: s.height }).collect()

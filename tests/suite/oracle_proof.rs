@@ -31,7 +31,7 @@ pub(crate) fn meters(x: i64, y: i64, z: i64) -> P3 {
     [x * M, y * M, z * M]
 }
 
-/// The same point some lattice units higher.
+/// A point raised by some lattice units.
 pub(crate) fn raised([x, y, z]: P3, units: i64) -> P3 {
     [x, y, z + units]
 }

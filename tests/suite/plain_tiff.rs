@@ -82,7 +82,7 @@ impl PlainTiff {
         file
     }
 
-    /// The same raster as an Esri ASCII grid.
+    /// Writes the raster as an Esri ASCII grid.
     pub(crate) fn text(&self) -> String {
         let (x, y) = (self.corner.0, self.corner.1 - self.cell * self.n_rows as f64);
         let mut text = format!(

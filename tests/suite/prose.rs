@@ -160,7 +160,7 @@ fn no_sentence_of_a_page_is_long() {
 #[test]
 fn no_doc_comment_needs_the_item_above_it() {
     let mut found = Vec::new();
-    for path in ["src", "crates"].into_iter().flat_map(|folder| files(folder, ".rs")) {
+    for path in ["src", "crates", "tests", "benches", "examples"].into_iter().flat_map(|folder| files(folder, ".rs")) {
         for (line, comment) in doc_comments(&text_of(&path)) {
             if ["The same", "Likewise", "As above", "Ditto", "See above"]
                 .iter()
