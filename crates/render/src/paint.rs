@@ -13,7 +13,7 @@ use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 use super::hillshade::Surface;
 use super::map_layers::OPEN_GROUND;
 
-/// The longer side of a map with a picture of its own \[px\], and up to how many cells a side are not reduced.
+/// A map with a picture of its own: its longer side \[px\], and the most cells along it that are drawn one by one.
 pub(crate) const LARGE: (f64, f64) = (1400.0, 2000.0);
 /// No cell is drawn larger than this \[px\].
 const LARGEST_CELL_PX: f64 = 320.0;

@@ -21,7 +21,7 @@ const STRIP: f64 = 40.0;
 const GAP: f64 = 14.0;
 /// Where a track runs through buildings.
 const NO_RECEIVER: Rgb = [0x84, 0x5E, 0x8C];
-/// The longer side that a plan aims at, and up to how many cells a side are not reduced \[px\].
+/// A plan: its longer side \[px\], and the most cells along it that are drawn one by one.
 const PLAN: (f64, f64) = (700.0, 950.0);
 
 /// A picture of a track. Lengths in meters.
