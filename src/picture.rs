@@ -2,14 +2,13 @@
 
 use serde_json::Value;
 
-use crate::answer::version;
 use crate::coverage::class;
 use crate::error::{Error, Result};
 use crate::export::Format;
 use crate::height_field::HeightField;
 use crate::raster::{CellWindow, Crs, GeoRef};
 use crate::render::{Mark, OPEN_GROUND, PictureForm, PictureFormat, Sheet};
-use crate::scene::Scene;
+use crate::words::version;
 
 /// How files look, where their extension leaves that open.
 #[derive(Debug, Clone, Default)]
@@ -35,11 +34,6 @@ impl Look {
     /// Whom to credit: as asked for, or as the data ask.
     pub(crate) fn credit(&self, of_data: Option<&String>) -> Option<String> {
         self.attribution.as_ref().or(of_data).cloned()
-    }
-
-    /// The last lines of a caption: what limits the truth of a picture of a scene, and whom to credit.
-    pub(crate) fn last_lines(&self, scene: &Scene) -> Vec<String> {
-        scene.limits_in_words().into_iter().chain(self.credit(scene.attribution.as_ref())).collect()
     }
 
     /// How a picture of a format is written.

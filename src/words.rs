@@ -4,6 +4,11 @@ use crate::coverage::IdleFootprints;
 use crate::quantity::tidy;
 use crate::render::grouped;
 
+/// The version of the program.
+pub(crate) fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}
+
 /// A document as indented text with a final line break.
 pub(crate) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")

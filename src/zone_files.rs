@@ -153,7 +153,7 @@ impl ZoneFiles {
                 program()
             ),
         ];
-        caption.extend(look.last_lines(&self.scene));
+        caption.extend(self.scene.last_lines(look));
         let title = look.title_or(|| title_of(&format!("Zones of {}", self.facts.scene_name)));
         let picture = MapPicture {
             title: &title,

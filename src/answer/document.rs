@@ -12,6 +12,7 @@ use crate::digest::Sha256;
 use crate::error::Warning;
 use crate::los::Method;
 use crate::raster::GeoRef;
+use crate::words::version;
 
 /// What every document says of a run over a scene.
 #[derive(Debug, Clone)]
@@ -79,11 +80,6 @@ impl RunFacts {
     pub(crate) fn provenance(&self, schema: &'static str) -> Provenance {
         Provenance { head: self.head(schema), warnings: warnings_of(&self.warnings) }
     }
-}
-
-/// The version of the program.
-pub(crate) fn version() -> &'static str {
-    env!("CARGO_PKG_VERSION")
 }
 
 /// What every document begins with.

@@ -14,8 +14,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 pub(crate) use document::{
-    Head, Provenance, RunFacts, Share, SourceFacts, Spent, Timing, WarningFacts, digest_words, document_of, version,
-    warnings_of,
+    Head, Provenance, RunFacts, Share, SourceFacts, Spent, Timing, WarningFacts, digest_words, document_of, warnings_of,
 };
 pub(crate) use features::{closed_rings, feature, feature_collection};
 pub(crate) use position::{Position, PositionFields};

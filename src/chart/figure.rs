@@ -151,7 +151,7 @@ fn caption_of_scene(look: &Look, scene: &Scene, report: &ChartReport) -> Vec<Str
     let reasons = report.rows.iter().filter_map(|row| Some((row, row.result.as_ref().err()?)));
     lines.extend(reasons.map(|(row, reason)| format!("No answer of {}: {reason}.", row.label)));
     lines.push(report.sight.in_words(scene.grid(), scene, report.facts.method));
-    lines.extend(look.last_lines(scene));
+    lines.extend(scene.last_lines(look));
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 

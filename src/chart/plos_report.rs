@@ -7,10 +7,11 @@ use serde_json::Value;
 use super::report::{CHART_SCHEMA, Cost, CostDocument, MEANING, Meaning};
 use crate::accuracy::front::pareto_front;
 use crate::accuracy::plos_cost::{PlosAnswer, PlosWay};
-use crate::answer::{Rows, WarningFacts, document_of, rows, version, warnings_of};
+use crate::answer::{Rows, WarningFacts, document_of, rows, warnings_of};
 use crate::error::Warning;
 use crate::los_probability::estimate::Estimate;
 use crate::los_probability::setting::Setting;
+use crate::words::version;
 
 /// One way to P_LoS with its result.
 #[derive(Debug, Clone)]

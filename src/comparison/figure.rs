@@ -176,7 +176,7 @@ fn caption(of: &Comparison, look: &Look) -> Vec<String> {
         vec![format!("{share}.")]
     };
     lines.push(report.sight.in_words(scene.grid(), scene, report.facts.method));
-    lines.extend(look.last_lines(scene));
+    lines.extend(scene.last_lines(look));
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 

@@ -163,7 +163,7 @@ impl Conversion {
             }
         };
         let mut caption = vec![self.size_line(), format!("{}; {}", self.place_line(), program())];
-        caption.extend(look.last_lines(&self.scene));
+        caption.extend(self.scene.last_lines(look));
         let title = look.title_or(|| title_of(&self.facts.scene_name));
         let picture = CityPicture { title: &title, caption: &caption, extent_m: [0.0, 0.0, width, height], model };
         written(render::draw_city(&picture), &look.form(format), &picture_provenance(&self.provenance()))

@@ -33,7 +33,7 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let verdict = if found.los { "line of sight" } else { "no line of sight" };
     let title = look.title_or(|| title_of(&format!("{}: {verdict}", scene.name)));
     let mut caption: Vec<String> = link.text(look)?.lines().map(str::to_string).collect();
-    caption.extend(look.last_lines(scene));
+    caption.extend(scene.last_lines(look));
     let profile = LinkProfile {
         title: &title,
         caption: &caption,

@@ -245,7 +245,7 @@ impl Curves {
         );
         // The first line stands out, which none of several UAVs does.
         lines.insert(if self.report.sites.len() > 1 { 0 } else { lines.len() }, receivers);
-        lines.extend(look.last_lines(&self.scene));
+        lines.extend(self.scene.last_lines(look));
         lines
     }
 }

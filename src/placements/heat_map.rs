@@ -112,6 +112,6 @@ fn caption(job: &Placements, look: &Look) -> Vec<String> {
         crs_words(job.scene.grid()),
         program()
     ));
-    lines.extend(look.last_lines(&job.scene));
+    lines.extend(job.scene.last_lines(look));
     lines
 }

@@ -80,7 +80,7 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
     let how = if facts.len() > 1 { "chosen one by one among" } else { "the best of" };
     caption.push(format!("Goal {}: {how} {} candidates", job.report.goal.text, grouped(job.report.n_candidates)));
     caption.push(sight.in_words(grid, &job.scene, job.report.facts.method));
-    caption.extend(look.last_lines(&job.scene));
+    caption.extend(job.scene.last_lines(look));
     let subject = if facts.len() > 1 { "What the chosen UAVs see of" } else { "What the best UAV sees of" };
     let title = unbreakable(&format!("{subject} {}", job.scene.name));
     let surface = job.scene.field.above_ground_m();

@@ -7,7 +7,7 @@ use super::document::{
     RealCityDocument, SettingDocument, ToleranceDocument, TotalTiming, TriedDocument, ValuesDocument,
 };
 use crate::accuracy::{CONFIDENCE, Simpler};
-use crate::answer::{Rows, SourceFacts, Spent, digest_words, document_of, rows, version, warnings_of};
+use crate::answer::{Rows, SourceFacts, Spent, digest_words, document_of, rows, warnings_of};
 use crate::city::{BuiltUp, Source};
 use crate::city_statistics::fit::BuiltUpFit;
 use crate::digest::Sha256;
@@ -17,6 +17,7 @@ use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS, student_quanti
 use crate::los_probability::product::SHIFTS;
 use crate::map::FormDocument;
 use crate::quantity::tidy;
+use crate::words::version;
 
 /// What a method says of P_LoS.
 #[derive(Debug, Clone, PartialEq)]

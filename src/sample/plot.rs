@@ -62,7 +62,7 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         .collect();
     let range = report.sight.radius_m().map_or(String::new(), |r| format!(" within {} m", tidy(r)));
     let title = look.title_or(|| format!("P_LoS{range} by what the UAV hovers over: {}", report.facts.scene_name));
-    let (title, caption) = (unbreakable(&title), caption(report, look.last_lines(&sample.scene)));
+    let (title, caption) = (unbreakable(&title), caption(report, sample.scene.last_lines(look)));
     let sheet =
         CurveSheet { title: &title, caption: &caption, panels: &panels, columns: if panels.len() > 1 { 2 } else { 1 } };
     written(render::draw_curve_sheet(&sheet), &look.form(format), &picture_provenance(&report.document(false)))

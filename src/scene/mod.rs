@@ -18,6 +18,7 @@ use crate::error::{Result, Warning};
 use crate::height_field::{Built, HeightField};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::picture::Look;
 use crate::raster::GeoRef;
 use crate::zones::ZoneMap;
 
@@ -150,5 +151,10 @@ impl Scene {
     /// What limits the truth of a picture of it.
     pub(crate) fn limits_in_words(&self) -> Option<String> {
         limits::limits_in_words(self.height_gap.as_ref(), &self.field, &self.warnings)
+    }
+
+    /// The last lines of a caption: what limits the truth of a picture of it, and whom to credit.
+    pub(crate) fn last_lines(&self, look: &Look) -> Vec<String> {
+        self.limits_in_words().into_iter().chain(look.credit(self.attribution.as_ref())).collect()
     }
 }

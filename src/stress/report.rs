@@ -6,10 +6,11 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::accuracy::stress::{Contender, Effort, FamilyScore, Outcome};
-use crate::answer::{Rows, Spent, Timing, digest_words, document_of, rows, version};
+use crate::answer::{Rows, Spent, Timing, digest_words, document_of, rows};
 use crate::coverage::MarginSample;
 use crate::digest::Sha256;
 use crate::map::{MapDocument, MapReport};
+use crate::words::version;
 
 /// Methods tried on families of scenes.
 #[derive(Debug, Clone)]

@@ -17,9 +17,7 @@ pub(crate) use places::{Places, PlacesInfo};
 pub(crate) use tiles::TileRow;
 use tiles::{Tiles, TilesDocument};
 
-use crate::answer::{
-    Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, version, warnings_of,
-};
+use crate::answer::{Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, warnings_of};
 use crate::city::{BuiltUp, Footprint, FootprintFault, FootprintFaults, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
@@ -31,7 +29,7 @@ use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::grouped;
 use crate::scene::{Scene, SceneOptions, is_raster};
-use crate::words::capitalized;
+use crate::words::{capitalized, version};
 
 /// Formats of what a scene is; tiles have two more.
 pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];

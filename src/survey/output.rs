@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::INFO_SCHEMA;
-use crate::answer::{Answer, Spent, document_of, version};
+use crate::answer::{Answer, Spent, document_of};
 use crate::coverage::class;
 use crate::error::Result;
 use crate::export::{Batch, Format, with_suffix};
@@ -18,6 +18,7 @@ use crate::map::MaskDigest;
 use crate::picture::Look;
 use crate::render::grouped;
 use crate::scene::results::is_city;
+use crate::words::version;
 
 /// An output of this program.
 #[derive(Debug)]

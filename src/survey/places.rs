@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::INFO_SCHEMA;
-use crate::answer::{Answer, Spent, document_of, version};
+use crate::answer::{Answer, Spent, document_of};
 use skyshed_io::error::ReadFault;
 
 use crate::city::GivenSite;
@@ -21,6 +21,7 @@ use crate::picture::Look;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::read::{BadRows, read_sites, read_track};
+use crate::words::version;
 
 /// Places that a file names.
 #[derive(Debug)]

@@ -40,7 +40,7 @@ pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<
         tidy(walk.every_m),
         program()
     ));
-    caption.extend(look.last_lines(&walk.scene));
+    caption.extend(walk.scene.last_lines(look));
     let profile = TrackProfile {
         title: &title,
         caption: &caption,

@@ -6,9 +6,6 @@ use super::paint::{Canvas, Painted};
 use super::sheet::Drawing;
 use super::value_range::ValueRange;
 
-/// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
-pub const OPEN_GROUND: u8 = 4;
-
 /// What a map shows.
 #[derive(Clone, Copy, Debug)]
 pub enum Layer<'a> {

@@ -143,7 +143,7 @@ fn cell_borders([n_cols, n_rows]: [usize; 2], [w, h]: [f64; 2]) -> Drawing {
 mod tests {
     use super::*;
     use crate::colors;
-    use crate::map_layers::OPEN_GROUND;
+    use crate::paint::OPEN_GROUND;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {

@@ -11,7 +11,9 @@ use rayon::prelude::*;
 use super::check;
 use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 use super::hillshade::Surface;
-use super::map_layers::OPEN_GROUND;
+
+/// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
+pub const OPEN_GROUND: u8 = 4;
 
 /// A map with a picture of its own: its longer side \[px\], and the most cells along it that are drawn one by one.
 pub(crate) const LARGE: (f64, f64) = (1400.0, 2000.0);
