@@ -7,17 +7,16 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
-use skyshed_core::error::UavError;
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
 use crate::city::Site;
-use crate::coverage::{self, height_over};
+use crate::coverage::{self, ExplainedLink, LinkObstacle, ObstacleKind, explain_link};
 use crate::error::{PlacesError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::Station;
-use crate::los::{LeastHeight, Method, Obstruction, link_least_receiver_heights};
+use crate::los::Method;
 use crate::picture::Look;
-use crate::quantity::{BLOCKS_ALL, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, meters, tidy};
+use crate::quantity::{Height, MAX_EXTENT_UNITS, meters, tidy};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
@@ -235,90 +234,46 @@ pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Re
 
 /// The receiver's end: on ground or roof that is there, not inside a building.
 fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Station> {
-    let field = &scene.field;
-    let place = field.place(at.0, at.1);
-    let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
-    // Over footprints a point on a free wall is outdoors, although the roof to its north-east is its roof.
-    let inside = if field.prisms().is_some() { field.inside_prisms_below(&place) } else { roof.unwrap_or(VOID) };
-    let ground_m = (ground != VOID).then(|| meters(ground));
-    let above = height_over(field, &place, height).and_then(|z| match meters(z) {
-        amsl_m if z < inside => Err(UavError::InsideBuilding { amsl_m, roof_m: meters(inside), ground_m }),
-        amsl_m if ground != VOID && z < ground => {
-            Err(UavError::BelowGround { amsl_m, surface_m: meters(ground), ground_m })
-        }
-        _ => Ok(Station { place, z: i64::from(z) }),
-    });
-    Ok(above.map_err(|why| PlacesError::Receiver { at, height, why })?)
+    Ok(coverage::place_receiver(&scene.field, at, height).map_err(|why| PlacesError::Receiver { at, height, why })?)
 }
 
 /// Decides a link, and finds what stands in its way.
 fn explain(scene: Scene, uav: coverage::Uav, receiver: Station) -> Link {
-    let field = &scene.field;
-    let (prisms, columns) = link_least_receiver_heights(field, &uav.station, &receiver);
-    let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
-    let steps = f64::from(STEPS_PER_UNIT);
-    #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-    let (uav_z, receiver_z) = (uav.station.z as f64 / steps, receiver.z as f64 / steps);
-    let unit = field.grid().meters_per_unit();
-    let (from, to) = (receiver.place, uav.station.place);
-    let distance_m = (to.x - from.x).hypot(to.y - from.y) * unit;
-
-    // The least visible height is never below what the receiver stands on: the roof if it is on or above one, else the ground.
-    let ground = field.ground_at(&receiver.place);
-    let roof = field.roof_at(&receiver.place).filter(|roof| receiver.z >= i64::from(*roof));
-    let floor = match (roof, ground) {
-        (Some(roof), _) => f64::from(roof),
-        (None, VOID) => f64::NEG_INFINITY,
-        (None, ground) => f64::from(ground),
+    let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } =
+        explain_link(&scene.field, &uav, &receiver);
+    let end = |at: &Station| {
+        let height_amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
+        EndFacts { x: at.place.x, y: at.place.y, height_amsl_m }
     };
-    let least = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
-    let margin = receiver_z - least;
-    let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
-
-    let columns_kind = if field.prisms().is_some() { "terrain" } else { "cell" };
-    let higher = match (&prisms, &columns) {
-        (LeastHeight::At(p), LeastHeight::At(c)) => {
-            let (a, b) = (prisms.height_steps(), columns.height_steps());
-            let prisms_win = a > b || (a >= b && p.near <= c.near);
-            if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
-        }
-        (LeastHeight::At(p), LeastHeight::Clear) => Some((*p, true)),
-        (LeastHeight::Clear, LeastHeight::At(c)) => Some((*c, false)),
-        (LeastHeight::Clear, LeastHeight::Clear) => None,
-    };
-    let obstruction = higher.filter(|_| !los).map(|(o, of_prisms)| {
-        let t = obstructing_fraction(&o, uav_z >= receiver_z);
-        let piece = field.prisms().filter(|_| of_prisms).map(|p| p.pieces()[o.obstacle]);
-        let cell = field.columns().filter(|_| !of_prisms).map(|c| (o.obstacle / c.n_cols(), o.obstacle % c.n_cols()));
-        LinkObstruction {
-            kind: match (o.top, of_prisms) {
-                (BLOCKS_ALL, _) => "nodata",
-                (_, true) => "building",
-                (_, false) => columns_kind,
-            },
-            id: piece.map(|p| field.building_id(p.building).to_string()),
-            row: cell.map(|cell| cell.0),
-            col: cell.map(|cell| cell.1),
-            x: from.x + t * (to.x - from.x),
-            y: from.y + t * (to.y - from.y),
-            ray_height_m: receiver_z + t * (uav_z - receiver_z),
-            roof_height_m: (o.top != BLOCKS_ALL).then(|| meters(o.top)),
-        }
-    });
-    let end = |place: &crate::height_field::Place, height_amsl_m| EndFacts { x: place.x, y: place.y, height_amsl_m };
     let found = LinkFacts {
-        uav: end(&to, uav_z),
-        receiver: end(&from, receiver_z),
+        uav: end(&uav.station),
+        receiver: end(&receiver),
         los,
-        margin_m: margin.is_finite().then_some(margin),
+        margin_m,
         distance_m,
-        elevation_deg: (uav_z - receiver_z).atan2(distance_m).to_degrees(),
-        obstruction,
+        elevation_deg,
+        obstruction: obstruction.map(|obstacle| LinkObstruction::of(&scene, obstacle)),
     };
     Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, found }
 }
 
-/// The obstructing point: the end of the crossing nearest the lower terminal.
-fn obstructing_fraction(obstruction: &Obstruction, receiver_is_lower: bool) -> f64 {
-    if receiver_is_lower { obstruction.near } else { obstruction.far }
+impl LinkObstruction {
+    fn of(scene: &Scene, obstacle: LinkObstacle) -> Self {
+        let (kind, building, cell) = match obstacle.kind {
+            ObstacleKind::Building(building) => ("building", Some(building), None),
+            ObstacleKind::Terrain(cell) => ("terrain", None, Some(cell)),
+            ObstacleKind::Cell(cell) => ("cell", None, Some(cell)),
+            ObstacleKind::Nodata(cell) => ("nodata", None, Some(cell)),
+        };
+        LinkObstruction {
+            kind,
+            id: building.map(|building| scene.field.building_id(building).to_string()),
+            row: cell.map(|cell| cell.0),
+            col: cell.map(|cell| cell.1),
+            x: obstacle.x,
+            y: obstacle.y,
+            ray_height_m: obstacle.ray_height_m,
+            roof_height_m: obstacle.top_m,
+        }
+    }
 }

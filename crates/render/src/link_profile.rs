@@ -1,5 +1,7 @@
 //! One link from the side: what the ray passes over, and where it stops.
 
+use skyshed_core::coverage::{ProfileStep, StepKind};
+
 use super::colors::{self, INK};
 use super::furniture::{self, Block, DETAIL};
 use super::lettering::{Anchor, Type, length, number};
@@ -30,28 +32,6 @@ pub struct LinkProfile<'a> {
     pub steps: &'a [ProfileStep],
     /// What blocks the link; nothing if it is line of sight.
     pub obstruction: Option<Obstruction>,
-}
-
-/// A stretch of constant height below a link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProfileStep {
-    /// Start \[m from the UAV\].
-    pub from_m: f64,
-    /// End \[m from the UAV\].
-    pub to_m: f64,
-    /// Height \[m\].
-    pub height_m: f64,
-    /// What it is.
-    pub kind: StepKind,
-}
-
-/// What a step of a profile is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepKind {
-    /// Ground.
-    Terrain,
-    /// A roof.
-    Building,
 }
 
 /// The obstructing point of a link.

@@ -7,10 +7,10 @@
 
 use image::RgbaImage;
 use rayon::prelude::*;
+use skyshed_core::raster::Surface;
 
 use super::check;
 use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
-use super::hillshade::Surface;
 
 /// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
 pub const OPEN_GROUND: u8 = 4;

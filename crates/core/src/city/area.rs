@@ -15,6 +15,11 @@ impl Area {
         Area { polygons }
     }
 
+    /// Its polygons, as they were given.
+    pub fn polygons(&self) -> &[Vec<Vec<[f64; 2]>>] {
+        &self.polygons
+    }
+
     /// Whether a position \[CRS units\] is inside. A point on an edge belongs to the side north-east of it.
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let is_inside = |ring: &Vec<[f64; 2]>| crossings(ring, y).iter().filter(|at| **at <= x).count() % 2 == 1;

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::cell_heights::surface_under;
 use super::{Control, SiteCoverage, Uav, class};
 use crate::error::Result;
-use crate::height_field::{CellKind, HeightField, Station};
+use crate::height_field::{CellKind, GridPositions, HeightField, Station};
 use crate::los::link_least_step;
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, share};
 
@@ -42,47 +42,10 @@ impl HeightCurve {
     ///
     /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
     pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
-        let n_cols = field.grid().n_cols();
-        let positions = field.positions();
-        let lowest = lowest_uav_height(field, &map.uav);
-        let rows: Vec<Vec<i32>> = map
-            .mask
-            .par_chunks(n_cols)
-            .enumerate()
-            .map(|(row, mask)| {
-                let mut least: Vec<i32> = Vec::new();
-                if control.stop.load(Ordering::Relaxed) {
-                    return least;
-                }
-                for (col, _) in mask.iter().enumerate().filter(|(_, c)| matches!(**c, class::LOS | class::NLOS)) {
-                    let place = positions.center(row, col);
-                    let (CellKind::Open(stands_on) | CellKind::Building(stands_on)) =
-                        field.cell_kind(row * n_cols + col, &place)
-                    else {
-                        continue;
-                    };
-                    let receiver = Station { place, z: i64::from(stands_on) + i64::from(rx_height) };
-                    least.push(least_uav_height(field, &map.uav, &receiver, lowest));
-                }
-                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-                least
-            })
-            .collect();
+        let mut least = LeastHeights::of(field, &map.uav, rx_height);
+        least.add(&map.mask, 0, control);
         control.check()?;
-        let mut least = rows.concat();
-        drop(rows);
-        least.par_sort_unstable();
-        let receivers = least.len() as u64;
-        least.truncate(least.partition_point(|z| *z < NEVER));
-        let mut steps: Vec<(i32, u64)> = Vec::new();
-        for (in_sight, z) in (1..).zip(least) {
-            match steps.last_mut() {
-                Some(last) if last.0 == z => last.1 = in_sight,
-                _ => steps.push((z, in_sight)),
-            }
-        }
-        let ground = Some(field.ground_at(&map.uav.station.place)).filter(|z| *z != VOID);
-        Ok(HeightCurve { uav: map.uav.clone(), ground, lowest, receivers, steps })
+        Ok(least.curve())
     }
 
     /// The UAV at the height that the map was made for.
@@ -138,6 +101,70 @@ impl HeightCurve {
             return Some(self.lowest);
         }
         self.steps.get(self.steps.partition_point(|s| !reaches(s.1))).map(|s| s.0)
+    }
+}
+
+/// The least UAV heights of the receivers of a map, found some rows at a time: what a curve is counted from.
+#[derive(Debug)]
+pub struct LeastHeights<'a> {
+    field: &'a HeightField,
+    uav: Uav,
+    rx_height: i32,
+    positions: GridPositions,
+    lowest: i32,
+    found: Vec<i32>,
+}
+
+impl<'a> LeastHeights<'a> {
+    /// None yet, over the place of a UAV; `rx_height` is that of the receivers \[1/1024 m\].
+    pub fn of(field: &'a HeightField, uav: &Uav, rx_height: i32) -> Self {
+        let lowest = lowest_uav_height(field, uav);
+        LeastHeights { field, uav: uav.clone(), rx_height, positions: field.positions(), lowest, found: Vec::new() }
+    }
+
+    /// Adds the receivers of rows of a mask from `first_row` on; fewer if it is stopped.
+    pub fn add(&mut self, mask: &[u8], first_row: usize, control: &Control) {
+        let n_cols = self.field.grid().n_cols();
+        let rows: Vec<Vec<i32>> = mask
+            .par_chunks(n_cols)
+            .enumerate()
+            .map(|(row, mask)| {
+                let mut least: Vec<i32> = Vec::new();
+                if control.stop.load(Ordering::Relaxed) {
+                    return least;
+                }
+                let row = first_row + row;
+                for (col, _) in mask.iter().enumerate().filter(|(_, c)| matches!(**c, class::LOS | class::NLOS)) {
+                    let place = self.positions.center(row, col);
+                    let (CellKind::Open(stands_on) | CellKind::Building(stands_on)) =
+                        self.field.cell_kind(row * n_cols + col, &place)
+                    else {
+                        continue;
+                    };
+                    let receiver = Station { place, z: i64::from(stands_on) + i64::from(self.rx_height) };
+                    least.push(least_uav_height(self.field, &self.uav, &receiver, self.lowest));
+                }
+                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+                least
+            })
+            .collect();
+        rows.into_iter().for_each(|row| self.found.extend(row));
+    }
+
+    /// The curve of the receivers that were added.
+    pub fn curve(mut self) -> HeightCurve {
+        self.found.par_sort_unstable();
+        let receivers = self.found.len() as u64;
+        self.found.truncate(self.found.partition_point(|z| *z < NEVER));
+        let mut steps: Vec<(i32, u64)> = Vec::new();
+        for (in_sight, z) in (1..).zip(self.found) {
+            match steps.last_mut() {
+                Some(last) if last.0 == z => last.1 = in_sight,
+                _ => steps.push((z, in_sight)),
+            }
+        }
+        let ground = Some(self.field.ground_at(&self.uav.station.place)).filter(|z| *z != VOID);
+        HeightCurve { uav: self.uav, ground, lowest: self.lowest, receivers, steps }
     }
 }
 

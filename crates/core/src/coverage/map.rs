@@ -73,7 +73,7 @@ pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &
 #[derive(Debug)]
 pub struct Mapper<'a> {
     pub(super) field: &'a HeightField,
-    pub(super) options: &'a MapOptions,
+    pub(super) options: MapOptions,
     /// Shared by all threads.
     pub(super) engine: GridLos<'a>,
     /// The engine for many UAVs of which each has a thread of its own.
@@ -93,7 +93,7 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
     /// one.
-    pub fn new(field: &'a HeightField, options: &'a MapOptions) -> Result<Self> {
+    pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
@@ -118,7 +118,7 @@ impl<'a> Mapper<'a> {
         let mut alone = engine.clone();
         alone.is_one_band = true;
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
-        Ok(Mapper { field, options, engine, alone, why, receivers, xs, roofs })
+        Ok(Mapper { field, options: options.clone(), engine, alone, why, receivers, xs, roofs })
     }
 
     /// The engine that decides, and why it was chosen.

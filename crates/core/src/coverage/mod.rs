@@ -7,6 +7,7 @@ mod cell_classes;
 mod cell_heights;
 pub mod class;
 mod elevation;
+mod explained_link;
 mod height_curve;
 mod idle;
 mod layers;
@@ -27,7 +28,10 @@ mod uav;
 mod uav_grid;
 
 pub use cell_heights::surface_under;
-pub use height_curve::HeightCurve;
+pub use explained_link::{
+    ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
+};
+pub use height_curve::{HeightCurve, LeastHeights};
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, which_layer};
 pub use many::{KeepMasks, ManyMaps, maps_at_once};

@@ -8,6 +8,7 @@ mod cell_blocks;
 mod cell_lattice;
 mod crs;
 mod georef;
+mod hillshade;
 mod large_vec;
 mod row_runs;
 
@@ -19,6 +20,7 @@ pub use cell_blocks::CellBlocks;
 pub use cell_lattice::CellLattice;
 pub use crs::{Crs, CrsDefinition, CrsKind};
 pub use georef::{CellWindow, GeoRef};
+pub use hillshade::Surface;
 pub use large_vec::LargeVec;
 pub use row_runs::{CELLS_PER_RUN, RowGroup, RowRuns};
 

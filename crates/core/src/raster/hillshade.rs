@@ -5,22 +5,22 @@
 
 /// A surface on a regular grid.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface<'a> {
+pub struct Surface<'a> {
     /// Heights \[m\], `[n_rows, n_cols]`; not finite where unknown.
-    pub(crate) heights: &'a [f32],
+    pub heights: &'a [f32],
     /// Columns.
-    pub(crate) n_cols: usize,
+    pub n_cols: usize,
     /// Rows.
-    pub(crate) n_rows: usize,
+    pub n_rows: usize,
     /// Distance between cell centers \[m\], along columns and rows.
-    pub(crate) step_m: (f64, f64),
+    pub step_m: (f64, f64),
 }
 
 impl Surface<'_> {
-    /// Returns the light on a cell relative to level ground: 1 there, up to about 1.4 facing the sun, 0 averted.
+    /// The light on a cell relative to level ground: 1 there, up to about 1.4 facing the sun, 0 averted.
     ///
     /// Unknown neighbors and those beyond the border count as high as the cell itself.
-    pub(crate) fn light(&self, row: usize, col: usize) -> f64 {
+    pub fn light(&self, row: usize, col: usize) -> f64 {
         let center = self.heights[row * self.n_cols + col];
         if !center.is_finite() {
             return 1.0;
